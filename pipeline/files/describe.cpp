@@ -1,0 +1,97 @@
+#include "pipeline/files/describe.h"
+
+#include <ImathBox.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace patchlight {
+
+namespace {
+
+std::string triple(const Vec3d& v) {
+  return fmt::format("{:.4g} {:.4g} {:.4g}", v.x, v.y, v.z);
+}
+
+struct MaterialTotals {
+  std::size_t patches = 0;
+  double area = 0;
+  Vec3d reflectance{0.0};  ///< Weighted by area.
+  Vec3d power{0.0};        ///< W
+};
+
+std::string describe_materials(const PatchSet& scene) {
+  std::vector<MaterialTotals> totals(scene.materials.size());
+  for (const Patch& patch : scene.patches) {
+    MaterialTotals& total = totals[scene.primitives[patch.primitive].material];
+    ++total.patches;
+    total.area += patch.area;
+    total.reflectance += Vec3d(patch.reflectance) * patch.area;
+    total.power += Vec3d(patch.emission) * patch.area;
+  }
+  std::string text = "materials\n";
+  for (std::size_t i = 0; i < totals.size(); ++i) {
+    const MaterialTotals& total = totals[i];
+    if (total.patches == 0) continue;
+    text += fmt::format("  {:<24}{} patches, {:.4g} m2, reflectance {}", scene.materials[i].name, total.patches,
+                        total.area, triple(total.reflectance / total.area));
+    if (scene.materials[i].specular != Color(0.0f))
+      text += fmt::format(", metal {} of roughness {:.2g}", triple(Vec3d(scene.materials[i].specular)),
+                          scene.materials[i].roughness);
+    if (total.power != Vec3d(0.0)) text += fmt::format(", emits {} W", triple(total.power));
+    text += "\n";
+  }
+  return text;
+}
+
+template <class Items, class Name>
+std::string describe_names(const std::string& title, const Items& items, Name name) {
+  std::string text = title + "\n";
+  for (const auto& item : items) text += "  " + name(item) + "\n";
+  return text;
+}
+
+}  // namespace
+
+std::string describe(const PatchSet& scene) {
+  std::size_t quads = 0, triangles = 0, spheres = 0, backs = 0;
+  for (const Primitive& p : scene.primitives) {
+    ++(p.shape == Primitive::Shape::sphere ? spheres : p.is_triangle() ? triangles : quads);
+    backs += p.back >= 0;
+  }
+  double area = 0;
+  Imath::Box3d bounds;
+  for (const Patch& patch : scene.patches) {
+    area += patch.area;
+    bounds.extendBy(patch.center);
+  }
+  std::string text = fmt::format("primitives  {} quads, {} triangles, {} spheres", quads, triangles, spheres);
+  if (backs > 0) text += fmt::format(" ({} are two-sided, counted twice)", backs / 2);
+  text += fmt::format("\npatches     {}, {:.4g} m2 in all, {:.3g} m2 each\n", scene.patches.size(), area,
+                      area / double(scene.patches.size()));
+  text += fmt::format("extent      {} to {} m\n", triple(bounds.min), triple(bounds.max));
+  text += describe_materials(scene);
+  text += describe_names("light groups", scene.light_groups, [](const std::string& name) { return name; });
+  text += describe_names("cameras", scene.cameras, [](const Camera& c) {
+    const bool perspective = c.projection == Camera::Projection::perspective;
+    return fmt::format("{:<24}{}, {:.4g} {} high", c.name, perspective ? "perspective" : "orthographic",
+                       perspective ? c.vertical * 180 / kPi : 2 * c.vertical, perspective ? "degrees" : "m");
+  });
+  return text;
+}
+
+std::string describe(const EnergyField& energy) {
+  std::string text = fmt::format("method      {} over {}\n", energy.method, energy.form_factors);
+  text += fmt::format("solve       {} shots, {} rays, residual {:.3g}, {:.2f} s\n", energy.iterations, energy.rays,
+                      energy.residual, energy.seconds);
+  text += "light groups (largest irradiance, W/m2)\n";
+  for (const auto& group : energy.groups) {
+    float direct = 0, indirect = 0;
+    for (const Color& c : group.direct) direct = std::max({direct, c.x, c.y, c.z});
+    for (const Color& c : group.indirect) indirect = std::max({indirect, c.x, c.y, c.z});
+    text += fmt::format("  {:<24}direct {:.4g}, indirect {:.4g}\n", group.name, direct, indirect);
+  }
+  return text;
+}
+
+}  // namespace patchlight

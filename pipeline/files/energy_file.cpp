@@ -1,0 +1,87 @@
+#include "pipeline/files/energy_file.h"
+
+#include <cmath>
+
+#include "pipeline/files/h5_store.h"
+#include "pipeline/model/error.h"
+
+namespace patchlight {
+
+namespace {
+
+constexpr int kVersion = 1;
+
+void write_colors(H5Writer& writer, const std::string& name, const std::vector<Color>& colors) {
+  std::vector<float> values;
+  values.reserve(3 * colors.size());
+  for (const Color& c : colors) values.insert(values.end(), {c.x, c.y, c.z});
+  writer.dataset<float>(name, values, 3);
+}
+
+std::vector<Color> read_colors(const H5Reader& reader, const std::string& name, std::int64_t rows) {
+  const std::vector<float> values = reader.dataset<float>(name, rows, 3);
+  std::vector<Color> colors(values.size() / 3);
+  for (std::size_t i = 0; i < colors.size(); ++i) {
+    colors[i] = Color(values[3 * i], values[3 * i + 1], values[3 * i + 2]);
+    for (int k = 0; k < 3; ++k)
+      if (!(colors[i][k] >= 0 && std::isfinite(colors[i][k]))) reader.refuse("a negative or non-finite value", name);
+  }
+  return colors;
+}
+
+EnergyField read_fields(const H5Reader& reader, const std::vector<std::string>& groups, std::int64_t rows) {
+  EnergyField energy;
+  energy.key = reader.text("key");
+  energy.patches_key = reader.text("patches_key");
+  energy.method = reader.text("method");
+  energy.form_factors = reader.text("form_factors");
+  energy.iterations = reader.integer("iterations");
+  energy.rays = reader.integer("rays");
+  energy.seconds = reader.real("seconds");
+  energy.residual = reader.real("residual");
+  for (const auto& name : groups)
+    energy.groups.push_back({name, read_colors(reader, "/groups/" + name + "/direct", rows),
+                             read_colors(reader, "/groups/" + name + "/indirect", rows)});
+  return energy;
+}
+
+}  // namespace
+
+void write_energy(const std::filesystem::path& file, const PatchSet& scene, const EnergyField& energy) {
+  H5Writer writer(file);
+  write_colors(writer, "/radiosity", radiosity(scene, energy));
+  for (const auto& group : energy.groups) {
+    write_colors(writer, "/groups/" + group.name + "/direct", group.direct);
+    write_colors(writer, "/groups/" + group.name + "/indirect", group.indirect);
+  }
+  writer.attribute("format", kEnergyFormat);
+  writer.attribute("version", std::int64_t(kVersion));
+  writer.attribute("key", energy.key);
+  writer.attribute("patches_key", energy.patches_key);
+  writer.attribute("method", energy.method);
+  writer.attribute("form_factors", energy.form_factors);
+  writer.attribute("iterations", energy.iterations);
+  writer.attribute("rays", energy.rays);
+  writer.attribute("seconds", energy.seconds);
+  writer.attribute("residual", energy.residual);
+  writer.commit();
+}
+
+EnergyField read_energy(const std::filesystem::path& file, const PatchSet& scene) {
+  const H5Reader reader(file, kEnergyFormat, kVersion);
+  if (reader.text("patches_key") != scene.key)
+    throw Error(ExitCode::bad_data, "the solution belongs to another patch file", file.string(),
+                "solve again: patchlight-solve JOB.yaml");
+  return read_fields(reader, scene.light_groups, std::int64_t(scene.patches.size()));
+}
+
+EnergyField read_energy(const std::filesystem::path& file) {
+  const H5Reader reader(file, kEnergyFormat, kVersion);
+  return read_fields(reader, reader.children("/groups"), -1);
+}
+
+std::string energy_patches_key(const std::filesystem::path& file) {
+  return H5Reader(file, kEnergyFormat, kVersion).text("patches_key");
+}
+
+}  // namespace patchlight

@@ -1,0 +1,79 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace patchlight {
+
+/// Writes one HDF5 file under a temporary name and renames it when it is whole.
+///
+/// Datasets are chunked with fletcher32 checksums, and each carries the XXH3 hash of its bytes as attribute `xxh3`
+/// (fletcher32 cannot tell a word of zeros from a word of ones). The root attribute `digest` covers all names, hashes
+/// and other root attributes.
+/// Throws everywhere: Error (cannot_create, io_error).
+class H5Writer {
+ public:
+  explicit H5Writer(const std::filesystem::path& file);
+  ~H5Writer();  ///< Without commit(), nothing is left behind.
+
+  void attribute(const std::string& name, const std::string& value);
+  void attribute(const std::string& name, std::int64_t value);
+  void attribute(const std::string& name, double value);
+
+  /// `name` is absolute; groups on the way are made. Shape: [values.size() / columns, columns], or the flat array for
+  /// columns = 0; `planes` > 1 makes it [.., planes, columns]. T: double, float, int32_t, int64_t.
+  template <class T>
+  void dataset(const std::string& name, std::span<const T> values, int columns = 0, int planes = 1);
+
+  /// Fixed-length UTF-8 strings, [values.size()]. At most 1,024 bytes of each are kept.
+  void strings(const std::string& name, const std::vector<std::string>& values);
+
+  /// A key of the datasets written so far whose names begin with one of `prefixes`.
+  std::string key_of(const std::vector<std::string>& prefixes) const;
+
+  void commit();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// Reads a file that H5Writer wrote, trusting nothing in it.
+/// Throws everywhere: Error (missing_input) without the file; (bad_data) for anything damaged, absent or of another
+/// shape.
+class H5Reader {
+ public:
+  /// Checks the root attributes `format` and `version` and the digest.
+  H5Reader(const std::filesystem::path& file, const std::string& format, int version);
+  ~H5Reader();
+
+  std::string text(const std::string& name) const;
+  std::int64_t integer(const std::string& name) const;
+  double real(const std::string& name) const;
+
+  /// All values of a dataset of `rows` rows (-1: any number), its bytes checked against their hash.
+  template <class T>
+  std::vector<T> dataset(const std::string& name, std::int64_t rows, int columns = 0, int planes = 1) const;
+
+  std::vector<std::string> strings(const std::string& name, std::int64_t rows) const;
+
+  /// Names right below a group, in order; none without the group.
+  std::vector<std::string> children(const std::string& group) const;
+
+  /// Refuses the file: what is wrong, in which dataset.
+  [[noreturn]] void refuse(const std::string& what, const std::string& dataset) const;
+
+ private:
+  friend std::string h5_format(const std::filesystem::path& file);
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// The root attribute `format` of an HDF5 file; empty without one. Throws: Error (bad_data) for an unreadable file.
+std::string h5_format(const std::filesystem::path& file);
+
+}  // namespace patchlight

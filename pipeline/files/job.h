@@ -1,0 +1,86 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pipeline/model/math.h"
+
+namespace patchlight {
+
+/// Replaces what the scene says of every material whose name matches.
+struct MaterialOverride {
+  std::string pattern;  ///< Glob (fnmatch).
+  std::optional<Color> reflectance;
+  std::optional<Color> emission;  ///< Radiant exitance, W/m2.
+  std::optional<Color> mirror;    ///< Reflectance of a perfect mirror on the material.
+};
+
+struct ImportConfig {
+  std::optional<double> patch_area;  ///< m2; absent: chosen from the scene's area.
+  std::int64_t max_patches = 5'000'000;
+};
+
+struct SolveConfig {
+  std::string method = "progressive";
+  std::string form_factors = "rays";
+  int rays = 256;
+  bool display = false;
+  int hemicube_resolution = 128;
+  double tolerance = 1e-3;
+  std::int64_t max_shots = 1000;  ///< For each patch, on average.
+  std::int64_t seed = 1;
+};
+
+/// How frames show one light group.
+struct LightSetting {
+  double scale = 1.0;
+  Color color{1.0f};
+};
+
+struct TraceConfig {
+  std::vector<std::string> cameras;  ///< Empty: all.
+  std::string frames = "1";
+  double fps = 24.0;
+  std::array<int, 2> resolution{640, 480};
+  int samples = 16;
+  bool cull_backfaces = false;
+  std::string view = "sRGB";
+  double exposure = 0.0;  ///< Stops, for the PNG alone.
+};
+
+/// A job file with its overrides applied and checked.
+struct Job {
+  std::filesystem::path file;
+  std::filesystem::path scene;
+  std::filesystem::path output;
+  ImportConfig import;
+  std::vector<MaterialOverride> materials;
+  SolveConfig solve;
+  std::map<std::string, LightSetting> lights;  ///< By light group.
+  TraceConfig trace;
+
+  std::filesystem::path patch_file() const { return output / "patches.h5"; }
+  std::filesystem::path energy_file() const { return output / "energy.h5"; }
+  std::filesystem::path frame_folder() const { return output / "frames"; }
+};
+
+/// Reads a job file. Relative paths in it become relative to its folder.
+/// `output`, unless empty, replaces the job's, relative to the working directory. `sets` are `key.path=value`
+/// overrides; a key that holds dots stands in double quotes. Throws: Error (missing_input) without the file; (usage)
+/// for a malformed override; (bad_config), with key and line, for broken YAML, an unknown key or a value that is not
+/// allowed.
+Job read_job(const std::filesystem::path& file, const std::vector<std::string>& sets = {},
+             const std::filesystem::path& output = {});
+
+/// The whole effective job as YAML, every default filled in; its paths relative to the job file's folder, and absent if
+/// empty.
+std::string effective_job(const Job& job);
+
+/// One line for each key of a job file: name, default, meaning.
+std::string job_key_help();
+
+}  // namespace patchlight

@@ -1,0 +1,244 @@
+#include "pipeline/files/job_schema.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+#include <regex>
+
+namespace patchlight {
+
+namespace {
+
+using Node = YAML::Node;
+
+template <class T>
+T parse(const Node& node, const std::string& expected) {
+  try {
+    return node.as<T>();
+  } catch (const YAML::Exception&) {
+    throw "expected " + expected;
+  }
+}
+
+double parse_number(const Node& node, double low, double high) {
+  const std::string expected = high == std::numeric_limits<double>::infinity()
+                                   ? fmt::format("a number of at least {}", low)
+                                   : fmt::format("a number from {} to {}", low, high);
+  const double value = parse<double>(node, expected);
+  if (!(value >= low && value <= high) || !std::isfinite(value)) throw "expected " + expected;
+  return value;
+}
+
+std::int64_t parse_integer(const Node& node, std::int64_t low, std::int64_t high) {
+  const std::string expected = fmt::format("a whole number from {} to {}", low, high);
+  const std::int64_t value = parse<std::int64_t>(node, expected);
+  if (value < low || value > high) throw "expected " + expected;
+  return value;
+}
+
+Color parse_color(const Node& node, double high) {
+  if (!node.IsSequence() || node.size() != 3) throw std::string("expected three numbers [red, green, blue]");
+  return Color(float(parse_number(node[0], 0, high)), float(parse_number(node[1], 0, high)),
+               float(parse_number(node[2], 0, high)));
+}
+
+std::string parse_choice(const Node& node, const std::vector<std::string>& choices) {
+  const std::string value = parse<std::string>(node, "a word");
+  for (const auto& choice : choices)
+    if (value == choice) return value;
+  throw fmt::format("expected {}", fmt::join(choices, " or "));
+}
+
+Node color_node(const Color& color) {
+  Node node;
+  node.SetStyle(YAML::EmitterStyle::Flow);
+  for (int k = 0; k < 3; ++k) node.push_back(color[k]);
+  return node;
+}
+
+template <class Each>
+void for_each_entry(const Node& map, const std::string& entries, Each each) {
+  if (!map.IsMap()) throw "expected a map of " + entries;
+  for (const auto& entry : map) {
+    if (!entry.second.IsMap()) throw "expected a map of settings for each of the " + entries;
+    for (const auto& setting : entry.second) {
+      const std::string name = parse<std::string>(entry.first, "a name");
+      const std::string key = parse<std::string>(setting.first, "a name");
+      if (!each(name, key, setting.second)) throw fmt::format("unknown key `{}` of `{}`", key, name);
+    }
+  }
+}
+
+void read_materials(const Node& map, std::vector<MaterialOverride>& materials) {
+  materials.clear();
+  constexpr double kInfinity = std::numeric_limits<float>::max();
+  for_each_entry(map, "materials", [&](const std::string& name, const std::string& key, const Node& value) {
+    if (materials.empty() || materials.back().pattern != name) materials.push_back({name, {}, {}, {}});
+    MaterialOverride& material = materials.back();
+    if (key == "reflectance")
+      material.reflectance = parse_color(value, 1);
+    else if (key == "emission")
+      material.emission = parse_color(value, kInfinity);
+    else if (key == "mirror")
+      material.mirror = parse_color(value, 1);
+    else
+      return false;
+    return true;
+  });
+}
+
+Node materials_node(const std::vector<MaterialOverride>& materials) {
+  Node map(YAML::NodeType::Map);
+  for (const auto& material : materials) {
+    if (material.reflectance) map[material.pattern]["reflectance"] = color_node(*material.reflectance);
+    if (material.emission) map[material.pattern]["emission"] = color_node(*material.emission);
+    if (material.mirror) map[material.pattern]["mirror"] = color_node(*material.mirror);
+  }
+  return map;
+}
+
+void read_lights(const Node& map, std::map<std::string, LightSetting>& lights) {
+  lights.clear();
+  for_each_entry(map, "light groups", [&](const std::string& name, const std::string& key, const Node& value) {
+    LightSetting& light = lights[name];
+    if (key == "scale")
+      light.scale = parse_number(value, 0, 1e30);
+    else if (key == "color")
+      light.color = parse_color(value, 1e30);
+    else
+      return false;
+    return true;
+  });
+}
+
+Node lights_node(const std::map<std::string, LightSetting>& lights) {
+  Node map(YAML::NodeType::Map);
+  for (const auto& [name, light] : lights) {
+    map[name]["scale"] = light.scale;
+    map[name]["color"] = color_node(light.color);
+  }
+  return map;
+}
+
+JobKey path_key(const std::string& path, std::filesystem::path& value, const std::string& help) {
+  return {path, help,
+          [&value](const Node& n) {
+            value = parse<std::string>(n, "a path");
+            if (value.empty()) throw std::string("expected a path");
+          },
+          [&value] { return Node(value.string()); }};
+}
+
+JobKey number_key(const std::string& path, double& value, double low, double high, const std::string& help) {
+  return {path, help, [&value, low, high](const Node& n) { value = parse_number(n, low, high); },
+          [&value] { return Node(value); }};
+}
+
+template <class Integer>
+JobKey integer_key(const std::string& path, Integer& value, std::int64_t low, std::int64_t high,
+                   const std::string& help) {
+  return {path, help, [&value, low, high](const Node& n) { value = Integer(parse_integer(n, low, high)); },
+          [&value] { return Node(value); }};
+}
+
+JobKey flag_key(const std::string& path, bool& value, const std::string& help) {
+  return {path, help, [&value](const Node& n) { value = parse<bool>(n, "true or false"); },
+          [&value] { return Node(value); }};
+}
+
+JobKey choice_key(const std::string& path, std::string& value, const std::vector<std::string>& choices,
+                  const std::string& help) {
+  return {path, help, [&value, choices](const Node& n) { value = parse_choice(n, choices); },
+          [&value] { return Node(value); }};
+}
+
+JobKey patch_area_key(std::optional<double>& value) {
+  return {"import.patch_area", "target area of a patch in m2; absent: 1/8000 of the scene's area",
+          [&value](const Node& n) { value = parse_number(n, 1e-30, 1e30); },
+          [&value] { return value ? Node(*value) : Node(); }};
+}
+
+JobKey cameras_key(std::vector<std::string>& cameras) {
+  return {"trace.cameras", "names of glTF camera nodes; absent: all",
+          [&cameras](const Node& n) {
+            if (n.IsScalar())
+              cameras = {n.as<std::string>()};
+            else
+              cameras = parse<std::vector<std::string>>(n, "a list of camera names");
+          },
+          [&cameras] { return Node(cameras); }};
+}
+
+JobKey frames_key(std::string& frames) {
+  return {"trace.frames", "frames of animated cameras, inclusive, as in 1-120; a still camera writes frame 0001",
+          [&frames](const Node& n) {
+            const std::string text = parse<std::string>(n, "a range of frames");
+            static const std::regex range("[0-9]{1,7}(-[0-9]{1,7})?");
+            if (!std::regex_match(text, range)) throw std::string("expected a range of frames such as 1-120");
+            frames = text;
+          },
+          [&frames] { return Node(frames); }};
+}
+
+JobKey resolution_key(std::array<int, 2>& size) {
+  return {"trace.resolution", "width and height of frames in pixels",
+          [&size](const Node& n) {
+            if (!n.IsSequence() || n.size() != 2) throw std::string("expected [width, height]");
+            for (std::size_t k = 0; k < 2; ++k) size[k] = int(parse_integer(n[k], 1, 65536));
+          },
+          [&size] {
+            Node node;
+            node.SetStyle(YAML::EmitterStyle::Flow);
+            node.push_back(size[0]);
+            node.push_back(size[1]);
+            return node;
+          }};
+}
+
+JobKey view_key(std::string& view) {
+  return {"trace.view", "OpenColorIO view of the PNG: sRGB, ACES or Raw of the shipped config, or one of $OCIO's",
+          [&view](const Node& n) { view = parse<std::string>(n, "the name of a view"); },
+          [&view] { return Node(view); }};
+}
+
+}  // namespace
+
+std::vector<JobKey> job_keys(Job& job) {
+  const std::int64_t most = std::numeric_limits<std::int64_t>::max();
+  SolveConfig& solve = job.solve;
+  TraceConfig& trace = job.trace;
+  return {
+      path_key("scene", job.scene, "the glTF scene, .gltf or .glb"),
+      path_key("output", job.output, "folder for all that the job makes"),
+      patch_area_key(job.import.patch_area),
+      integer_key("import.max_patches", job.import.max_patches, 1, 1'000'000'000, "more patches than this are refused"),
+      {"materials",
+       "by name (globs): reflectance [r,g,b]; emission [r,g,b], radiant exitance in W/m2; mirror [r,g,b], reflectance "
+       "of "
+       "a perfect mirror",
+       [&job](const Node& n) { read_materials(n, job.materials); }, [&job] { return materials_node(job.materials); }},
+      choice_key("solve.method", solve.method, {"matrix", "progressive"}, "how the linear system is solved"),
+      choice_key("solve.form_factors", solve.form_factors, {"rays", "hemicube"}, "how form factors are found"),
+      integer_key("solve.rays", solve.rays, 1, 1 << 24,
+                  "rays for each patch and each time that the light is passed on"),
+      flag_key("solve.display", solve.display, "also gather the display solution that frames interpolate"),
+      integer_key("solve.hemicube_resolution", solve.hemicube_resolution, 2, 4096, "cells along a hemicube's edge"),
+      number_key("solve.tolerance", solve.tolerance, 1e-12, 1, "stop when the residual is below this"),
+      integer_key("solve.max_shots", solve.max_shots, 1, 1'000'000'000,
+                  "stop after so many shots for each patch, on average"),
+      integer_key("solve.seed", solve.seed, 0, most, "of the random numbers"),
+      {"lights", "by light group: scale, and color [r,g,b], of its light in frames",
+       [&job](const Node& n) { read_lights(n, job.lights); }, [&job] { return lights_node(job.lights); }},
+      cameras_key(trace.cameras),
+      frames_key(trace.frames),
+      number_key("trace.fps", trace.fps, 1e-3, 1e6, "frames a second of animated cameras"),
+      resolution_key(trace.resolution),
+      integer_key("trace.samples", trace.samples, 1, 1 << 16, "samples for each pixel"),
+      flag_key("trace.cull_backfaces", trace.cull_backfaces, "look through the backs of single-sided surfaces"),
+      view_key(trace.view),
+      number_key("trace.exposure", trace.exposure, -100, 100, "stops by which the PNG is brighter than the EXR"),
+  };
+}
+
+}  // namespace patchlight

@@ -1,0 +1,127 @@
+#include "pipeline/files/key.h"
+
+#include <fmt/format.h>
+#include <xxhash.h>
+
+#include <array>
+#include <bit>
+#include <cstdio>
+#include <memory>
+
+#include "pipeline/model/error.h"
+
+namespace patchlight {
+
+namespace {
+
+// Raised whenever a stage computes something else from the same inputs.
+constexpr int kImportVersion = 1;
+constexpr int kSolveVersion = 1;
+constexpr int kTraceVersion = 1;
+
+XXH3_state_t* state_of(void* state) {
+  return static_cast<XXH3_state_t*>(state);
+}
+
+std::string to_hex(XXH128_hash_t hash) {
+  return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
+}
+
+void add_color(KeyHasher& hasher, const std::optional<Color>& color) {
+  hasher.add(color.has_value());
+  if (color) hasher.add(double(color->x)).add(double(color->y)).add(double(color->z));
+}
+
+}  // namespace
+
+KeyHasher::KeyHasher() : state_(XXH3_createState()) {
+  XXH3_128bits_reset(state_of(state_));
+}
+
+KeyHasher::~KeyHasher() {
+  XXH3_freeState(state_of(state_));
+}
+
+KeyHasher& KeyHasher::add(std::int64_t value) {
+  std::array<unsigned char, 8> bytes;
+  for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<unsigned char>(std::uint64_t(value) >> (8 * i));
+  XXH3_128bits_update(state_of(state_), bytes.data(), bytes.size());
+  return *this;
+}
+
+KeyHasher& KeyHasher::add(std::string_view text) {
+  add(static_cast<std::int64_t>(text.size()));
+  XXH3_128bits_update(state_of(state_), text.data(), text.size());
+  return *this;
+}
+
+KeyHasher& KeyHasher::add(double value) {
+  return add(std::bit_cast<std::int64_t>(value == 0 ? 0.0 : value));
+}
+
+std::string KeyHasher::hex() const {
+  return to_hex(XXH3_128bits_digest(state_of(state_)));
+}
+
+std::string hash_bytes(const void* data, std::size_t size) {
+  return to_hex(XXH3_128bits(data, size));
+}
+
+std::string hash_file(const std::filesystem::path& file) {
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(file.c_str(), "rb"), std::fclose);
+  if (!stream) throw Error(ExitCode::missing_input, "cannot open the file", file.string(), "check the path");
+  std::unique_ptr<XXH3_state_t, XXH_errorcode (*)(XXH3_state_t*)> state(XXH3_createState(), XXH3_freeState);
+  XXH3_128bits_reset(state.get());
+  std::array<char, 1 << 16> buffer;
+  while (const std::size_t count = std::fread(buffer.data(), 1, buffer.size(), stream.get()))
+    XXH3_128bits_update(state.get(), buffer.data(), count);
+  if (std::ferror(stream.get()))
+    throw Error(ExitCode::io_error, "cannot read the file", file.string(), "check the disk and the path");
+  return to_hex(XXH3_128bits_digest(state.get()));
+}
+
+std::string import_inputs_key(const std::vector<SourceFile>& sources, const Job& job) {
+  KeyHasher hasher;
+  hasher.add("import").add(kImportVersion);
+  // The scene itself comes first and may be spelled or placed anywhere: its content counts.
+  for (std::size_t i = 0; i < sources.size(); ++i) hasher.add(i == 0 ? "" : sources[i].path).add(sources[i].hash);
+  hasher.add(job.import.patch_area.value_or(0.0));
+  for (const auto& material : job.materials) {
+    hasher.add(material.pattern);
+    add_color(hasher, material.reflectance);
+    add_color(hasher, material.emission);
+    add_color(hasher, material.mirror);
+  }
+  return hasher.hex();
+}
+
+std::string energy_key(const std::string& patches_key, const SolveConfig& solve) {
+  return KeyHasher()
+      .add("solve")
+      .add(kSolveVersion)
+      .add(patches_key)
+      .add(solve.method)
+      .add(solve.form_factors)
+      .add(solve.rays)
+      .add(solve.tolerance)
+      .add(solve.max_shots)
+      .add(solve.seed)
+      .hex();
+}
+
+std::string frame_key(const PatchSet& scene, const std::string& energy_key, const Job& job, const std::string& camera,
+                      int frame) {
+  const TraceConfig& trace = job.trace;
+  KeyHasher hasher;
+  hasher.add("trace").add(kTraceVersion).add(scene.key).add(scene.frames_key).add(energy_key);
+  hasher.add(camera).add(frame).add(trace.resolution[0]).add(trace.resolution[1]).add(trace.samples);
+  hasher.add(trace.cull_backfaces).add(trace.view).add(trace.exposure);
+  for (const auto& [name, light] : job.lights) {
+    if (light.scale == 1.0 && light.color == Color(1.0f)) continue;
+    hasher.add(name).add(light.scale);
+    add_color(hasher, light.color);
+  }
+  return hasher.hex();
+}
+
+}  // namespace patchlight

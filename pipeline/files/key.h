@@ -1,0 +1,47 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "pipeline/files/job.h"
+#include "pipeline/model/camera.h"
+#include "pipeline/model/patch_set.h"
+
+namespace patchlight {
+
+/// Accumulates typed values into a 128-bit XXH3 key. The same values in the same order give the same key on any
+/// machine.
+class KeyHasher {
+ public:
+  KeyHasher();
+  ~KeyHasher();
+  KeyHasher& add(std::string_view text);
+  KeyHasher& add(const char* text) { return add(std::string_view(text)); }
+  KeyHasher& add(double value);
+  KeyHasher& add(std::int64_t value);
+  KeyHasher& add(int value) { return add(static_cast<std::int64_t>(value)); }
+  KeyHasher& add(bool value) { return add(static_cast<std::int64_t>(value)); }
+  std::string hex() const;  ///< 32 hex digits.
+
+ private:
+  void* state_;
+};
+
+/// Hash of raw bytes, 32 hex digits.
+std::string hash_bytes(const void* data, std::size_t size);
+
+/// Hash of a file's content. Throws: Error (missing_input, io_error).
+std::string hash_file(const std::filesystem::path& file);
+
+/// Key of what an import reads: the source files' content and the settings that can change patches.h5.
+std::string import_inputs_key(const std::vector<SourceFile>& sources, const Job& job);
+
+/// Key of energy.h5 for a patch file's key and the settings of solving.
+std::string energy_key(const std::string& patches_key, const SolveConfig& solve);
+
+/// Key of one frame: solution, camera, lights and the settings of tracing.
+std::string frame_key(const PatchSet& scene, const std::string& energy_key, const Job& job, const std::string& camera,
+                      int frame);
+
+}  // namespace patchlight

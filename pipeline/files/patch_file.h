@@ -1,0 +1,19 @@
+#pragma once
+#include <filesystem>
+#include <string>
+
+#include "pipeline/model/patch_set.h"
+
+namespace patchlight {
+
+constexpr const char* kPatchFormat = "patchlight-patches";
+
+/// Writes patches.h5 and sets `key` and `frames_key` in `scene`.
+/// Throws: Error (cannot_create, io_error).
+void write_patches(const std::filesystem::path& file, PatchSet& scene);
+
+/// Reads and checks patches.h5: every index in range, every number finite, patches in the order that PatchSet states.
+/// Throws: Error (missing_input, bad_data).
+PatchSet read_patches(const std::filesystem::path& file);
+
+}  // namespace patchlight

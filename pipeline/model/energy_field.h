@@ -1,0 +1,32 @@
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "pipeline/model/patch_set.h"
+
+namespace patchlight {
+
+/// The content of energy.h5: the irradiance that each light group causes on every patch, at the scene's own strength.
+struct EnergyField {
+  struct Group {
+    std::string name;
+    std::vector<Color> direct;    ///< [n] W/m2, straight from the group's emitters.
+    std::vector<Color> indirect;  ///< [n] W/m2, after at least one reflection.
+  };
+
+  std::vector<Group> groups;  ///< In the order of PatchSet::light_groups.
+  std::string key;
+  std::string patches_key;  ///< Key of the patch file that was solved.
+  std::string method;
+  std::string form_factors;
+  std::int64_t iterations = 0;
+  std::int64_t rays = 0;  ///< Cast by this solve.
+  double seconds = 0.0;   ///< Wall time of the solve.
+  double residual = 0.0;  ///< Area-weighted L2 norm of what is left of the linear system over that of its source term.
+};
+
+/// Radiosity B = E + rho * (all groups' direct + indirect irradiance), W/m2. Shape: [patches].
+std::vector<Color> radiosity(const PatchSet& scene, const EnergyField& energy);
+
+}  // namespace patchlight

@@ -1,0 +1,17 @@
+#pragma once
+#include <ImathColor.h>
+#include <ImathMatrix.h>
+#include <ImathVec.h>
+
+namespace patchlight {
+
+// Imath leaves vectors uninitialised unless told otherwise: write Vec3d(0.0), also in resize().
+using Vec2f = Imath::V2f;
+using Vec3f = Imath::V3f;
+using Vec3d = Imath::V3d;
+using Matrix4 = Imath::M44d;  ///< Row vectors: p' = p * M.
+using Color = Imath::C3f;     ///< Scene-linear Rec.709.
+
+constexpr double kPi = 3.14159265358979323846;
+
+}  // namespace patchlight

@@ -1,0 +1,74 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "pipeline/model/camera.h"
+#include "pipeline/model/math.h"
+
+namespace patchlight {
+
+/// A surface that patches are cut from: a bilinear quad or a sphere.
+///
+/// Quad: p(u,v) is the bilinear mean of corners 0 (0,0), 1 (1,0), 2 (1,1), 3 (0,1); a triangle repeats its last corner.
+/// Its lit side is the one from which the corners run counter-clockwise.
+/// Sphere: u is the azimuth about world Y (0 at +X, growing towards -Z), v the polar angle from +Y, both in [0,1].
+struct Primitive {
+  enum class Shape : std::int32_t { quad = 0, sphere = 1 };
+
+  Shape shape = Shape::quad;
+  std::array<Vec3d, 4> corners{Vec3d(0.0), Vec3d(0.0), Vec3d(0.0), Vec3d(0.0)};  ///< m; zeros for a sphere.
+  Vec3d sphere_center{0.0};                                                      ///< m; zero for a quad.
+  double sphere_radius = 0.0;     ///< m; negative: lit inside. Zero for a quad.
+  std::int32_t node = 0;          ///< Index into PatchSet::nodes.
+  std::int32_t material = 0;      ///< Index into PatchSet::materials.
+  std::int32_t light_group = -1;  ///< Index into PatchSet::light_groups; -1 for what does not emit.
+  std::int32_t back = -1;         ///< The primitive that is this surface's other side, its u mirrored; -1: none.
+  /// Corners with the same id meet smoothly, without a crease or border; every corner of a sphere is -1.
+  std::array<std::int32_t, 4> smooth_vertices{-1, -1, -1, -1};
+
+  bool is_triangle() const { return shape == Shape::quad && corners[2] == corners[3]; }
+};
+
+/// What is the same over a whole material.
+struct Material {
+  std::string name;
+  Color specular{0.0f};  ///< Mirror reflectance (the metallic part), each in [0,1].
+  float roughness = 1.0f;
+};
+
+/// A piece of a primitive, the unit that the solution is constant on.
+struct Patch {
+  Vec3d center{0.0};        ///< m, world space: the surface point at the middle of (u,v).
+  Vec3f normal{0.0f};       ///< Unit vector out of the lit side.
+  double area = 0.0;        ///< m2, true surface area.
+  Color reflectance{0.0f};  ///< Diffuse, each in [0,1).
+  Color emission{0.0f};     ///< Radiant exitance, W/m2.
+  std::int32_t primitive = 0;
+  float u0 = 0, v0 = 0, u1 = 1, v1 = 1;
+};
+
+/// A file that the scene was read from: what it holds is part of the import's key.
+struct SourceFile {
+  std::string path;  ///< Relative to the scene file's folder.
+  std::string hash;
+};
+
+/// The content of patches.h5. Patches of one primitive are contiguous, in rows of growing v, growing u within a row;
+/// every row spans u from 0 to 1. Primitives stand in the order of their patches.
+struct PatchSet {
+  std::vector<Patch> patches;
+  std::vector<Primitive> primitives;
+  std::vector<Material> materials;
+  std::vector<std::string> nodes;
+  std::vector<std::string> light_groups;
+  std::vector<Camera> cameras;
+  std::vector<SourceFile> sources;
+
+  std::string inputs_key;  ///< Scene files and import settings that this was made from.
+  std::string key;         ///< What solving reads. Set by the file layer.
+  std::string frames_key;  ///< What only frames read. Set by the file layer.
+};
+
+}  // namespace patchlight

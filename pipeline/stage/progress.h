@@ -1,0 +1,53 @@
+#pragma once
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <string>
+
+namespace patchlight {
+
+/// What a stage tells its user while it runs: notes, warnings and how far it is, on stderr and in the JSON log.
+/// Safe to call from the stage's main thread only.
+class Progress {
+ public:
+  struct Options {
+    std::string stage;          ///< Messages begin with `patchlight-STAGE: `.
+    bool quiet = false;         ///< Only warnings and errors on stderr.
+    std::string log_json_file;  ///< Empty: none.
+  };
+
+  /// Throws: Error (cannot_create) if the log file cannot be opened.
+  explicit Progress(Options options);
+  ~Progress();
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  void note(const std::string& message);
+  void warning(const std::string& message);
+  void error(const std::string& message, int exit_code);
+
+  /// Reports how much of the stage is done, in [0,1], and in the user's words what of it. Cheap: call it often.
+  /// Throws: Error (interrupted) after SIGINT or SIGTERM.
+  void update(double fraction, const std::string& detail);
+
+  /// Throws: Error (interrupted) after SIGINT or SIGTERM.
+  static void check_interrupted();
+
+  /// From now on SIGINT and SIGTERM only ask the stage to stop.
+  static void catch_signals();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void write_json(const char* level, const std::string& message, double fraction, int exit_code);
+  void clear_line();
+
+  Options options_;
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> json_{nullptr, nullptr};
+  Clock::time_point start_ = Clock::now();
+  Clock::time_point last_shown_{};
+  bool terminal_ = false;
+  bool line_open_ = false;
+};
+
+}  // namespace patchlight

@@ -1,0 +1,89 @@
+#include "pipeline/stage/stage.h"
+
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+
+#include <CLI/CLI.hpp>
+#include <new>
+#include <optional>
+
+#include "pipeline/model/error.h"
+
+namespace patchlight {
+
+std::string patchlight_version() {
+  return "patchlight " PATCHLIGHT_VERSION;
+}
+
+void add_common_options(CLI::App& app, CommonOptions& options) {
+  app.add_option("--set", options.sets, "Override a key of the job: key.path=value")->allow_extra_args(false);
+  app.add_option("--output", options.output, "Folder for outputs, instead of the job's");
+  app.add_option("--threads", options.threads, "Number of threads; absent: all")->check(CLI::Range(1, 4096));
+  app.add_flag("--quiet", options.quiet, "Print warnings and errors alone");
+  app.add_option("--log-json", options.log_json, "Append one JSON object a line to this file");
+  app.set_version_flag("--version", patchlight_version());
+}
+
+std::optional<int> parse_options(CLI::App& app, const std::string& name, int argc, char** argv) {
+  try {
+    app.parse(argc, argv);
+    return std::nullopt;
+  } catch (const CLI::Success& help) {
+    return app.exit(help);
+  } catch (const CLI::ParseError& error) {
+    std::string line = name;
+    for (int i = 1; i < argc; ++i) line += std::string(" ") + argv[i];
+    fmt::print(stderr, "{}: error: {} ({}): see {} --help\n", name, error.what(), line, name);
+    return int(ExitCode::usage);
+  }
+}
+
+namespace {
+
+int report_errors(Progress& progress, const std::function<void()>& body) {
+  const auto fail = [&](ExitCode code, const std::string& message) {
+    progress.error(message, int(code));
+    return int(code);
+  };
+  try {
+    body();
+    return int(ExitCode::ok);
+  } catch (const Error& error) {
+    return fail(error.code(), error.what());
+  } catch (const std::bad_alloc&) {
+    return fail(ExitCode::over_limit, "out of memory: use a larger import.patch_area, or a machine with more memory");
+  } catch (const std::exception& error) {
+    return fail(ExitCode::internal, fmt::format("internal fault ({}): please report it", error.what()));
+  }
+}
+
+}  // namespace
+
+int with_progress(const std::string& stage, const CommonOptions& options, const std::function<void(Progress&)>& body) {
+  std::unique_ptr<Progress> progress;
+  try {
+    progress = std::make_unique<Progress>(Progress::Options{stage, options.quiet, options.log_json});
+  } catch (const Error& error) {
+    fmt::print(stderr, "patchlight-{}: error: {}\n", stage, error.what());
+    return int(error.code());
+  }
+  return report_errors(*progress, [&] { body(*progress); });
+}
+
+int run_stage(const std::string& stage, int argc, char** argv, const std::function<void(const Job&, Progress&)>& body) {
+  CLI::App app{"Runs the stage `" + stage + "` of a Patchlight job.", "patchlight-" + stage};
+  std::string job_file;
+  CommonOptions options;
+  app.add_option("JOB.yaml", job_file, "The job file")->required();
+  add_common_options(app, options);
+  app.footer(job_key_help());
+  if (const auto exit_code = parse_options(app, "patchlight-" + stage, argc, argv)) return *exit_code;
+  return with_progress(stage, options, [&](Progress& progress) {
+    Progress::catch_signals();
+    std::optional<tbb::global_control> limit;
+    if (options.threads > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, std::size_t(options.threads));
+    body(read_job(job_file, options.sets, options.output), progress);
+  });
+}
+
+}  // namespace patchlight

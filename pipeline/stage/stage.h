@@ -1,0 +1,40 @@
+#pragma once
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pipeline/files/job.h"
+#include "pipeline/stage/progress.h"
+
+namespace CLI {
+class App;
+}
+
+namespace patchlight {
+
+/// What every program takes besides its job.
+struct CommonOptions {
+  std::vector<std::string> sets;
+  std::string output;
+  int threads = 0;  ///< 0: all.
+  bool quiet = false;
+  std::string log_json;
+};
+
+/// As `--version` prints it.
+std::string patchlight_version();
+
+void add_common_options(CLI::App& app, CommonOptions& options);
+
+/// Parses a command line; an exit code if the program is to end at once (help, version, wrong usage).
+std::optional<int> parse_options(CLI::App& app, const std::string& name, int argc, char** argv);
+
+/// Runs `body` and turns whatever it throws into a message and an exit code of the contract.
+int with_progress(const std::string& stage, const CommonOptions& options, const std::function<void(Progress&)>& body);
+
+/// The body of a stage program's main(): parses the options, reads the job, sets the number of threads, runs `body`
+/// and reports its errors.
+int run_stage(const std::string& stage, int argc, char** argv, const std::function<void(const Job&, Progress&)>& body);
+
+}  // namespace patchlight
