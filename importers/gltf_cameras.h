@@ -1,0 +1,24 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pipeline/model/camera.h"
+
+namespace tinygltf {
+struct Camera;
+}
+
+namespace patchlight {
+
+/// A rigid camera frame from a node's transform: scale, shear and mirroring are taken out, the view direction and then
+/// the up direction kept. Nothing where the transform leaves no such directions.
+std::optional<Matrix4> rigid_frame(const Matrix4& to_world);
+
+/// A node's camera; nothing if its lens or its transform can make no picture.
+std::optional<Camera> read_camera(const tinygltf::Camera& source, const Matrix4& to_world, const std::string& node);
+
+/// A camera named `default` that shows the whole box from its +Z side, looking a little down.
+Camera framing_camera(const Vec3d& box_min, const Vec3d& box_max);
+
+}  // namespace patchlight

@@ -1,0 +1,29 @@
+#pragma once
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace patchlight {
+
+/// Where the bytes of a buffer or an image come from.
+struct GltfData {
+  std::string name;
+  std::string uri;       ///< Empty: the binary chunk (buffer 0), or `buffer_view`.
+  int buffer_view = -1;  ///< Of an image.
+  std::size_t size = 0;  ///< Stated length of a buffer, bytes.
+};
+
+/// A glTF file that is safe to parse.
+struct CheckedGltf {
+  std::string json;               ///< What the importer reads of it, without buffers and images, for tinygltf.
+  std::vector<GltfData> buffers;  ///< To be loaded apart from tinygltf, which would follow any URI.
+  std::vector<GltfData> images;
+  std::vector<std::string> ignored;  ///< What the scene holds beyond what is read, one warning each.
+};
+
+/// Checks all that the importer and tinygltf read of a glTF file's JSON: version, required extensions, types, indices,
+/// that accessors lie within bufferViews and these within buffers, and that nodes are trees.
+/// Throws: Error (bad_data) naming the place.
+CheckedGltf check_gltf(std::string_view json, const std::string& file);
+
+}  // namespace patchlight

@@ -1,0 +1,190 @@
+#include "importers/gltf_materials.h"
+
+#include <fmt/format.h>
+#include <fnmatch.h>
+
+#include <algorithm>
+#include <map>
+
+#include "importers/texture_mean.h"
+#include "pipeline/model/error.h"
+
+namespace patchlight {
+namespace {
+
+constexpr float kHighestReflectance = 0.99999f;
+constexpr float kStrongestEmission = 3e38f;
+constexpr float kDefaultGrey = 0.8f;
+
+/// Mean colours of the textures that were looked up.
+struct TextureMeans {
+  GltfModel& model;
+  Progress& progress;
+  std::int64_t texels_left = kMostTexels;
+  std::map<std::pair<int, TextureEncoding>, Vec3d> known{};
+  bool sampled = false;
+
+  Vec3d of(int texture, TextureEncoding encoding) {
+    if (texture < 0) return Vec3d(1.0);
+    const int image = model.gltf.textures[texture].source;
+    if (image < 0) {
+      progress.warning(
+          fmt::format("textures[{}] has no PNG or JPEG image: only the material's factor counts", texture));
+      return Vec3d(1.0);
+    }
+    const auto [entry, is_new] = known.emplace(std::pair(image, encoding), Vec3d(1.0));
+    if (is_new) {
+      std::shared_ptr<const Bytes> owner;
+      const std::string place = fmt::format("{}, {}", model.file.name, model.checked.images[image].name);
+      entry->second = texture_mean(image_bytes(model, image, owner), encoding, place, texels_left);
+      sampled = true;
+    }
+    return entry->second;
+  }
+};
+
+[[noreturn]] void refuse(const GltfModel& model, const std::string& material, const std::string& what,
+                         const std::string& range) {
+  throw Error(ExitCode::bad_data, what, fmt::format("{}, material '{}'", model.file.name, material),
+              fmt::format("it must be {}; mend the material or override it in the job's `materials`", range));
+}
+
+Color color(const Vec3d& value) {
+  return {static_cast<float>(value.x), static_cast<float>(value.y), static_cast<float>(value.z)};
+}
+
+Vec3d vector(const std::vector<double>& values) {
+  return {values.at(0), values.at(1), values.at(2)};
+}
+
+double emissive_strength(const tinygltf::Material& source) {
+  const auto extension = source.extensions.find("KHR_materials_emissive_strength");
+  if (extension == source.extensions.end() || !extension->second.Has("emissiveStrength")) return 1.0;
+  return extension->second.Get("emissiveStrength").GetNumberAsDouble();
+}
+
+SurfaceMaterial read_material(const tinygltf::Material& source, bool used, TextureMeans& textures) {
+  const auto mean = [&](int texture, TextureEncoding encoding) {
+    return used ? textures.of(texture, encoding) : Vec3d(1.0);
+  };
+  const tinygltf::PbrMetallicRoughness& pbr = source.pbrMetallicRoughness;
+  // G is roughness, B metallic.
+  const Vec3d finish = mean(pbr.metallicRoughnessTexture.index, TextureEncoding::linear);
+  const double metallic = pbr.metallicFactor * finish.z;
+  const Vec3d base = vector(pbr.baseColorFactor) * mean(pbr.baseColorTexture.index, TextureEncoding::srgb);
+  const Vec3d emissive = vector(source.emissiveFactor) * mean(source.emissiveTexture.index, TextureEncoding::srgb);
+
+  SurfaceMaterial material;
+  material.name = source.name.empty() ? "default" : source.name;
+  if (!(metallic >= 0.0 && metallic <= 1.0)) {
+    refuse(textures.model, material.name, fmt::format("metallic is {}", metallic), "in [0, 1]");
+  }
+  if (!(pbr.roughnessFactor >= 0.0 && pbr.roughnessFactor <= 1.0)) {
+    refuse(textures.model, material.name, fmt::format("roughness is {}", pbr.roughnessFactor), "in [0, 1]");
+  }
+  material.reflectance = color(base * (1.0 - metallic));
+  material.specular = color(base * metallic);
+  material.roughness = static_cast<float>(pbr.roughnessFactor * finish.y);
+  material.emission = color(emissive * (kPi * emissive_strength(source)));
+  material.double_sided = source.doubleSided;
+  if (source.extras.Has("light_group") && source.extras.Get("light_group").IsString()) {
+    material.light_group = source.extras.Get("light_group").Get<std::string>();
+  }
+  return material;
+}
+
+SurfaceMaterial default_material() {
+  SurfaceMaterial material;
+  material.name = "default";
+  material.reflectance = Color(kDefaultGrey);
+  return material;
+}
+
+bool matches(const std::string& pattern, const std::string& name) {
+  return pattern == name || fnmatch(pattern.c_str(), name.c_str(), 0) == 0;
+}
+
+/// What is left for one kind of reflection beside the other.
+Color at_most_rest(const Color& value, const Color& other) {
+  Color result = value;
+  for (int i = 0; i < 3; ++i) result[i] = std::min(result[i], std::max(0.0f, 1.0f - other[i]));
+  return result;
+}
+
+void apply_override(const MaterialOverride& change, SurfaceMaterial& material) {
+  if (change.emission) material.emission = *change.emission;
+  if (change.reflectance) material.reflectance = *change.reflectance;
+  if (change.mirror) {
+    material.specular = *change.mirror;
+    material.roughness = 0.0f;
+  }
+  if (change.reflectance && change.mirror) {
+    const Color sum = *change.reflectance + *change.mirror;
+    if (std::max({sum.x, sum.y, sum.z}) > 1.000001f) {
+      throw Error(ExitCode::bad_config, "reflectance and mirror together exceed 1",
+                  fmt::format("materials.{}", change.pattern), "lower one of them");
+    }
+  } else if (change.reflectance) {
+    material.specular = at_most_rest(material.specular, material.reflectance);
+  } else if (change.mirror) {
+    material.reflectance = at_most_rest(material.reflectance, material.specular);
+  }
+}
+
+void apply_overrides(const Job& job, std::vector<SurfaceMaterial>& materials, Progress& progress) {
+  for (const MaterialOverride& change : job.materials) {
+    bool found = false;
+    for (SurfaceMaterial& material : materials) {
+      if (!matches(change.pattern, material.name)) continue;
+      apply_override(change, material);
+      found = true;
+    }
+    if (!found)
+      progress.warning(fmt::format("materials.{} in the job matches no material of the scene", change.pattern));
+  }
+}
+
+void check_values(const GltfModel& model, SurfaceMaterial& material, Progress& progress) {
+  bool lowered = false;
+  for (int i = 0; i < 3; ++i) {
+    float& reflectance = material.reflectance[i];
+    const float specular = material.specular[i];
+    const float emission = material.emission[i];
+    if (!(reflectance >= 0.0f && reflectance <= 1.0f)) {
+      refuse(model, material.name, fmt::format("reflectance is {}", reflectance), "in [0, 1]");
+    }
+    if (!(specular >= 0.0f && specular <= 1.0f)) {
+      refuse(model, material.name, fmt::format("mirror reflectance is {}", specular), "in [0, 1]");
+    }
+    if (!(emission >= 0.0f && emission <= kStrongestEmission)) {
+      refuse(model, material.name, fmt::format("emission is {} W/m2", emission), "finite and not negative");
+    }
+    lowered = lowered || reflectance > kHighestReflectance;
+    reflectance = std::min(reflectance, kHighestReflectance);
+  }
+  if (lowered) {
+    progress.warning(fmt::format("reflectance of material '{}' lowered to {}: more would keep light forever",
+                                 material.name, kHighestReflectance));
+  }
+}
+
+}  // namespace
+
+std::vector<SurfaceMaterial> read_materials(GltfModel& model, const std::vector<char>& used, const Job& job,
+                                            Progress& progress) {
+  std::vector<SurfaceMaterial> materials;
+  TextureMeans textures{model, progress};
+  for (std::size_t i = 0; i < model.gltf.materials.size(); ++i) {
+    materials.push_back(read_material(model.gltf.materials[i], used[i], textures));
+  }
+  if (textures.sampled) progress.warning("textures are not sampled yet: each counts by its mean colour");
+  if (used.back()) {
+    materials.push_back(default_material());
+    progress.warning(fmt::format("what has no material is diffuse grey, {}", kDefaultGrey));
+  }
+  apply_overrides(job, materials, progress);
+  for (SurfaceMaterial& material : materials) check_values(model, material, progress);
+  return materials;
+}
+
+}  // namespace patchlight

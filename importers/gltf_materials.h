@@ -1,0 +1,21 @@
+#pragma once
+// Internal to the glTF files of this folder: brings tinygltf along.
+#include <vector>
+
+#include "importers/gltf_model.h"
+#include "importers/surface.h"
+#include "pipeline/files/job.h"
+#include "pipeline/stage/progress.h"
+
+namespace patchlight {
+
+/// The file's materials with the job's overrides applied, and behind them `default` (diffuse, 0.8 grey as Blender's)
+/// for what has none.
+///
+/// Diffuse reflectance is baseColor x (1 - metallic), specular baseColor x metallic, emission pi x emissive factor x
+/// strength. A texture counts by its mean colour, and only where `used` says that a surface has the material.
+/// Throws: Error (bad_data) for values out of range; (missing_input) without a texture's file.
+std::vector<SurfaceMaterial> read_materials(GltfModel& model, const std::vector<char>& used, const Job& job,
+                                            Progress& progress);
+
+}  // namespace patchlight

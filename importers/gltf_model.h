@@ -1,0 +1,61 @@
+#pragma once
+// Internal to the glTF files of this folder: brings tinygltf along.
+#include <tiny_gltf.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "importers/gltf_check.h"
+#include "importers/gltf_file.h"
+#include "pipeline/model/math.h"
+
+namespace patchlight {
+
+/// Triangles of one mesh that share a material.
+struct MeshPart {
+  int material = -1;
+  std::vector<int> primitives;  ///< Of the glTF mesh; those with triangles only.
+  std::int64_t triangles = 0;
+};
+
+/// A checked and parsed glTF file with its buffers.
+struct GltfModel {
+  GltfFile file;
+  CheckedGltf checked;
+  tinygltf::Model gltf;  ///< Without buffers and images.
+  std::vector<std::shared_ptr<const Bytes>> owned;
+  std::vector<std::span<const unsigned char>> buffers;
+  std::vector<std::vector<MeshPart>> mesh_parts;  ///< By mesh.
+};
+
+/// Checks and parses the file and loads its buffers.
+/// Throws: Error (missing_input, bad_data, over_limit, io_error).
+GltfModel load_gltf_model(GltfFile file);
+
+/// The bytes of a bufferView, which check_gltf has shown to lie within what its buffer states.
+/// Throws: Error (bad_data) if the buffer is a placeholder.
+std::span<const unsigned char> view_bytes(const GltfModel& model, int view);
+
+/// The encoded bytes of an image; `owner` keeps them alive.
+/// Throws: Error as read_uri does.
+std::span<const unsigned char> image_bytes(GltfModel& model, int image, std::shared_ptr<const Bytes>& owner);
+
+/// Reads elements of an accessor, at any alignment.
+struct AccessorReader {
+  AccessorReader(const GltfModel& model, int accessor);
+
+  std::size_t count = 0;
+  int component_type = 0;
+  const unsigned char* data = nullptr;
+  std::size_t stride = 0;
+
+  std::uint32_t index(std::size_t element) const;
+  Vec3f vector(std::size_t element) const;
+};
+
+}  // namespace patchlight

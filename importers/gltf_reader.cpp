@@ -1,0 +1,202 @@
+#include "importers/gltf_reader.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "importers/gltf_cameras.h"
+#include "importers/gltf_materials.h"
+#include "importers/gltf_model.h"
+#include "pipeline/model/error.h"
+
+namespace patchlight {
+namespace {
+
+/// Triangles that instances may make, for each patch that is allowed: spheres take many triangles and few patches.
+constexpr std::int64_t kTrianglesPerPatch = 20;
+constexpr std::int64_t kMostTriangles = 600'000'000;  // their corners are counted in 32 bits
+
+struct PlacedNode {
+  int node;
+  Matrix4 to_world;
+};
+
+Matrix4 rotation_matrix(const std::vector<double>& quaternion) {
+  double x = quaternion[0], y = quaternion[1], z = quaternion[2], w = quaternion[3];
+  const double length = std::sqrt(x * x + y * y + z * z + w * w);
+  if (!(length > 0.0)) return {};
+  x /= length, y /= length, z /= length, w /= length;
+  return {1 - 2 * (y * y + z * z),
+          2 * (x * y + z * w),
+          2 * (x * z - y * w),
+          0,
+          2 * (x * y - z * w),
+          1 - 2 * (x * x + z * z),
+          2 * (y * z + x * w),
+          0,
+          2 * (x * z + y * w),
+          2 * (y * z - x * w),
+          1 - 2 * (x * x + y * y),
+          0,
+          0,
+          0,
+          0,
+          1};
+}
+
+/// glTF's column-major matrices of column vectors are Imath's row-major ones of row vectors.
+Matrix4 local_matrix(const tinygltf::Node& node) {
+  if (node.matrix.size() == 16) {
+    Matrix4 matrix;
+    std::copy(node.matrix.begin(), node.matrix.end(), &matrix[0][0]);
+    return matrix;
+  }
+  Matrix4 matrix;
+  if (node.scale.size() == 3) matrix.setScale(Vec3d(node.scale[0], node.scale[1], node.scale[2]));
+  if (node.rotation.size() == 4) matrix *= rotation_matrix(node.rotation);
+  if (node.translation.size() == 3) {
+    for (int i = 0; i < 3; ++i) matrix[3][i] = node.translation[i];
+  }
+  return matrix;
+}
+
+std::vector<int> root_nodes(const tinygltf::Model& gltf) {
+  if (!gltf.scenes.empty()) return gltf.scenes[std::max(gltf.defaultScene, 0)].nodes;
+  std::vector<char> is_child(gltf.nodes.size(), 0);
+  for (const tinygltf::Node& node : gltf.nodes) {
+    for (const int child : node.children) is_child[child] = 1;
+  }
+  std::vector<int> roots;
+  for (std::size_t i = 0; i < gltf.nodes.size(); ++i) {
+    if (!is_child[i]) roots.push_back(static_cast<int>(i));
+  }
+  return roots;
+}
+
+/// The nodes of the scene with their transforms, parents before children, in the file's order.
+std::vector<PlacedNode> placed_nodes(const GltfModel& model) {
+  const tinygltf::Model& gltf = model.gltf;
+  std::vector<PlacedNode> placed;
+  std::vector<PlacedNode> pending;
+  const auto push = [&](const std::vector<int>& nodes, const Matrix4& parent) {
+    for (auto node = nodes.rbegin(); node != nodes.rend(); ++node) {
+      pending.push_back({*node, local_matrix(gltf.nodes[*node]) * parent});
+    }
+  };
+  push(root_nodes(gltf), Matrix4());
+  while (!pending.empty()) {
+    const PlacedNode node = pending.back();
+    pending.pop_back();
+    const Matrix4& m = node.to_world;
+    if (std::abs(m[0][3]) + std::abs(m[1][3]) + std::abs(m[2][3]) + std::abs(m[3][3] - 1.0) > 1e-6) {
+      throw Error(ExitCode::bad_data, "the transform is not affine",
+                  fmt::format("{}, nodes[{}]", model.file.name, node.node), "its matrix must end in a row 0 0 0 1");
+    }
+    placed.push_back(node);
+    push(gltf.nodes[node.node].children, node.to_world);
+  }
+  return placed;
+}
+
+std::int64_t triangle_limit(const ImportConfig& config) {
+  return std::min(config.max_patches, kMostTriangles / kTrianglesPerPatch) * kTrianglesPerPatch;
+}
+
+std::vector<Surface> placed_surfaces(const GltfModel& model, const std::vector<PlacedNode>& nodes, std::int64_t limit,
+                                     std::int64_t& triangles) {
+  std::vector<Surface> surfaces;
+  const int default_material = static_cast<int>(model.gltf.materials.size());
+  for (const PlacedNode& node : nodes) {
+    const int mesh = model.gltf.nodes[node.node].mesh;
+    if (mesh < 0) continue;
+    const std::vector<MeshPart>& parts = model.mesh_parts[mesh];
+    for (std::size_t part = 0; part < parts.size(); ++part) {
+      triangles += parts[part].triangles;
+      if (triangles > limit) {
+        throw Error(
+            ExitCode::over_limit, fmt::format("the scene has more than {} triangles", limit), model.file.name,
+            fmt::format("simplify it or raise import.max_patches; {} triangles are read for each", kTrianglesPerPatch));
+      }
+      Surface surface;
+      surface.node = node.node;
+      surface.material = parts[part].material < 0 ? default_material : parts[part].material;
+      surface.to_world = node.to_world;
+      surface.mesh = mesh;
+      surface.part = static_cast<int>(part);
+      surfaces.push_back(surface);
+    }
+  }
+  return surfaces;
+}
+
+/// A light group's name as files can hold it.
+std::string group_name(std::string name) {
+  for (char& c : name) {
+    if (c == '/' || static_cast<unsigned char>(c) < 0x20) c = '_';
+  }
+  return name == "." || name == ".." ? std::string(name.size(), '_') : name;
+}
+
+std::string light_group(const tinygltf::Node& node, const SurfaceMaterial& material) {
+  std::string name;
+  if (node.extras.Has("light_group") && node.extras.Get("light_group").IsString()) {
+    name = node.extras.Get("light_group").Get<std::string>();
+  }
+  if (name.empty()) name = material.light_group;
+  return group_name(name.empty() ? material.name : name);
+}
+
+void assign_light_groups(const GltfModel& model, GltfScene& scene) {
+  std::map<std::string, int> numbers;
+  for (Surface& surface : scene.surfaces) {
+    const SurfaceMaterial& material = scene.materials[surface.material];
+    if (!material.emits()) continue;
+    const std::string name = light_group(model.gltf.nodes[surface.node], material);
+    const auto [entry, is_new] = numbers.emplace(name, static_cast<int>(scene.light_groups.size()));
+    if (is_new) scene.light_groups.push_back(name);
+    surface.light_group = entry->second;
+  }
+}
+
+std::vector<Camera> placed_cameras(const GltfModel& model, const std::vector<PlacedNode>& nodes,
+                                   const std::vector<std::string>& names, Progress& progress) {
+  std::vector<Camera> cameras;
+  for (const PlacedNode& node : nodes) {
+    const int camera = model.gltf.nodes[node.node].camera;
+    if (camera < 0) continue;
+    if (auto placed = read_camera(model.gltf.cameras[camera], node.to_world, names[node.node])) {
+      cameras.push_back(std::move(*placed));
+    } else {
+      progress.warning(fmt::format("camera '{}' is skipped: its lens or transform makes no picture", names[node.node]));
+    }
+  }
+  return cameras;
+}
+
+}  // namespace
+
+GltfScene read_gltf_scene(const Job& job, Progress& progress) {
+  const auto model = std::make_shared<GltfModel>(load_gltf_model(read_gltf_file(job.scene)));
+  for (const std::string& message : model->checked.ignored) progress.warning(message);
+
+  GltfScene scene;
+  for (std::size_t i = 0; i < model->gltf.nodes.size(); ++i) {
+    const std::string& name = model->gltf.nodes[i].name;
+    scene.nodes.push_back(name.empty() ? fmt::format("node_{}", i) : name);
+  }
+  const std::vector<PlacedNode> nodes = placed_nodes(*model);
+  scene.surfaces = placed_surfaces(*model, nodes, triangle_limit(job.import), scene.triangles);
+
+  std::vector<char> used(model->gltf.materials.size() + 1, 0);
+  for (const Surface& surface : scene.surfaces) used[surface.material] = 1;
+  scene.materials = read_materials(*model, used, job, progress);
+  assign_light_groups(*model, scene);
+  scene.cameras = placed_cameras(*model, nodes, scene.nodes, progress);
+  scene.sources = model->file.sources;
+  scene.model = model;
+  return scene;
+}
+
+}  // namespace patchlight

@@ -1,0 +1,113 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <optional>
+
+#include "importers/gltf_model.h"
+#include "importers/gltf_reader.h"
+#include "pipeline/model/error.h"
+
+namespace patchlight {
+namespace {
+
+constexpr double kFarthest = 1e12;  // m; what is farther has no useful digits left and overflows areas
+
+/// A node's transform, for positions and for normals.
+struct Placement {
+  Matrix4 matrix;
+  std::array<Vec3d, 3> cofactors;  ///< Rows; takes normals along, up to their length.
+  bool mirrors = false;
+
+  explicit Placement(const Matrix4& to_world) : matrix(to_world) {
+    const Vec3d x(matrix[0][0], matrix[0][1], matrix[0][2]);
+    const Vec3d y(matrix[1][0], matrix[1][1], matrix[1][2]);
+    const Vec3d z(matrix[2][0], matrix[2][1], matrix[2][2]);
+    mirrors = x.dot(y.cross(z)) < 0.0;
+    const double sign = mirrors ? -1.0 : 1.0;
+    cofactors = {sign * y.cross(z), sign * z.cross(x), sign * x.cross(y)};
+  }
+
+  Vec3d position(const Vec3f& local) const {
+    const Vec3d p(local);
+    Vec3d world;
+    for (int i = 0; i < 3; ++i) {
+      world[i] = p.x * matrix[0][i] + p.y * matrix[1][i] + p.z * matrix[2][i] + matrix[3][i];
+    }
+    return world;
+  }
+
+  Vec3f normal(const Vec3f& local) const {
+    const Vec3d world = static_cast<double>(local.x) * cofactors[0] + static_cast<double>(local.y) * cofactors[1] +
+                        static_cast<double>(local.z) * cofactors[2];
+    const double length = world.length();
+    return length > 0.0 && std::isfinite(length) ? Vec3f(world / length) : Vec3f(0.0f);
+  }
+};
+
+/// The corner indices of one mesh primitive's triangles, whatever its mode.
+struct CornerOrder {
+  int mode;
+
+  /// The place in the index list of a triangle's corner.
+  std::size_t operator()(std::size_t triangle, std::size_t corner) const {
+    if (mode == TINYGLTF_MODE_TRIANGLE_FAN) return corner == 0 ? 0 : triangle + corner;
+    if (mode == TINYGLTF_MODE_TRIANGLE_STRIP) {
+      const bool odd = triangle % 2 == 1;
+      return triangle + (odd && corner > 0 ? 3 - corner : corner);
+    }
+    return 3 * triangle + corner;
+  }
+
+  std::size_t triangles(std::size_t indices) const {
+    if (mode == TINYGLTF_MODE_TRIANGLES) return indices / 3;
+    return indices < 3 ? 0 : indices - 2;
+  }
+};
+
+void append_triangles(const GltfModel& model, const tinygltf::Primitive& primitive, const Placement& placement,
+                      const std::string& node, TriangleSoup& soup) {
+  const auto refuse = [&](const std::string& what) {
+    throw Error(ExitCode::bad_data, what, fmt::format("{}, node '{}'", model.file.name, node), "mend its mesh");
+  };
+  const AccessorReader positions(model, primitive.attributes.at("POSITION"));
+  std::optional<AccessorReader> normals;
+  std::optional<AccessorReader> indices;
+  const auto normal = primitive.attributes.find("NORMAL");
+  if (normal != primitive.attributes.end()) normals.emplace(model, normal->second);
+  if (primitive.indices >= 0) indices.emplace(model, primitive.indices);
+
+  const CornerOrder order{primitive.mode};
+  const std::size_t count = order.triangles(indices ? indices->count : positions.count);
+  for (std::size_t triangle = 0; triangle < count; ++triangle) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::size_t corner = order(triangle, placement.mirrors && i > 0 ? 3 - i : i);
+      const std::size_t vertex = indices ? indices->index(corner) : corner;
+      if (vertex >= positions.count) refuse(fmt::format("vertex {} of {} does not exist", vertex, positions.count));
+      const Vec3d position = placement.position(positions.vector(vertex));
+      for (int axis = 0; axis < 3; ++axis) {
+        if (!std::isfinite(position[axis])) refuse("a position is not finite");
+        if (std::abs(position[axis]) > kFarthest) refuse(fmt::format("a position is beyond {} m", kFarthest));
+      }
+      soup.positions.push_back(position);
+      soup.normals.push_back(normals && normals->data ? placement.normal(normals->vector(vertex)) : Vec3f(0.0f));
+    }
+  }
+}
+
+}  // namespace
+
+TriangleSoup read_triangles(const GltfScene& scene, const Surface& surface) {
+  const GltfModel& model = *scene.model;
+  const MeshPart& part = model.mesh_parts[surface.mesh][surface.part];
+  TriangleSoup soup;
+  soup.positions.reserve(static_cast<std::size_t>(part.triangles) * 3);
+  soup.normals.reserve(static_cast<std::size_t>(part.triangles) * 3);
+  const Placement placement(surface.to_world);
+  for (const int primitive : part.primitives) {
+    append_triangles(model, model.gltf.meshes[surface.mesh].primitives[primitive], placement, scene.nodes[surface.node],
+                     soup);
+  }
+  return soup;
+}
+
+}  // namespace patchlight

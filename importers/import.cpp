@@ -1,0 +1,95 @@
+#include "importers/import.h"
+
+#include <ImathBox.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "importers/gltf_cameras.h"
+#include "importers/gltf_reader.h"
+#include "importers/patch_builder.h"
+#include "importers/primitive_builder.h"
+#include "pipeline/files/key.h"
+#include "pipeline/model/error.h"
+
+namespace patchlight {
+namespace {
+
+PrimitiveList build_primitives(const GltfScene& scene, const Job& job, Progress& progress) {
+  PrimitiveList list;
+  for (std::size_t i = 0; i < scene.surfaces.size(); ++i) {
+    const Surface& surface = scene.surfaces[i];
+    append_primitives(surface, scene.materials[surface.material], read_triangles(scene, surface), list);
+    if (static_cast<std::int64_t>(list.primitives.size()) > job.import.max_patches) {
+      throw Error(ExitCode::over_limit,
+                  fmt::format("the scene has more surfaces than import.max_patches, {}, allows patches",
+                              job.import.max_patches),
+                  "import.max_patches", "raise it, or simplify the scene");
+    }
+    progress.update(static_cast<double>(i + 1) / static_cast<double>(scene.surfaces.size()), scene.nodes[surface.node]);
+  }
+  if (list.without_area > 0) progress.warning(fmt::format("{} triangles without area are skipped", list.without_area));
+  if (list.primitives.empty()) {
+    throw Error(ExitCode::bad_data, "the scene has nothing with an area", job.scene.filename().string(),
+                "it needs a mesh in its default scene");
+  }
+  return list;
+}
+
+Camera camera_for(const std::vector<Primitive>& primitives) {
+  Imath::Box<Vec3d> box;
+  for (const Primitive& primitive : primitives) {
+    if (primitive.shape == Primitive::Shape::sphere) {
+      const Vec3d extent(std::abs(primitive.sphere_radius));
+      box.extendBy(primitive.sphere_center - extent);
+      box.extendBy(primitive.sphere_center + extent);
+    } else {
+      for (const Vec3d& corner : primitive.corners) box.extendBy(corner);
+    }
+  }
+  return framing_camera(box.min, box.max);
+}
+
+std::vector<Material> lasting_materials(const std::vector<SurfaceMaterial>& materials) {
+  std::vector<Material> result;
+  for (const SurfaceMaterial& material : materials)
+    result.push_back({material.name, material.specular, material.roughness});
+  return result;
+}
+
+std::string summary(const GltfScene& scene, const PrimitiveList& list, const PatchSet& set) {
+  std::vector<char> used(scene.materials.size(), 0);
+  for (const Surface& surface : scene.surfaces) used[surface.material] = 1;
+  int mirrors = 0;
+  for (std::size_t i = 0; i < used.size(); ++i) {
+    if (used[i] && scene.materials[i].specular != Color(0.0f)) ++mirrors;
+  }
+  return fmt::format(
+      "{} triangles read as {} quads, {} triangles, {} spheres; {} patches; modelled: {} metallic materials, "
+      "{} light groups, {} cameras",
+      scene.triangles, list.quads, list.triangles, list.spheres, set.patches.size(), mirrors, set.light_groups.size(),
+      set.cameras.size());
+}
+
+}  // namespace
+
+PatchSet import_scene(const Job& job, Progress& progress) {
+  GltfScene scene = read_gltf_scene(job, progress);
+  PrimitiveList list = build_primitives(scene, job, progress);
+
+  PatchSet set;
+  set.patches = build_patches(list.primitives, scene.materials, choose_patch_area(list.primitives, job.import));
+  set.primitives = std::move(list.primitives);
+  set.materials = lasting_materials(scene.materials);
+  set.nodes = scene.nodes;
+  set.light_groups = scene.light_groups;
+  set.cameras = scene.cameras;
+  if (set.cameras.empty()) set.cameras.push_back(camera_for(set.primitives));
+  set.sources = scene.sources;
+  set.inputs_key = import_inputs_key(set.sources, job);
+  progress.note(summary(scene, list, set));
+  return set;
+}
+
+}  // namespace patchlight

@@ -1,0 +1,13 @@
+#pragma once
+#include "pipeline/files/job.h"
+#include "pipeline/model/patch_set.h"
+#include "pipeline/stage/progress.h"
+
+namespace patchlight {
+
+/// Reads the job's glTF scene, recognises quads and spheres in it and cuts them into patches.
+/// The file layer sets `key` and `frames_key`.
+/// Throws: Error (missing_input, bad_data, over_limit).
+PatchSet import_scene(const Job& job, Progress& progress);
+
+}  // namespace patchlight

@@ -1,0 +1,22 @@
+#include <cstdio>
+#include <string>
+
+#include "importers/import.h"
+#include "pipeline/files/describe.h"
+#include "pipeline/files/patch_file.h"
+#include "pipeline/stage/stage.h"
+
+int main(int argc, char** argv) {
+  using namespace patchlight;
+  if (argc == 3 && std::string(argv[1]) == "--info") {  // for `patchlight info`
+    return with_progress("import", {}, [&](Progress& progress) {
+      Job job;
+      job.scene = argv[2];
+      std::fputs(describe(import_scene(job, progress)).c_str(), stdout);
+    });
+  }
+  return run_stage("import", argc, argv, [](const Job& job, Progress& progress) {
+    PatchSet scene = import_scene(job, progress);
+    write_patches(job.patch_file(), scene);
+  });
+}

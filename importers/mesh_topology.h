@@ -1,0 +1,41 @@
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "importers/surface.h"
+
+namespace patchlight {
+
+/// Welded triangles and who meets whom.
+struct MeshTopology {
+  struct Triangle {
+    std::array<std::int32_t, 3> vertices{};
+    std::array<std::int32_t, 3> neighbors{-1, -1, -1};  ///< Across the edge from corner i to i + 1; -1: none.
+    std::array<std::int32_t, 3> smooth_vertices{};      ///< Corners with the same number meet without a crease.
+    Vec3d normal{0.0};                                  ///< Unit.
+    double area = 0.0;                                  ///< m2
+  };
+
+  /// Triangles that edges connect.
+  struct Component {
+    std::vector<std::int32_t> triangles;
+    bool closed = false;  ///< Every edge has two triangles, and they agree on which side is out.
+  };
+
+  std::vector<Vec3d> vertices;  ///< m
+  std::vector<Triangle> triangles;
+  std::vector<Component> components;
+  std::size_t without_area = 0;  ///< Triangles that were left out.
+};
+
+/// Welds corners at exactly equal positions and connects the triangles by OpenMesh.
+///
+/// Triangles whose height is below 1e-7 of their longest edge count as without area. Surfaces that meet in an edge of
+/// more than two triangles, or in a point, stay apart. Two triangles meet smoothly across an edge if they are coplanar
+/// (within 1e-3 rad), or if the file's normals agree at both its ends and the edge bends by less than 60 degrees.
+/// Smooth numbers count up from 0.
+MeshTopology build_topology(const TriangleSoup& soup);
+
+}  // namespace patchlight

@@ -1,0 +1,26 @@
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "importers/gltf_reader.h"
+#include "importers/surface.h"
+#include "pipeline/model/patch_set.h"
+
+namespace patchlight {
+
+/// Primitives of a scene as they come together, and what they were made from.
+struct PrimitiveList {
+  std::vector<Primitive> primitives;
+  std::int32_t smooth_vertices = 0;  ///< Numbers in use.
+  std::int64_t quads = 0;
+  std::int64_t triangles = 0;
+  std::int64_t spheres = 0;
+  std::int64_t without_area = 0;  ///< Triangles that were left out.
+};
+
+/// Recognises spheres and quads among a surface's triangles and appends its primitives; behind each of a double-sided
+/// material stands the primitive of its other side.
+void append_primitives(const Surface& surface, const SurfaceMaterial& material, const TriangleSoup& soup,
+                       PrimitiveList& list);
+
+}  // namespace patchlight

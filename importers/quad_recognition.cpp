@@ -1,0 +1,129 @@
+#include "importers/quad_recognition.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <tuple>
+
+namespace patchlight {
+namespace {
+
+constexpr double kFlatness = 1e-4;         // distance of a corner from the other triangle's plane, in longest edges
+constexpr double kLargestFoldSine = 1e-2;  // also for slivers, whose corners are never far from any plane
+constexpr double kLeastCornerSine = 1e-3;
+constexpr double kScoreStep = 1e-5;  // rectangles are equally good up to rounding
+
+using Triangle = MeshTopology::Triangle;
+
+/// Two triangles as a quad. Corners 0 and 2 are the ends of the edge that they share.
+struct Pair {
+  std::int64_t score = 0;  ///< 0 for a rectangle; the cosine of the corner farthest from a right angle.
+  std::int32_t first = 0;
+  std::int32_t second = 0;
+  Facet quad;
+
+  auto order() const { return std::tie(score, first, second); }
+};
+
+bool coplanar(const Triangle& a, const Triangle& b, const std::array<Vec3d, 4>& quad) {
+  if (a.normal.dot(b.normal) <= 0.0 || a.normal.cross(b.normal).length() > kLargestFoldSine) return false;
+  double longest = 0.0;
+  for (std::size_t i = 0; i < 4; ++i) longest = std::max(longest, (quad[(i + 1) % 4] - quad[i]).length());
+  longest = std::max(longest, (quad[2] - quad[0]).length());
+  const double apex_of_b = std::abs(a.normal.dot(quad[1] - quad[0]));
+  const double apex_of_a = std::abs(b.normal.dot(quad[3] - quad[0]));
+  return std::max(apex_of_a, apex_of_b) <= kFlatness * longest;
+}
+
+/// The largest cosine of a corner; nothing unless all corners turn left.
+std::optional<double> farthest_from_rectangle(const std::array<Vec3d, 4>& quad, const Vec3d& normal) {
+  double worst = 0.0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Vec3d in = (quad[(i + 1) % 4] - quad[i]).normalized();
+    const Vec3d out = (quad[(i + 2) % 4] - quad[(i + 1) % 4]).normalized();
+    if (!(in.cross(out).dot(normal) > kLeastCornerSine)) return std::nullopt;
+    worst = std::max(worst, std::abs(in.dot(out)));
+  }
+  return worst;
+}
+
+std::optional<Pair> paired(const MeshTopology& topology, std::int32_t first, int edge) {
+  const Triangle& a = topology.triangles[first];
+  const std::int32_t second = a.neighbors[edge];
+  const Triangle& b = topology.triangles[second];
+  const int end = (edge + 1) % 3;
+  const int rest = (edge + 2) % 3;
+  // b runs through the shared edge the other way; its third corner lies between the edge's ends.
+  const auto start_in_b = std::find(b.vertices.begin(), b.vertices.end(), a.vertices[edge]) - b.vertices.begin();
+  const auto apex = static_cast<std::size_t>(start_in_b + 1) % 3;
+
+  Pair pair;
+  pair.first = first;
+  pair.second = second;
+  const std::array<std::int32_t, 4> vertices{a.vertices[edge], b.vertices[apex], a.vertices[end], a.vertices[rest]};
+  for (std::size_t i = 0; i < 4; ++i) pair.quad.corners[i] = topology.vertices[vertices[i]];
+  pair.quad.smooth_vertices = {a.smooth_vertices[edge], b.smooth_vertices[apex], a.smooth_vertices[end],
+                               a.smooth_vertices[rest]};
+  if (!coplanar(a, b, pair.quad.corners)) return std::nullopt;
+  const std::optional<double> score = farthest_from_rectangle(pair.quad.corners, a.normal);
+  if (!score) return std::nullopt;
+  pair.score = std::llround(*score / kScoreStep);
+  return pair;
+}
+
+Facet single_triangle(const MeshTopology& topology, const Triangle& triangle) {
+  std::size_t start = 0;
+  double shortest = 0.0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double length =
+        (topology.vertices[triangle.vertices[(i + 1) % 3]] - topology.vertices[triangle.vertices[i]]).length();
+    if (i == 0 || length < shortest) {
+      shortest = length;
+      start = i;
+    }
+  }
+  Facet facet;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const std::size_t corner = (start + std::min<std::size_t>(i, 2)) % 3;
+    facet.corners[i] = topology.vertices[triangle.vertices[corner]];
+    facet.smooth_vertices[i] = triangle.smooth_vertices[corner];
+  }
+  return facet;
+}
+
+}  // namespace
+
+std::vector<Facet> recognize_quads(const MeshTopology& topology, const std::vector<char>& taken) {
+  std::vector<Pair> pairs;
+  const auto count = static_cast<std::int32_t>(topology.triangles.size());
+  for (std::int32_t first = 0; first < count; ++first) {
+    if (taken[first]) continue;
+    for (int edge = 0; edge < 3; ++edge) {
+      const std::int32_t second = topology.triangles[first].neighbors[edge];
+      if (second <= first || taken[second]) continue;
+      if (const auto pair = paired(topology, first, edge)) pairs.push_back(*pair);
+    }
+  }
+  std::sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) { return a.order() < b.order(); });
+
+  constexpr std::int32_t none = -1;
+  std::vector<std::int32_t> pair_of(topology.triangles.size(), none);
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const Pair& pair = pairs[i];
+    if (pair_of[pair.first] != none || pair_of[pair.second] != none) continue;
+    pair_of[pair.first] = pair_of[pair.second] = static_cast<std::int32_t>(i);
+  }
+
+  std::vector<Facet> facets;
+  for (std::int32_t t = 0; t < count; ++t) {
+    if (taken[t]) continue;
+    if (pair_of[t] == none) {
+      facets.push_back(single_triangle(topology, topology.triangles[t]));
+    } else if (pairs[pair_of[t]].first == t) {
+      facets.push_back(pairs[pair_of[t]].quad);
+    }
+  }
+  return facets;
+}
+
+}  // namespace patchlight

@@ -1,0 +1,14 @@
+#pragma once
+#include <vector>
+
+#include "importers/mesh_topology.h"
+#include "importers/surface.h"
+
+namespace patchlight {
+
+/// Pairs coplanar triangles that share an edge into convex quads, the most rectangular first; every other triangle
+/// becomes a facet that repeats its last corner, its shortest edge from corner 0 to 1.
+/// `taken[t]` leaves out triangle t. Facets stand in the order of their first triangle.
+std::vector<Facet> recognize_quads(const MeshTopology& topology, const std::vector<char>& taken);
+
+}  // namespace patchlight

@@ -1,0 +1,42 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "pipeline/model/math.h"
+
+namespace patchlight {
+
+/// What light does at a surface.
+struct SurfaceMaterial {
+  std::string name;
+  Color reflectance{0.0f};  ///< Diffuse.
+  Color specular{0.0f};     ///< Of the metallic part.
+  float roughness = 1.0f;   ///< Of the metallic part.
+  Color emission{0.0f};     ///< Radiant exitance, W/m2.
+  bool double_sided = false;
+  std::string light_group;  ///< As the file names it; empty: not named.
+
+  bool emits() const { return emission != Color(0.0f); }
+};
+
+/// Triangles in the world, three corners each, counter-clockwise from the lit side.
+struct TriangleSoup {
+  std::vector<Vec3d> positions;  ///< m. Shape: [3 triangles].
+  std::vector<Vec3f> normals;    ///< Unit, of the file. Shape: [3 triangles]; zero where the file has none.
+};
+
+/// A planar piece of a mesh: a convex quad, or a triangle that repeats its last corner.
+struct Facet {
+  std::array<Vec3d, 4> corners{};
+  std::array<std::int32_t, 4> smooth_vertices{};
+};
+
+/// A sphere that a mesh stands for.
+struct Sphere {
+  Vec3d center{0.0};
+  double radius = 0.0;  ///< m; negative: lit inside.
+};
+
+}  // namespace patchlight

@@ -1,0 +1,218 @@
+#include <OpenImageIO/imageio.h>
+#include <gtest/gtest.h>
+
+#include "tests/expect_error.h"
+#include "tests/importers/gltf_builder.h"
+
+namespace patchlight::test {
+namespace {
+
+/// What one square of a material imports as.
+struct Imported {
+  Importer importer;
+  PatchSet scene;
+
+  Imported(const Json& material, const Json& node, const std::vector<MaterialOverride>& changes) {
+    importer.job.materials = changes;
+    GltfBuilder gltf = single_mesh(grid(1), material, node);
+    scene = importer.import(gltf);
+  }
+  const Patch& patch() const { return scene.patches.at(0); }
+  const Material& material() const { return scene.materials.at(0); }
+};
+
+Imported imported(const Json& material, const Json& node = Json::object(),
+                  const std::vector<MaterialOverride>& changes = {}) {
+  return Imported(material, node, changes);
+}
+
+void expect_color(const Color& actual, const Vec3d& expected) {
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(actual[i], expected[i], 1e-6 * (1 + expected[i]));
+}
+
+MaterialOverride change(const std::string& pattern) {
+  return {pattern, {}, {}, {}};
+}
+
+TEST(Materials, MetallicSplitsBaseColourIntoDiffuseAndMirror) {
+  const Imported square =
+      imported({{"name", "brass"},
+                {"pbrMetallicRoughness",
+                 {{"baseColorFactor", {0.8, 0.4, 0.2, 1}}, {"metallicFactor", 0.25}, {"roughnessFactor", 0.5}}}});
+  expect_color(square.patch().reflectance, {0.6, 0.3, 0.15});
+  expect_color(square.material().specular, {0.2, 0.1, 0.05});
+  EXPECT_FLOAT_EQ(square.material().roughness, 0.5f);
+  EXPECT_EQ(square.material().name, "brass");
+}
+
+TEST(Materials, GltfDefaultsAreAWhiteRoughMetal) {
+  const Imported square = imported({{"name", "bare"}});
+  expect_color(square.patch().reflectance, {0, 0, 0});
+  expect_color(square.material().specular, {1, 1, 1});
+  EXPECT_FLOAT_EQ(square.material().roughness, 1.0f);
+}
+
+TEST(Materials, WhatHasNoMaterialIsDiffuseGreyWithAWarning) {
+  Importer importer;
+  GltfBuilder gltf = single_mesh(grid(1));
+  const PatchSet scene = importer.import(gltf);
+  expect_color(scene.patches.at(0).reflectance, {0.8, 0.8, 0.8});
+  ASSERT_EQ(scene.materials.size(), 1u);
+  EXPECT_EQ(scene.materials[0].name, "default");
+  expect_color(scene.materials[0].specular, {0, 0, 0});
+  EXPECT_THAT(importer.messages(), ::testing::HasSubstr("no material"));
+}
+
+TEST(Materials, EmissionIsPiTimesFactorTimesStrength) {
+  const Imported lamp = imported({{"name", "lamp"},
+                                  {"emissiveFactor", {1, 0.5, 0.25}},
+                                  {"extensions", {{"KHR_materials_emissive_strength", {{"emissiveStrength", 8}}}}}});
+  expect_color(lamp.patch().emission, {8 * kPi, 4 * kPi, 2 * kPi});
+}
+
+TEST(Materials, LightGroupIsTheNodesElseTheMaterialsElseItsName) {
+  const Json plain{{"name", "lights/lamp"}, {"emissiveFactor", {1, 1, 1}}};
+  Json grouped = plain;
+  grouped["extras"] = {{"light_group", "hall"}};
+  EXPECT_EQ(imported(plain).scene.light_groups, std::vector<std::string>{"lights_lamp"});
+  EXPECT_EQ(imported(grouped).scene.light_groups, std::vector<std::string>{"hall"});
+  EXPECT_EQ(imported(grouped, {{"extras", {{"light_group", "a/b"}}}}).scene.light_groups,
+            std::vector<std::string>{"a_b"});
+  EXPECT_EQ(imported({{"emissiveFactor", {1, 1, 1}}}).scene.light_groups, std::vector<std::string>{"default"});
+  EXPECT_EQ(imported(plain).scene.primitives[0].light_group, 0);
+}
+
+TEST(Materials, WhatDoesNotEmitHasNoLightGroup) {
+  const Imported wall = imported({{"name", "wall"}}, {{"extras", {{"light_group", "hall"}}}});
+  EXPECT_TRUE(wall.scene.light_groups.empty());
+  EXPECT_EQ(wall.scene.primitives[0].light_group, -1);
+}
+
+TEST(Materials, PerfectReflectanceIsLoweredWithAWarning) {
+  const Imported white = imported({{"name", "snow"}, {"pbrMetallicRoughness", {{"metallicFactor", 0}}}});
+  EXPECT_EQ(white.patch().reflectance, Color(0.99999f));
+  EXPECT_THAT(white.importer.messages(), ::testing::HasSubstr("snow"));
+}
+
+TEST(Materials, ValuesOutOfRangeAreRefusedByName) {
+  const auto with_base = [](const std::vector<double>& color) {
+    return Json{{"name", "odd"}, {"pbrMetallicRoughness", {{"baseColorFactor", color}, {"metallicFactor", 0}}}};
+  };
+  EXPECT_ERROR(imported(with_base({1.2, 0, 0, 1})), ExitCode::bad_data, "odd");
+  EXPECT_ERROR(imported(with_base({-0.1, 0, 0, 1})), ExitCode::bad_data, "odd");
+  EXPECT_ERROR(imported({{"name", "odd"}, {"emissiveFactor", {-1, 0, 0}}}), ExitCode::bad_data, "odd");
+  EXPECT_ERROR(imported({{"name", "odd"}, {"pbrMetallicRoughness", {{"metallicFactor", 1.5}}}}), ExitCode::bad_data,
+               "odd");
+  EXPECT_ERROR(imported({{"name", "odd"},
+                         {"emissiveFactor", {1, 1, 1}},
+                         {"extensions", {{"KHR_materials_emissive_strength", {{"emissiveStrength", 1e300}}}}}}),
+               ExitCode::bad_data, "odd");
+}
+
+TEST(Materials, JobOverridesWhatMatchesAPattern) {
+  MaterialOverride walls = change("wall_*");
+  walls.reflectance = Color(0.1f, 0.2f, 0.3f);
+  walls.emission = Color(5.0f);
+  const Imported wall =
+      imported({{"name", "wall_red"}, {"pbrMetallicRoughness", {{"metallicFactor", 0}}}}, {}, {walls});
+  expect_color(wall.patch().reflectance, {0.1, 0.2, 0.3});
+  expect_color(wall.patch().emission, {5, 5, 5});
+  EXPECT_EQ(wall.scene.light_groups, std::vector<std::string>{"wall_red"});
+}
+
+TEST(Materials, OverrideCanMendAValueOutOfRange) {
+  MaterialOverride mend = change("odd");
+  mend.reflectance = Color(0.5f);
+  const Json bad{{"name", "odd"}, {"pbrMetallicRoughness", {{"baseColorFactor", {2, 2, 2, 1}}, {"metallicFactor", 0}}}};
+  EXPECT_EQ(imported(bad, {}, {mend}).patch().reflectance, Color(0.5f));
+}
+
+TEST(Materials, MirrorOverrideTakesFromTheDiffusePart) {
+  MaterialOverride mirror = change("glass");
+  mirror.mirror = Color(0.9f);
+  const Imported glass = imported(
+      {{"name", "glass"}, {"pbrMetallicRoughness", {{"baseColorFactor", {0.5, 0.05, 0.5, 1}}, {"metallicFactor", 0}}}},
+      {}, {mirror});
+  expect_color(glass.material().specular, {0.9, 0.9, 0.9});
+  EXPECT_EQ(glass.material().roughness, 0.0f);
+  expect_color(glass.patch().reflectance, {0.1, 0.05, 0.1});
+}
+
+TEST(Materials, MirrorAndReflectanceBeyondOneAreABadJob) {
+  MaterialOverride both = change("glass");
+  both.mirror = Color(0.9f);
+  both.reflectance = Color(0.2f);
+  EXPECT_ERROR(imported({{"name", "glass"}}, {}, {both}), ExitCode::bad_config, "materials.glass");
+}
+
+TEST(Materials, PatternThatMatchesNothingIsWarnedOf) {
+  EXPECT_THAT(imported({{"name", "wall"}}, {}, {change("wal")}).importer.messages(),
+              ::testing::HasSubstr("materials.wal "));
+}
+
+/// A PNG of 2 x 1 texels.
+void write_png(const std::filesystem::path& file, const std::array<unsigned char, 6>& texels) {
+  const auto image = OIIO::ImageOutput::create(file.string());
+  ASSERT_TRUE(image && image->open(file.string(), OIIO::ImageSpec(2, 1, 3, OIIO::TypeDesc::UINT8)));
+  ASSERT_TRUE(image->write_image(OIIO::TypeDesc::UINT8, texels.data()));
+  image->close();
+}
+
+GltfBuilder textured(const std::string& slot, const std::string& uri) {
+  Json material{{"name", "tiles"},
+                {"pbrMetallicRoughness", {{"metallicFactor", slot == "metallicRoughnessTexture" ? 1 : 0}}}};
+  material["pbrMetallicRoughness"][slot] = {{"index", 0}};
+  GltfBuilder gltf = single_mesh(grid(1), material);
+  gltf.json["textures"] = {{{"source", 0}}};
+  gltf.json["images"] = {{{"uri", uri}}};
+  return gltf;
+}
+
+TEST(Materials, TextureCountsByItsLinearMean) {
+  Importer importer;
+  write_png(importer.folder / "tiles.png", {255, 0, 188, 0, 0, 188});
+  GltfBuilder gltf = textured("baseColorTexture", "tiles.png");
+  const PatchSet scene = importer.import(gltf);
+  const double grey = std::pow((188 / 255.0 + 0.055) / 1.055, 2.4);
+  EXPECT_NEAR(scene.patches[0].reflectance.x, 0.5, 1e-4);
+  EXPECT_NEAR(scene.patches[0].reflectance.y, 0.0, 1e-6);
+  EXPECT_NEAR(scene.patches[0].reflectance.z, grey, 1e-4);
+  ASSERT_EQ(scene.sources.size(), 2u);
+  EXPECT_EQ(scene.sources[1].path, "tiles.png");
+  EXPECT_THAT(importer.messages(), ::testing::HasSubstr("mean colour"));
+}
+
+TEST(Materials, MetallicRoughnessTextureIsLinear) {
+  Importer importer;
+  write_png(importer.folder / "finish.png", {0, 51, 102, 0, 51, 102});
+  GltfBuilder gltf = textured("metallicRoughnessTexture", "finish.png");
+  const PatchSet scene = importer.import(gltf);
+  expect_color(scene.materials[0].specular, {0.4, 0.4, 0.4});
+  EXPECT_NEAR(scene.materials[0].roughness, 0.2, 1e-5);
+}
+
+TEST(Materials, MissingTextureIsMissingInput) {
+  Importer importer;
+  GltfBuilder gltf = textured("baseColorTexture", "absent.png");
+  EXPECT_ERROR(importer.import(gltf), ExitCode::missing_input, "absent.png");
+}
+
+TEST(Materials, OtherAndDamagedImagesAreRefused) {
+  Importer importer;
+  importer.folder.write("image.exr", "\x76\x2f\x31\x01 an OpenEXR file");
+  importer.folder.write("image.jpg", "\xff\xd8\xff and then nothing");
+  for (const char* file : {"image.exr", "image.jpg"}) {
+    GltfBuilder gltf = textured("baseColorTexture", file);
+    EXPECT_ERROR(importer.import(gltf), ExitCode::bad_data, "images[0]");
+  }
+}
+
+TEST(Materials, TexturesOfUnusedMaterialsAreNotRead) {
+  Importer importer;
+  GltfBuilder gltf = textured("baseColorTexture", "absent.png");
+  gltf.primitive(0).erase("material");
+  EXPECT_EQ(importer.import(gltf).primitives.size(), 1u);
+}
+
+}  // namespace
+}  // namespace patchlight::test
