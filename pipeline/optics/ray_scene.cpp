@@ -1,0 +1,215 @@
+#include "pipeline/optics/ray_scene.h"
+
+#include <ImathBox.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <new>
+
+#include "pipeline/model/error.h"
+
+namespace patchlight {
+
+namespace {
+
+constexpr unsigned kQuadGeometry = 0;
+constexpr unsigned kSphereGeometry = 1;
+
+// Intersection points of planes are good to about 8 units in the last place; of spheres, where two squares nearly
+// cancel, to about 32.
+constexpr float kPlaneOffset = 0x1p-20f;
+constexpr float kSphereOffset = 0x1p-18f;
+
+float largest(const Vec3f& v) {
+  return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+}
+
+Imath::Box3d bounds_of(const PatchSet& scene) {
+  Imath::Box3d bounds;
+  for (const Primitive& p : scene.primitives) {
+    if (p.shape == Primitive::Shape::quad) {
+      for (const auto& corner : p.corners) bounds.extendBy(corner);
+    } else {
+      bounds.extendBy(p.sphere_center - Vec3d(std::abs(p.sphere_radius)));
+      bounds.extendBy(p.sphere_center + Vec3d(std::abs(p.sphere_radius)));
+    }
+  }
+  return bounds;
+}
+
+/// (u,v) on the bilinear quad whose corner 2 is (a, b) in the frame of its edges, of the point (s, t) in that frame:
+/// s = u (1 + v (a - 1)), t = v (1 + u (b - 1)).
+Vec2f inverse_bilinear(float a, float b, float s, float t) {
+  const float k = a - 1.0f;
+  const float linear = 1.0f + (b - 1.0f) * s - t * k;
+  float v = t / linear;
+  if (k != 0.0f) {
+    const float root = std::sqrt(std::max(0.0f, linear * linear + 4.0f * k * t));
+    v = 2.0f * t / (linear + root);
+  }
+  v = std::clamp(v, 0.0f, 1.0f);
+  const float width = 1.0f + v * k;
+  return {width > 0.0f ? std::clamp(s / width, 0.0f, 1.0f) : 0.5f, v};
+}
+
+}  // namespace
+
+void RayPacket::clear() {
+  valid.fill(0);
+}
+
+void RayPacket::set(int lane, const Vec3f& origin, const Vec3f& direction, float t_near) {
+  auto& r = rays.ray;
+  r.org_x[lane] = origin.x;
+  r.org_y[lane] = origin.y;
+  r.org_z[lane] = origin.z;
+  r.dir_x[lane] = direction.x;
+  r.dir_y[lane] = direction.y;
+  r.dir_z[lane] = direction.z;
+  r.tnear[lane] = t_near;
+  r.tfar[lane] = std::numeric_limits<float>::infinity();
+  r.time[lane] = 0.0f;
+  r.mask[lane] = ~0u;
+  r.id[lane] = 0;
+  r.flags[lane] = 0;
+  rays.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
+  rays.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
+  valid[lane] = -1;
+}
+
+RayScene::RayScene(const PatchSet& scene) {
+  const Imath::Box3d bounds = bounds_of(scene);
+  origin_ = bounds.center();
+  offsets_.resize(scene.primitives.size());
+  // One thread builds, so that the tree, and with it who wins between touching surfaces, is always the same.
+  device_ = rtcNewDevice("threads=1,set_affinity=0");
+  if (!device_) throw Error(ExitCode::unavailable, "Embree does not start", "", "check the processor and libembree3");
+  scene_ = rtcNewScene(device_);
+  rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
+  add_quads(scene);
+  add_spheres(scene);
+  rtcCommitScene(scene_);
+  if (rtcGetDeviceError(device_) == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
+}
+
+RayScene::~RayScene() {
+  rtcReleaseScene(scene_);
+  rtcReleaseDevice(device_);
+}
+
+void RayScene::add_quads(const PatchSet& scene) {
+  std::vector<std::array<Vec3f, 4>> corners;
+  for (std::size_t i = 0; i < scene.primitives.size(); ++i) {
+    const Primitive& p = scene.primitives[i];
+    if (p.shape != Primitive::Shape::quad) continue;
+    std::array<Vec3f, 4> local;
+    for (int k = 0; k < 4; ++k) local[k] = to_local(p.corners[k]);
+    float size = 0;
+    for (const auto& corner : local) size = std::max(size, largest(corner));
+    offsets_[i] = std::max(size * kPlaneOffset, std::numeric_limits<float>::min());
+    if (p.back >= 0 && p.back < std::int32_t(i)) continue;
+    corners.push_back(local);
+    const Vec3d e1 = p.corners[1] - p.corners[0], e3 = p.corners[3] - p.corners[0], d = p.corners[2] - p.corners[0];
+    const Vec3d normal = e1 % e3;
+    const double scale = 1.0 / (normal ^ normal);
+    const double a = ((d % e3) ^ normal) * scale, b = ((e1 % d) ^ normal) * scale;
+    const auto snapped = [](double x) { return std::abs(x - 1.0) < 1e-5 ? 1.0f : float(x); };
+    quads_.push_back(
+        {std::int32_t(i), p.back, p.is_triangle() ? 0.0f : snapped(a), p.is_triangle() ? 1.0f : snapped(b)});
+  }
+  if (quads_.empty()) return;
+  RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_QUAD);
+  auto* vertices = static_cast<Vec3f*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                                               sizeof(Vec3f), 4 * quads_.size()));
+  auto* indices = static_cast<unsigned*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4,
+                                                                 4 * sizeof(unsigned), quads_.size()));
+  if (!vertices || !indices) throw std::bad_alloc();
+  for (std::size_t i = 0; i < quads_.size(); ++i)
+    for (std::size_t k = 0; k < 4; ++k) {
+      vertices[4 * i + k] = corners[i][k];
+      indices[4 * i + k] = unsigned(4 * i + k);
+    }
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometryByID(scene_, geometry, kQuadGeometry);
+  rtcReleaseGeometry(geometry);
+}
+
+void RayScene::add_spheres(const PatchSet& scene) {
+  std::vector<std::array<float, 4>> balls;
+  for (std::size_t i = 0; i < scene.primitives.size(); ++i) {
+    const Primitive& p = scene.primitives[i];
+    if (p.shape != Primitive::Shape::sphere) continue;
+    const Vec3f center = to_local(p.sphere_center);
+    const float radius = float(std::abs(p.sphere_radius));
+    offsets_[i] = (largest(center) + radius) * kSphereOffset;
+    if (p.back >= 0 && p.back < std::int32_t(i)) continue;
+    balls.push_back({center.x, center.y, center.z, radius});
+    const bool outside = p.sphere_radius > 0;
+    spheres_.push_back({outside ? std::int32_t(i) : p.back, outside ? p.back : std::int32_t(i), center});
+  }
+  if (spheres_.empty()) return;
+  RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_SPHERE_POINT);
+  auto* vertices = static_cast<std::array<float, 4>*>(rtcSetNewGeometryBuffer(
+      geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, 4 * sizeof(float), spheres_.size()));
+  if (!vertices) throw std::bad_alloc();
+  std::copy(balls.begin(), balls.end(), vertices);
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometryByID(scene_, geometry, kSphereGeometry);
+  rtcReleaseGeometry(geometry);
+}
+
+void RayScene::intersect(RayPacket& packet, bool coherent) const {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+  rtcIntersect16(packet.valid.data(), scene_, &context, &packet.rays);
+}
+
+SurfaceHit RayScene::hit(const RayPacket& packet, int lane) const {
+  const auto& h = packet.rays.hit;
+  if (packet.valid[lane] == 0 || h.geomID[lane] == RTC_INVALID_GEOMETRY_ID) return {};
+  const Vec3f normal(h.Ng_x[lane], h.Ng_y[lane], h.Ng_z[lane]);
+  const Vec3f direction = packet.direction(lane);
+  const bool outer = (normal ^ direction) < 0;
+  SurfaceHit result;
+  result.t = packet.rays.ray.tfar[lane];
+  if (h.geomID[lane] == kSphereGeometry) {
+    const Sphere& sphere = spheres_[h.primID[lane]];
+    const std::int32_t seen = outer ? sphere.outside : sphere.inside;
+    result.front = seen >= 0;
+    result.primitive = seen >= 0 ? seen : (outer ? sphere.inside : sphere.outside);
+    const Vec2f uv = sphere_uv(packet.origin(lane) + direction * result.t - sphere.center);
+    result.u = uv.x;
+    result.v = uv.y;
+    return result;
+  }
+  const Quad& quad = quads_[h.primID[lane]];
+  result.front = outer || quad.back >= 0;
+  result.primitive = outer || quad.back < 0 ? quad.front : quad.back;
+  result.u = h.u[lane];
+  result.v = h.v[lane];
+  if (quad.a != 1.0f || quad.b != 1.0f) {
+    // Embree splits a quad into the triangles (0,1,3) and (2,3,1).
+    float s = result.u, t = result.v;
+    if (s + t > 1.0f) {
+      const float p = 1.0f - s, q = 1.0f - t;
+      s = quad.a - p * quad.a + q * (1.0f - quad.a);
+      t = quad.b + p * (1.0f - quad.b) - q * quad.b;
+    }
+    const Vec2f uv = inverse_bilinear(quad.a, quad.b, s, t);
+    result.u = uv.x;
+    result.v = uv.y;
+  }
+  if (!outer && quad.back >= 0) result.u = 1.0f - result.u;
+  return result;
+}
+
+Vec2f sphere_uv(const Vec3f& direction) {
+  const float turn = std::atan2(-direction.z, direction.x) * float(0.5 / kPi);
+  const float u = turn < 0.0f ? turn + 1.0f : turn;
+  const float across = std::sqrt(direction.x * direction.x + direction.z * direction.z);
+  return {std::min(u, 1.0f), std::atan2(across, direction.y) * float(1.0 / kPi)};
+}
+
+}  // namespace patchlight

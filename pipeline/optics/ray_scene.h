@@ -1,0 +1,83 @@
+#pragma once
+#include <embree3/rtcore.h>
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "pipeline/model/patch_set.h"
+
+namespace patchlight {
+
+/// Sixteen rays in the scene's local frame, and where they end.
+struct alignas(64) RayPacket {
+  static constexpr int kSize = 16;
+
+  RTCRayHit16 rays;
+  alignas(64) std::array<int, kSize> valid{};  ///< -1: cast this lane; 0: leave it out.
+
+  /// Starts all lanes empty.
+  void clear();
+  /// Sets a lane to go from `origin` along `direction` (any length), from `t_near` on.
+  void set(int lane, const Vec3f& origin, const Vec3f& direction, float t_near = 0.0f);
+  Vec3f origin(int lane) const { return {rays.ray.org_x[lane], rays.ray.org_y[lane], rays.ray.org_z[lane]}; }
+  Vec3f direction(int lane) const { return {rays.ray.dir_x[lane], rays.ray.dir_y[lane], rays.ray.dir_z[lane]}; }
+};
+
+/// Where a ray ends: a primitive and the bilinear or spherical (u,v) on it.
+struct SurfaceHit {
+  std::int32_t primitive = -1;  ///< -1: nothing there.
+  bool front = false;           ///< False: the unlit back of a single-sided primitive.
+  float u = 0.0f;
+  float v = 0.0f;
+  float t = 0.0f;
+};
+
+/// The primitives of a scene as Embree traces them: two-sided surfaces once, in single precision about the scene's
+/// middle. The same rays give the same hits for any number of threads.
+class RayScene {
+ public:
+  explicit RayScene(const PatchSet& scene);
+  ~RayScene();
+  RayScene(const RayScene&) = delete;
+  RayScene& operator=(const RayScene&) = delete;
+
+  Vec3f to_local(const Vec3d& world) const { return Vec3f(world - origin_); }
+
+  /// How far off primitive `i` a ray must start so as not to meet the surface it leaves, in m: some units in the last
+  /// place of the primitive's own coordinates, whatever the size of the scene.
+  float offset(std::int32_t i) const { return offsets_[i]; }
+
+  void intersect(RayPacket& packet, bool coherent) const;
+
+  SurfaceHit hit(const RayPacket& packet, int lane) const;
+
+ private:
+  struct Quad {
+    std::int32_t front;
+    std::int32_t back;
+    float a;  ///< Corner 2 = corner 0 + a * (corner 1 - corner 0) + b * (corner 3 - corner 0).
+    float b;
+  };
+  struct Sphere {
+    std::int32_t outside;
+    std::int32_t inside;
+    Vec3f center;
+  };
+
+  void add_quads(const PatchSet& scene);
+  void add_spheres(const PatchSet& scene);
+
+  Vec3d origin_{0.0};
+  std::vector<float> offsets_;
+  std::vector<Quad> quads_;
+  std::vector<Sphere> spheres_;
+  RTCDevice device_ = nullptr;
+  RTCScene scene_ = nullptr;
+};
+
+/// (u,v) of a direction from a sphere's centre; any length.
+Vec2f sphere_uv(const Vec3f& direction);
+
+}  // namespace patchlight
