@@ -1,0 +1,41 @@
+#include "tracer/camera_rays.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace patchlight {
+namespace {
+
+Camera camera_of(Camera::Projection projection, double vertical) {
+  Camera camera;
+  camera.projection = projection;
+  camera.vertical = vertical;
+  camera.to_world.translate(Vec3d(1, 2, 3));
+  return camera;
+}
+
+TEST(CameraRays, KeepTheVerticalAngleForAnyShapeOfImage) {
+  for (const int width : {50, 100, 300}) {
+    const CameraRays rays(camera_of(Camera::Projection::perspective, 1.0), width, 100);
+    const CameraRay top = rays(float(width) / 2, 0), middle = rays(float(width) / 2, 50);
+    EXPECT_NEAR(std::acos(double(top.direction ^ middle.direction)), 0.5, 1e-6);
+    EXPECT_LT((middle.direction - Vec3f(0, 0, -1)).length(), 1e-6f);
+    EXPECT_EQ(middle.origin, Vec3d(1, 2, 3));
+  }
+}
+
+TEST(CameraRays, LeftOfTheImageIsLeftOfTheCamera) {
+  const CameraRays rays(camera_of(Camera::Projection::perspective, 1.0), 100, 100);
+  EXPECT_LT(rays(0, 50).direction.x, 0);
+  EXPECT_GT(rays(50, 0).direction.y, 0);
+}
+
+TEST(CameraRays, OfAnOrthographicCameraAreParallel) {
+  const CameraRays rays(camera_of(Camera::Projection::orthographic, 2.0), 200, 100);
+  EXPECT_EQ(rays(0, 0).direction, Vec3f(0, 0, -1));
+  EXPECT_LT((rays(0, 0).origin - Vec3d(1 - 4, 2 + 2, 3)).length(), 1e-12);
+}
+
+}  // namespace
+}  // namespace patchlight

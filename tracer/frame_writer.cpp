@@ -1,0 +1,43 @@
+#include "tracer/frame_writer.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "pipeline/files/key.h"
+
+namespace patchlight {
+
+namespace {
+
+/// Largest half float; what is brighter would become infinite in the file.
+constexpr float kBrightest = 65504.0f;
+
+}  // namespace
+
+FrameWriter::FrameWriter(const Job& job, const PatchSet& scene, const EnergyField& energy)
+    : job_(job), scene_(scene), energy_(energy), view_(job.trace.view, job.trace.exposure) {}
+
+void FrameWriter::write(const Frame& frame, Image image, double seconds) const {
+  for (Color& pixel : image.pixels)
+    for (int k = 0; k < 3; ++k) pixel[k] = std::min(pixel[k], kBrightest);
+  Job job = job_;
+  job.output.clear();  // the same picture wherever it is put
+  const std::string& camera = scene_.cameras[frame.camera].name;
+  image.metadata = {
+      {"Software", "Patchlight"},
+      {"Camera", camera},
+      {"Frame", fmt::format("{:04}", frame.number)},
+      {"Scene", job_.scene.filename().string()},
+      {"RenderTime", fmt::format("{:.3f}", seconds)},
+      {"patchlight:key", frame_key(scene_, energy_.key, job_, camera, frame.number)},
+      {"patchlight:patches_key", scene_.key},
+      {"patchlight:energy_key", energy_.key},
+      {"patchlight:job", effective_job(job)},
+  };
+  write_png(frame.png, view_(image));
+  write_exr(frame.exr, image);
+}
+
+}  // namespace patchlight

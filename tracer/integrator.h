@@ -1,0 +1,46 @@
+#pragma once
+#include "pipeline/files/image_file.h"
+#include "pipeline/files/job.h"
+#include "pipeline/model/energy_field.h"
+#include "pipeline/optics/ray_scene.h"
+#include "pipeline/stage/progress.h"
+#include "tracer/irradiance_lookup.h"
+
+namespace patchlight {
+
+/// Renders frames of one solved scene under one setting of its lights. Everything is shared between frames.
+///
+/// A pixel's radiance is the mean over stratified samples of E / pi + rho H / pi plus what mirrors show; mirrors are
+/// followed until what they pass on is below a thousandth.
+class Integrator {
+ public:
+  /// Throws: Error (bad_config) for a light group that the scene does not have.
+  Integrator(const PatchSet& scene, const EnergyField& energy, const Job& job);
+
+  /// Pixels are the same for any number of threads. Throws: Error (interrupted).
+  Image render(const Camera& camera, Progress& progress) const;
+
+ private:
+  /// A ray on its way, and which pixel sample it belongs to.
+  struct Path {
+    std::size_t pixel = 0;
+    Color throughput{1.0f};
+    int mirrors = 0;
+  };
+
+  void trace(RayPacket& packet, std::array<Path, RayPacket::kSize>& paths, Color* pixels) const;
+  /// Adds what a hit shows and turns the lane towards what its mirror shows; false when the path ends.
+  bool shade(RayPacket& packet, int lane, Path& path, Color* pixels) const;
+  Vec3f normal_at(const SurfaceHit& hit, const Vec3f& position) const;
+
+  const PatchSet& scene_;
+  const TraceConfig& config_;
+  RayScene ray_scene_;
+  PatchLookup lookup_;
+  std::vector<Color> emission_;    ///< [patches], under the lights' settings.
+  std::vector<Color> irradiance_;  ///< [patches], of all groups under the lights' settings.
+  std::vector<Vec3f> normals_;     ///< [primitives]; of quads.
+  IrradianceLookup irradiance_lookup_;
+};
+
+}  // namespace patchlight

@@ -1,0 +1,26 @@
+#include "tracer/trace.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+
+#include "pipeline/files/frame_list.h"
+#include "tracer/frame_writer.h"
+#include "tracer/integrator.h"
+
+namespace patchlight {
+
+void trace_frames(const Job& job, const PatchSet& scene, const EnergyField& energy, Progress& progress) {
+  const std::vector<Frame> frames = job_frames(job, scene);
+  const FrameWriter writer(job, scene, energy);
+  const Integrator integrator(scene, energy, job);
+  for (const Frame& frame : frames) {
+    const auto start = std::chrono::steady_clock::now();
+    const Image image = integrator.render(scene.cameras[frame.camera], progress);
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    writer.write(frame, image, seconds);
+    progress.note(fmt::format("{} in {:.2f} s", frame.exr.filename().string(), seconds));
+  }
+}
+
+}  // namespace patchlight
