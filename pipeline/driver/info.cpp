@@ -1,0 +1,48 @@
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <fstream>
+
+#include "pipeline/driver/commands.h"
+#include "pipeline/driver/stage_program.h"
+#include "pipeline/files/describe.h"
+#include "pipeline/files/energy_file.h"
+#include "pipeline/files/file_kind.h"
+#include "pipeline/files/image_file.h"
+#include "pipeline/files/patch_file.h"
+
+namespace patchlight {
+
+namespace {
+
+void show_frame(const std::string& file) {
+  const Image image = read_exr(file);
+  Vec3d sum(0.0);
+  for (const Color& pixel : image.pixels) sum += Vec3d(pixel);
+  sum /= double(image.pixels.size());
+  fmt::print("pixels      {} x {}, mean radiance {:.4g} {:.4g} {:.4g} W/m2/sr\n", image.width, image.height, sum.x,
+             sum.y, sum.z);
+  for (const auto& [name, value] : image.metadata)
+    if (value.find('\n') == std::string::npos) fmt::print("{:<24}{}\n", name, value);
+}
+
+}  // namespace
+
+int show_info(const InfoCommand& command) {
+  switch (kind_of(command.file)) {
+    case FileKind::patches:
+      fmt::print("{}", describe(read_patches(command.file)));
+      break;
+    case FileKind::energy:
+      fmt::print("{}", describe(read_energy(command.file)));
+      break;
+    case FileKind::frame:
+      show_frame(command.file);
+      break;
+    case FileKind::scene:
+      return run_stage_program("import", {"--info", command.file});
+  }
+  return 0;
+}
+
+}  // namespace patchlight

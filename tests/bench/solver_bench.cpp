@@ -1,0 +1,122 @@
+// Rays per CPU second inside the solver against raw Embree, and error against CPU seconds.
+// The scene is configs/cornell_box.glb, or $PATCHLIGHT_BENCH_SCENE; $PATCHLIGHT_BENCH_AREA sets the patch area in m2.
+
+#include <benchmark/benchmark.h>
+#include <tbb/global_control.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <memory>
+#include <random>
+
+#include "importers/import.h"
+#include "pipeline/optics/patch_sampling.h"
+#include "solver/ray_form_factors.h"
+#include "solver/solve.h"
+
+namespace patchlight {
+namespace {
+
+Progress& quiet() {
+  static Progress progress({"bench", true, ""});
+  return progress;
+}
+
+const PatchSet& scene() {
+  static const PatchSet patches = [] {
+    Job job;
+    const char* file = std::getenv("PATCHLIGHT_BENCH_SCENE");
+    const char* area = std::getenv("PATCHLIGHT_BENCH_AREA");
+    job.scene = file ? file : PATCHLIGHT_SOURCE "/configs/cornell_box.glb";
+    if (area) job.import.patch_area = std::atof(area);
+    return import_scene(job, quiet());
+  }();
+  return patches;
+}
+
+/// Pre-generated cosine-distributed packets from all patches; traced, and each hit resolved to its patch.
+void raw_embree(benchmark::State& state) {
+  const RayScene rays(scene());
+  const PatchLookup lookup(scene());
+  std::mt19937 random(1);
+  std::uniform_real_distribution<float> unit(0.0f, 1.0f);
+  constexpr std::size_t kPackets = 1 << 14;
+  const auto packets = std::make_unique<RayPacket[]>(kPackets);
+  for (std::size_t k = 0; k < kPackets; ++k) {
+    const Patch& patch = scene().patches[k * scene().patches.size() / kPackets];
+    const PatchSampler sample(scene().primitives[patch.primitive], patch);
+    for (int lane = 0; lane < RayPacket::kSize; ++lane) {
+      const SurfacePoint point = sample(unit(random), unit(random));
+      Vec3f tangent, bitangent;
+      orthonormal_frame(point.normal, tangent, bitangent);
+      const Vec3f d = cosine_direction(unit(random), unit(random));
+      packets[k].set(lane, rays.to_local(point.position) + point.normal * rays.offset(patch.primitive),
+                     tangent * d.x + bitangent * d.y + point.normal * d.z);
+    }
+  }
+  std::int64_t sum = 0;
+  for (auto _ : state) {
+    for (std::size_t k = 0; k < kPackets; ++k) {
+      RayPacket packet = packets[k];
+      rays.intersect(packet, false);
+      for (int lane = 0; lane < RayPacket::kSize; ++lane) {
+        const SurfaceHit hit = rays.hit(packet, lane);
+        sum += hit.front ? lookup.patch(hit.primitive, hit.u, hit.v) : -1;
+      }
+    }
+  }
+  benchmark::DoNotOptimize(sum);
+  state.SetItemsProcessed(std::int64_t(state.iterations() * kPackets * RayPacket::kSize));
+}
+BENCHMARK(raw_embree)->Unit(benchmark::kMillisecond)->Repetitions(5)->ReportAggregatesOnly();
+
+void solver_cast(benchmark::State& state) {
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  const RayFormFactors factors(scene(), 1);
+  std::vector<Shot> shots;
+  for (std::int32_t i = 0; i < std::int32_t(scene().patches.size()); ++i) shots.push_back({i, 256, 0});
+  for (auto _ : state) benchmark::DoNotOptimize(factors.cast(shots));
+  state.SetItemsProcessed(std::int64_t(state.iterations() * shots.size() * 256));
+}
+BENCHMARK(solver_cast)->Unit(benchmark::kMillisecond)->Repetitions(5)->ReportAggregatesOnly();
+
+std::vector<Color> reflected(const EnergyField& energy) {
+  std::vector<Color> result = radiosity(scene(), energy);
+  for (std::size_t i = 0; i < result.size(); ++i) result[i] -= scene().patches[i].emission;
+  return result;
+}
+
+/// Area-weighted relative L2 of reflected radiosity over patches that do not emit.
+double error_of(const EnergyField& energy, const std::vector<Color>& truth) {
+  const std::vector<Color> values = reflected(energy);
+  double difference = 0, norm = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (scene().patches[i].emission != Color(0.0f)) continue;
+    difference += scene().patches[i].area * double((values[i] - truth[i]).length2());
+    norm += scene().patches[i].area * double(truth[i].length2());
+  }
+  return std::sqrt(difference / norm);
+}
+
+SolveConfig config_of(int rays, double tolerance) {
+  SolveConfig config;
+  config.rays = rays;
+  config.tolerance = tolerance;
+  return config;
+}
+
+void solve_error(benchmark::State& state) {
+  static const std::vector<Color> truth = reflected(solve(scene(), config_of(1 << 16, 1e-5), quiet()));
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  EnergyField energy;
+  for (auto _ : state) energy = solve(scene(), config_of(int(state.range(0)), 1e-3), quiet());
+  state.counters["patches"] = double(scene().patches.size());
+  state.counters["rays"] = double(energy.rays);
+  state.counters["error_percent"] = 100 * error_of(energy, truth);
+}
+BENCHMARK(solve_error)->RangeMultiplier(4)->Range(16, 4096)->Unit(benchmark::kMillisecond)->Iterations(3);
+
+}  // namespace
+}  // namespace patchlight
+
+BENCHMARK_MAIN();

@@ -1,0 +1,146 @@
+#include <gmock/gmock.h>
+#include <signal.h>
+
+#include <chrono>
+#include <thread>
+
+#include "tests/end_to_end/program.h"
+
+namespace patchlight {
+namespace {
+
+using test::Outcome;
+using test::run_program;
+using test::small_job;
+using test::TemporaryFolder;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+class ExitCode : public ::testing::Test {
+ protected:
+  /// Every failure names its program, and leaves no half-written file.
+  void expect(int code, const Outcome& outcome, const std::string& text) {
+    EXPECT_EQ(outcome.code, code) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr("error: "));
+    EXPECT_THAT(outcome.err, HasSubstr(text));
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_.path()))
+      EXPECT_FALSE(entry.path().filename().string().starts_with(".")) << entry.path();
+  }
+  Outcome import(const std::vector<std::string>& arguments) {
+    return run_program(folder_, "patchlight-import", arguments);
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(ExitCode, Is0ForHelpAndVersion) {
+  for (const char* program : {"patchlight", "patchlight-import", "patchlight-solve", "patchlight-trace"}) {
+    EXPECT_EQ(run_program(folder_, program, {"--help"}).code, 0);
+    EXPECT_THAT(run_program(folder_, program, {"--version"}).out, StartsWith("patchlight "));
+  }
+  EXPECT_THAT(import({"--help"}).out, HasSubstr("import.patch_area"));
+}
+
+TEST_F(ExitCode, Is0AndAWarningForASceneWithoutLight) {
+  small_job(folder_, "materials: {light: {emission: [0, 0, 0]}}\n");
+  const Outcome outcome = run_program(folder_, "patchlight", {"run", "job.yaml"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("warning: nothing in the scene emits light"));
+}
+
+TEST_F(ExitCode, Is64ForWrongUsage) {
+  small_job(folder_);
+  expect(64, import({}), "JOB.yaml");
+  expect(64, import({"job.yaml", "--colour"}), "--colour");
+  expect(64, import({"job.yaml", "--set", "solve.rays"}), "--set");
+  expect(64, import({"job.yaml", "--threads", "0"}), "--threads");
+  expect(64, run_program(folder_, "patchlight", {"fly"}), "fly");
+}
+
+TEST_F(ExitCode, Is65ForABadScene) {
+  small_job(folder_);
+  folder_.write("box.glb", "glTF\2\0\0\0 not really");
+  expect(65, import({"job.yaml"}), "box.glb");
+  folder_.write("box.glb", R"({"asset": {"version": "2.0"}})");
+  expect(65, import({"job.yaml"}), "box.glb");
+}
+
+TEST_F(ExitCode, Is65ForADamagedOrForeignFile) {
+  small_job(folder_);
+  ASSERT_EQ(run_program(folder_, "patchlight", {"run", "job.yaml"}).code, 0);
+  // A solution of other patches.
+  ASSERT_EQ(import({"job.yaml", "--set", "import.patch_area=0.02"}).code, 0);
+  expect(65, run_program(folder_, "patchlight-trace", {"job.yaml"}), "another patch file");
+  const std::string whole = test::read_text(folder_ / "out/patches.h5");
+  folder_.write("out/patches.h5", whole.substr(0, whole.size() - 100));
+  expect(65, run_program(folder_, "patchlight-solve", {"job.yaml"}), "patches.h5");
+  folder_.write("out/patches.h5", "nonsense");
+  expect(65, run_program(folder_, "patchlight-solve", {"job.yaml"}), "patches.h5");
+}
+
+TEST_F(ExitCode, Is66ForAMissingInput) {
+  expect(66, import({"none.yaml"}), "none.yaml");
+  small_job(folder_);
+  expect(66, run_program(folder_, "patchlight-solve", {"job.yaml"}), "patches.h5");
+  std::filesystem::remove(folder_ / "box.glb");
+  expect(66, import({"job.yaml"}), "box.glb");
+  expect(66, run_program(folder_, "patchlight", {"run", "job.yaml"}), "box.glb");
+  expect(66, run_program(folder_, "patchlight", {"info", "none.h5"}), "none.h5");
+}
+
+TEST_F(ExitCode, Is73WhenTheOutputCannotBeMade) {
+  small_job(folder_);
+  folder_.write("taken", "");
+  expect(73, import({"job.yaml", "--output", "taken"}), "--output");
+  expect(73, import({"job.yaml", "--log-json", "none/log"}), "--log-json");
+}
+
+TEST_F(ExitCode, Is74WhenTheDiskIsFull) {
+  small_job(folder_);
+  // A limit on the size of files stands in for the end of the disk.
+  const Outcome outcome = run_program(folder_, "patchlight-import", {"job.yaml"}, "ulimit -f 1; trap '' XFSZ;");
+  expect(74, outcome, "cannot write");
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "out/patches.h5"));
+}
+
+TEST_F(ExitCode, Is75AfterASignalAndKeepsThePreviousFile) {
+  small_job(folder_);
+  ASSERT_EQ(run_program(folder_, "patchlight", {"run", "job.yaml"}).code, 0);
+  const std::string before = test::read_text(folder_ / "out/energy.h5");
+  const Outcome outcome =
+      run_program(folder_, "patchlight-solve", {"job.yaml", "--set", "solve.rays=1000000"}, "timeout -s TERM 1");
+  expect(75, {75, outcome.out, outcome.err}, "interrupted");
+  EXPECT_EQ(test::read_text(folder_ / "out/energy.h5"), before);
+}
+
+TEST_F(ExitCode, Is77OverTheLimitOfPatches) {
+  small_job(folder_);
+  expect(77, import({"job.yaml", "--set", "import.max_patches=100"}), "import.max_patches");
+}
+
+TEST_F(ExitCode, Is78ForABadJob) {
+  small_job(folder_);
+  expect(78, import({"job.yaml", "--set", "import.patch_aria=1"}), "import.patch_area");
+  ASSERT_EQ(import({"job.yaml"}).code, 0);
+  const auto solve = [&](const char* set) {
+    return run_program(folder_, "patchlight-solve", {"job.yaml", "--set", set});
+  };
+  expect(78, solve("solve.method=matrix"), "not available");
+  expect(78, solve("solve.form_factors=hemicube"), "not available");
+  ASSERT_EQ(solve("solve.rays=16").code, 0);
+  const auto trace = [&](const char* set) {
+    return run_program(folder_, "patchlight-trace", {"job.yaml", "--set", set});
+  };
+  expect(78, trace("trace.cameras=[nobody]"), "the scene has: camera");
+  expect(78, trace("lights.nobody.scale=2"), "lights.ceiling");
+  expect(78, trace("trace.view=Sepia"), "ACES");
+}
+
+TEST_F(ExitCode, IsToldInTheJsonLog) {
+  small_job(folder_);
+  run_program(folder_, "patchlight-solve", {"job.yaml", "--log-json", "log"});
+  EXPECT_THAT(test::read_text(folder_ / "log"), HasSubstr(R"("exit_code":66)"));
+}
+
+}  // namespace
+}  // namespace patchlight

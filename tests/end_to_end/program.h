@@ -1,0 +1,47 @@
+#pragma once
+#include <sys/wait.h>
+
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include "tests/temporary_folder.h"
+
+namespace patchlight::test {
+
+/// What a program did.
+struct Outcome {
+  int code = -1;  ///< Exit code; 128 + n after signal n.
+  std::string out;
+  std::string err;
+};
+
+inline std::string quoted(const std::string& text) {
+  std::string result = "'";
+  for (const char c : text) result += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return result + "'";
+}
+
+/// Runs a program of this build, in `folder`, with `environment` (`NAME=value ...`) before it.
+inline Outcome run_program(const TemporaryFolder& folder, const std::string& program,
+                           const std::vector<std::string>& arguments, const std::string& environment = "") {
+  std::string command = "cd " + quoted(folder.path().string()) + " && " + environment + " " +
+                        quoted(std::string(PATCHLIGHT_PROGRAMS) + "/" + program);
+  for (const auto& argument : arguments) command += " " + quoted(argument);
+  command += " >stdout.txt 2>stderr.txt </dev/null";
+  const int status = std::system(command.c_str());
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), read_text(folder / "stdout.txt"),
+          read_text(folder / "stderr.txt")};
+}
+
+/// A job of the project's own Cornell box that takes a moment.
+inline std::filesystem::path small_job(const TemporaryFolder& folder, const std::string& more = "") {
+  std::filesystem::copy_file(std::string(PATCHLIGHT_SOURCE) + "/configs/cornell_box.glb", folder / "box.glb",
+                             std::filesystem::copy_options::overwrite_existing);
+  return folder.write("job.yaml",
+                      "scene: box.glb\noutput: out\nimport: {patch_area: 0.01}\nsolve: {rays: 64}\n"
+                      "trace: {resolution: [32, 32], samples: 4}\n" +
+                          more);
+}
+
+}  // namespace patchlight::test

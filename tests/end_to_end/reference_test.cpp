@@ -1,0 +1,89 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "pipeline/files/energy_file.h"
+#include "pipeline/files/image_file.h"
+#include "pipeline/files/patch_file.h"
+#include "tests/end_to_end/program.h"
+
+namespace patchlight {
+namespace {
+
+using test::run_program;
+using test::TemporaryFolder;
+
+const std::string kScenes = PATCHLIGHT_SCENES;
+
+/// Mean over 8 x 8 blocks and channels of |mean I - mean R| / (mean R + 0.01 m), m the mean of R in the channel.
+double block_error(const Image& image, const Image& reference) {
+  Vec3d mean(0.0);
+  for (const Color& c : reference.pixels) mean += Vec3d(c) / double(reference.pixels.size());
+  double sum = 0;
+  int blocks = 0;
+  for (int y = 0; y + 8 <= image.height; y += 8)
+    for (int x = 0; x + 8 <= image.width; x += 8, ++blocks) {
+      Vec3d a(0.0), b(0.0);
+      for (int k = 0; k < 64; ++k) {
+        const std::size_t pixel = std::size_t(y + k / 8) * image.width + x + k % 8;
+        a += Vec3d(image.pixels[pixel]) / 64.0;
+        b += Vec3d(reference.pixels[pixel]) / 64.0;
+      }
+      for (int k = 0; k < 3; ++k) sum += std::abs(a[k] - b[k]) / (b[k] + 0.01 * mean[k]) / 3;
+    }
+  return sum / blocks;
+}
+
+class Reference : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (!std::filesystem::exists(kScenes + "/reference/cornell.exr"))
+      GTEST_SKIP() << "no reference scenes at " << kScenes;
+  }
+  void run(const std::string& scene, const std::string& more) {
+    folder_.write("job.yaml", "scene: " + kScenes + "/blender/" + scene + ".glb\noutput: out\n" + more);
+    const test::Outcome outcome = run_program(folder_, "patchlight", {"run", "job.yaml"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+  }
+  TemporaryFolder folder_;
+};
+
+TEST_F(Reference, CornellMatchesThePathTracerAtTheDefaults) {
+  run("cornell", "trace: {resolution: [256, 256]}\n");
+  EXPECT_LT(block_error(read_exr(folder_ / "out/frames/camera.0001.exr"), read_exr(kScenes + "/reference/cornell.exr")),
+            0.05);
+}
+
+struct Furnace {
+  const char* scene;
+  Vec3d radiance;  ///< Emissive x strength / (1 - rho).
+};
+
+class FurnaceReference : public Reference, public ::testing::WithParamInterface<Furnace> {};
+
+TEST_P(FurnaceReference, MatchesTheClosedForm) {
+  run(GetParam().scene, "trace: {resolution: [32, 32]}\n");
+  const PatchSet scene = read_patches(folder_ / "out/patches.h5");
+  const std::vector<Color> b = radiosity(scene, read_energy(folder_ / "out/energy.h5", scene));
+  Vec3d sum(0.0);
+  double area = 0;
+  for (std::size_t i = 0; i < b.size(); ++i) {
+    sum += Vec3d(b[i]) * scene.patches[i].area;
+    area += scene.patches[i].area;
+  }
+  Vec3d pixels(0.0);
+  const Image image = read_exr(folder_ / "out/frames/camera.0001.exr");
+  for (const Color& c : image.pixels) pixels += Vec3d(c) / double(image.pixels.size());
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_NEAR(sum[k] / area / kPi / GetParam().radiance[k], 1.0, 0.003);
+    EXPECT_NEAR(pixels[k] / GetParam().radiance[k], 1.0, 0.01);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, FurnaceReference,
+                         ::testing::Values(Furnace{"furnace_r050", {2, 1, 0.5}}, Furnace{"furnace_r090", {40, 20, 10}},
+                                           Furnace{"sphere_furnace", {10, 4, 2.5}}),
+                         [](const auto& furnace) { return std::string(furnace.param.scene); });
+
+}  // namespace
+}  // namespace patchlight

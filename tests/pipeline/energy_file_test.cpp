@@ -1,0 +1,64 @@
+#include "pipeline/files/energy_file.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/expect_error.h"
+#include "tests/patch_scene.h"
+#include "tests/temporary_folder.h"
+
+namespace patchlight {
+namespace {
+
+using test::TemporaryFolder;
+
+struct Solved {
+  PatchSet scene;
+  EnergyField energy;
+
+  Solved() {
+    test::PatchScene builder;
+    builder.quad({{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}, 2, 1, {0.5f, 2.0f});
+    scene = builder.get();
+    energy.groups = {{"light", {Color(1.0f), Color(2.0f)}, {Color(0.5f), Color(0.25f)}}};
+    energy.key = "key";
+    energy.patches_key = scene.key;
+    energy.rays = 1234567890123;
+    energy.residual = 1e-4;
+  }
+};
+
+TEST(EnergyFile, ReadsBackWhatWasWritten) {
+  const TemporaryFolder folder;
+  const Solved solved;
+  write_energy(folder / "energy.h5", solved.scene, solved.energy);
+  const EnergyField read = read_energy(folder / "energy.h5", solved.scene);
+  EXPECT_EQ(read.groups[0].direct, solved.energy.groups[0].direct);
+  EXPECT_EQ(read.groups[0].indirect, solved.energy.groups[0].indirect);
+  EXPECT_EQ(read.rays, solved.energy.rays);
+  EXPECT_EQ(read.residual, 1e-4);
+  EXPECT_EQ(read_energy(folder / "energy.h5").groups[0].name, "light");
+}
+
+TEST(EnergyFile, HoldsRadiosityOfEmissionAndAllGroups) {
+  const Solved solved;
+  EXPECT_EQ(radiosity(solved.scene, solved.energy)[0], Color(2.0f + 0.5f * 1.5f));
+}
+
+TEST(EnergyFile, RefusesAnotherScene) {
+  const TemporaryFolder folder;
+  Solved solved;
+  write_energy(folder / "energy.h5", solved.scene, solved.energy);
+  solved.scene.key = "other";
+  EXPECT_ERROR(read_energy(folder / "energy.h5", solved.scene), ExitCode::bad_data, "another patch file");
+}
+
+TEST(EnergyFile, RefusesNegativeIrradiance) {
+  const TemporaryFolder folder;
+  Solved solved;
+  solved.energy.groups[0].direct[1].y = -1;
+  write_energy(folder / "energy.h5", solved.scene, solved.energy);
+  EXPECT_ERROR(read_energy(folder / "energy.h5", solved.scene), ExitCode::bad_data, "/groups/light/direct");
+}
+
+}  // namespace
+}  // namespace patchlight

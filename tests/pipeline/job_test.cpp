@@ -1,0 +1,102 @@
+#include "pipeline/files/job.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/expect_error.h"
+#include "tests/temporary_folder.h"
+
+namespace patchlight {
+namespace {
+
+using test::TemporaryFolder;
+
+class JobFile : public ::testing::Test {
+ protected:
+  Job read(const std::string& text, const std::vector<std::string>& sets = {}) {
+    return read_job(folder_.write("job.yaml", text), sets);
+  }
+  TemporaryFolder folder_;
+};
+
+constexpr const char* kMinimal = "scene: a.glb\noutput: out\n";
+
+TEST_F(JobFile, GivesDefaultsToAbsentKeys) {
+  const Job job = read(kMinimal);
+  EXPECT_FALSE(job.import.patch_area);
+  EXPECT_EQ(job.solve.rays, 256);
+  EXPECT_EQ(job.trace.resolution, (std::array<int, 2>{640, 480}));
+  EXPECT_EQ(job.patch_file(), folder_.path() / "out" / "patches.h5");
+}
+
+TEST_F(JobFile, ReadsEveryKeyOfTheContract) {
+  const Job job = read(R"(
+scene: sub/a.glb
+output: out
+import: {patch_area: 0.0025}
+materials:
+  red_wall: {reflectance: [0.6, 0.1, 0.1]}
+solve: {method: matrix, form_factors: rays, rays: 64, display: true, hemicube_resolution: 128, tolerance: 1.0e-3}
+lights:
+  lights.lamp: {scale: 2.0, color: [1, 0.8, 0.6]}
+trace: {cameras: [Camera], frames: 1-120, fps: 24, resolution: [320, 200], samples: 4}
+)");
+  EXPECT_EQ(job.scene, folder_.path() / "sub/a.glb");
+  EXPECT_EQ(job.import.patch_area, 0.0025);
+  ASSERT_EQ(job.materials.size(), 1u);
+  EXPECT_EQ(job.materials[0].reflectance, Color(0.6f, 0.1f, 0.1f));
+  EXPECT_EQ(job.solve.method, "matrix");
+  EXPECT_EQ(job.lights.at("lights.lamp").scale, 2.0);
+  EXPECT_EQ(job.trace.frames, "1-120");
+}
+
+TEST_F(JobFile, NamesAnUnknownKeyItsLineAndTheNearest) {
+  EXPECT_ERROR(read("scene: a.glb\noutput: out\nsolve:\n  toleranse: 1\n"), ExitCode::bad_config,
+               "unknown key `solve.toleranse` (" + (folder_ / "job.yaml").string() +
+                   ", line 4): did you mean `solve.tolerance`?");
+  EXPECT_ERROR(read("scene: a.glb\noutput: out\nsolver: {}\n"), ExitCode::bad_config, "line 3");
+}
+
+TEST_F(JobFile, RefusesValuesThatAreNotAllowed) {
+  EXPECT_ERROR(read(std::string(kMinimal) + "import: {patch_area: -1}"), ExitCode::bad_config, "import.patch_area");
+  EXPECT_ERROR(read(std::string(kMinimal) + "import: {patch_area: .nan}"), ExitCode::bad_config, "patch_area");
+  EXPECT_ERROR(read(std::string(kMinimal) + "solve: {method: magic}"), ExitCode::bad_config, "matrix or progressive");
+  EXPECT_ERROR(read(std::string(kMinimal) + "solve: {rays: 2.5}"), ExitCode::bad_config, "whole number");
+  EXPECT_ERROR(read(std::string(kMinimal) + "trace: {resolution: [0, 5]}"), ExitCode::bad_config, "resolution");
+  EXPECT_ERROR(read(std::string(kMinimal) + "trace: {frames: 1-x}"), ExitCode::bad_config, "1-120");
+  EXPECT_ERROR(read(std::string(kMinimal) + "materials: {a: {reflectance: [1, 2, 0]}}"), ExitCode::bad_config,
+               "0 to 1");
+  EXPECT_ERROR(read(std::string(kMinimal) + "materials: {a: {colour: 1}}"), ExitCode::bad_config, "colour");
+  EXPECT_ERROR(read(std::string(kMinimal) + "solve: 3"), ExitCode::bad_config, "map");
+  EXPECT_ERROR(read("output: out\n"), ExitCode::bad_config, "scene");
+  EXPECT_ERROR(read("- a\n"), ExitCode::bad_config, "line 1");
+  EXPECT_ERROR(read("a: [1\n"), ExitCode::bad_config, "not valid YAML");
+}
+
+TEST_F(JobFile, SurvivesHostileYaml) {
+  EXPECT_ERROR(read(std::string(100000, '[')), ExitCode::bad_config, "YAML");
+  EXPECT_ERROR(read("scene: &a [*a]\noutput: out\n"), ExitCode::bad_config, "scene");
+  EXPECT_ERROR(read(std::string(2 << 20, ' ')), ExitCode::bad_config, "1 MiB");
+  EXPECT_ERROR(read_job(folder_ / "none.yaml"), ExitCode::missing_input, "none.yaml");
+}
+
+TEST_F(JobFile, IsOverriddenBySets) {
+  const Job job = read(kMinimal, {"solve.rays=32", "lights.\"lights.lamp\".scale=2", "trace.cameras=[a, b]"});
+  EXPECT_EQ(job.solve.rays, 32);
+  EXPECT_EQ(job.lights.at("lights.lamp").scale, 2.0);
+  EXPECT_EQ(job.trace.cameras, (std::vector<std::string>{"a", "b"}));
+}
+
+TEST_F(JobFile, TellsMalformedSetsFromUnknownKeys) {
+  for (const char* set : {"solve.rays", "=3", "solve..rays=3", "solve.rays=[", "a.\"b=3", "solve.rays="})
+    EXPECT_ERROR(read(kMinimal, {set}), ExitCode::usage, "--set");
+  EXPECT_ERROR(read(kMinimal, {"solve.ray=3"}), ExitCode::bad_config, "did you mean `solve.rays`?");
+  EXPECT_ERROR(read(kMinimal, {"solve.rays=-3"}), ExitCode::bad_config, "--set");
+}
+
+TEST_F(JobFile, EffectiveJobReadsBackAsTheSameJob) {
+  const Job job = read(kMinimal, {"solve.rays=32", "lights.\"a.b\".color=[1, 0.5, 0]", "materials.x.mirror=[1,1,1]"});
+  EXPECT_EQ(effective_job(read(effective_job(job))), effective_job(job));
+}
+
+}  // namespace
+}  // namespace patchlight

@@ -1,0 +1,35 @@
+#include "pipeline/files/key.h"
+
+#include <gtest/gtest.h>
+
+namespace patchlight {
+namespace {
+
+TEST(Key, DependsOnWhatCanChangeTheSolution) {
+  const SolveConfig usual;
+  SolveConfig other = usual;
+  other.rays = 512;
+  EXPECT_EQ(energy_key("k", usual), energy_key("k", SolveConfig()));
+  EXPECT_NE(energy_key("k", usual), energy_key("k", other));
+  EXPECT_NE(energy_key("k", usual), energy_key("l", usual));
+}
+
+TEST(Key, OfAnImportIgnoresWhereTheSceneStands) {
+  const Job job;
+  EXPECT_EQ(import_inputs_key({{"a.glb", "hash"}}, job), import_inputs_key({{"b.glb", "hash"}}, job));
+  EXPECT_NE(import_inputs_key({{"a.glb", "hash"}}, job), import_inputs_key({{"a.glb", "hush"}}, job));
+  EXPECT_NE(import_inputs_key({{"a.gltf", "hash"}, {"x.bin", "hash"}}, job),
+            import_inputs_key({{"a.gltf", "hash"}, {"y.bin", "hash"}}, job));
+}
+
+TEST(Key, OfAFrameIgnoresLightsAtTheirOwnStrength) {
+  PatchSet scene;
+  Job plain, lit;
+  lit.lights["lamp"];
+  EXPECT_EQ(frame_key(scene, "e", plain, "c", 1), frame_key(scene, "e", lit, "c", 1));
+  lit.lights["lamp"].scale = 2;
+  EXPECT_NE(frame_key(scene, "e", plain, "c", 1), frame_key(scene, "e", lit, "c", 1));
+}
+
+}  // namespace
+}  // namespace patchlight

@@ -1,0 +1,97 @@
+#include "pipeline/files/patch_file.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "pipeline/files/patch_check.h"
+#include "tests/expect_error.h"
+#include "tests/patch_scene.h"
+#include "tests/temporary_folder.h"
+
+namespace patchlight {
+namespace {
+
+using test::PatchScene;
+using test::TemporaryFolder;
+
+PatchSet sample() {
+  PatchScene builder;
+  builder.quad({{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}, 3, 2, {0.5f, 2.0f});
+  builder.quad({{{0, 0, 1}, {1, 0, 1}, {0, 1, 1}, {0, 1, 1}}}, 2, 2, {});
+  builder.sphere({1, 2, 3}, -0.5, 4, 6, {});
+  PatchSet scene = builder.get();
+  scene.sources = {{"", "abc"}, {"b.bin", "def"}};
+  scene.inputs_key = "inputs";
+  scene.cameras[0].vertical = 0.5;
+  return scene;
+}
+
+TEST(PatchFile, ReadsBackWhatWasWritten) {
+  const TemporaryFolder folder;
+  PatchSet scene = sample();
+  write_patches(folder / "patches.h5", scene);
+  const PatchSet read = read_patches(folder / "patches.h5");
+  ASSERT_EQ(read.patches.size(), scene.patches.size());
+  for (std::size_t i = 0; i < scene.patches.size(); ++i) {
+    EXPECT_EQ(read.patches[i].center, scene.patches[i].center);
+    EXPECT_EQ(read.patches[i].normal, scene.patches[i].normal);
+    EXPECT_EQ(read.patches[i].area, scene.patches[i].area);
+    EXPECT_EQ(read.patches[i].emission, scene.patches[i].emission);
+    EXPECT_EQ(read.patches[i].u1, scene.patches[i].u1);
+  }
+  ASSERT_EQ(read.primitives.size(), 3u);
+  EXPECT_EQ(read.primitives[2].sphere_radius, -0.5);
+  EXPECT_EQ(read.primitives[0].light_group, 0);
+  EXPECT_EQ(read.primitives[1].corners, scene.primitives[1].corners);
+  EXPECT_EQ(read.cameras[0].to_world, scene.cameras[0].to_world);
+  EXPECT_EQ(read.sources[1].path, "b.bin");
+  EXPECT_EQ(read.key, scene.key);
+  EXPECT_EQ(read.frames_key, scene.frames_key);
+  EXPECT_EQ(read.inputs_key, "inputs");
+}
+
+TEST(PatchFile, KeepsItsKeyWhenOnlyACameraMoves) {
+  const TemporaryFolder folder;
+  PatchSet scene = sample(), moved = sample(), repainted = sample();
+  moved.cameras[0].to_world.translate(Vec3d(0, 1, 0));
+  repainted.patches[0].reflectance = Color(0.1f);
+  write_patches(folder / "a.h5", scene);
+  write_patches(folder / "b.h5", moved);
+  write_patches(folder / "c.h5", repainted);
+  EXPECT_EQ(scene.key, moved.key);
+  EXPECT_NE(scene.frames_key, moved.frames_key);
+  EXPECT_NE(scene.key, repainted.key);
+  EXPECT_EQ(scene.frames_key, repainted.frames_key);
+}
+
+TEST(PatchFile, RefusesBrokenPromises) {
+  const std::vector<std::pair<std::string, std::function<void(PatchSet&)>>> faults{
+      {"/patches/primitive", [](PatchSet& s) { s.patches[0].primitive = 9; }},
+      {"/patches/uv", [](PatchSet& s) { s.patches[0].u1 = 0.9f; }},
+      {"/patches/uv", [](PatchSet& s) { s.patches.pop_back(); }},
+      {"/patches/uv", [](PatchSet& s) { std::swap(s.patches[0], s.patches[1]); }},
+      {"/patches/area", [](PatchSet& s) { s.patches[0].area = 0; }},
+      {"/patches/center", [](PatchSet& s) { s.patches[0].center.x = NAN; }},
+      {"/patches/normal", [](PatchSet& s) { s.patches[0].normal = Vec3f(2, 0, 0); }},
+      {"/patches/reflectance", [](PatchSet& s) { s.patches[0].reflectance.y = 1.0f; }},
+      {"/patches/emission", [](PatchSet& s) { s.patches[0].emission.x = -1.0f; }},
+      {"/primitives/light_group", [](PatchSet& s) { s.primitives[0].light_group = 7; }},
+      {"/primitives/light_group", [](PatchSet& s) { s.primitives[0].light_group = -1; }},
+      {"/primitives/back", [](PatchSet& s) { s.primitives[0].back = 1; }},
+      {"/primitives/material", [](PatchSet& s) { s.primitives[0].material = -1; }},
+      {"/primitives/sphere", [](PatchSet& s) { s.primitives[2].sphere_radius = 0; }},
+      {"/cameras", [](PatchSet& s) { s.cameras[0].vertical = 0; }},
+      {"/patches/area", [](PatchSet& s) { s.patches.clear(); }},
+  };
+  for (const auto& [where, spoil] : faults) {
+    const TemporaryFolder folder;
+    PatchSet scene = sample();
+    spoil(scene);
+    write_patches(folder / "patches.h5", scene);
+    EXPECT_ERROR(read_patches(folder / "patches.h5"), ExitCode::bad_data, where);
+  }
+}
+
+}  // namespace
+}  // namespace patchlight
