@@ -6,42 +6,51 @@
 #include <cmath>
 #include <numeric>
 
-#include "solver/ray_form_factors.h"
+#include "pipeline/model/error.h"
 
 namespace patchlight {
 
 namespace {
 
-constexpr std::uint64_t kBatchRays = 1 << 20;
+constexpr std::uint32_t kPacket = 16;     // rays are cast by sixteens
+constexpr double kMostRays = 1 << 22;     // of one shot
+constexpr double kOvershootUntil = 1e-2;  // of the residual: it saves a fifth of the shots until here, and costs beyond
 
 double channel_sum(const Vec3d& c) {
   return c.x + c.y + c.z;
 }
+Vec3d positive(const Vec3d& c) {
+  return {std::max(c.x, 0.0), std::max(c.y, 0.0), std::max(c.z, 0.0)};
+}
 
 struct Group {
-  std::vector<Vec3d> direct;  ///< Irradiance, W/m2.
-  std::vector<Vec3d> indirect;
-  std::vector<Vec3d> unshot;  ///< Reflected and not passed on yet, W/m2.
-  double emitted = 0.0;       ///< W, sum of channels.
-  double source_norm = 0.0;   ///< Of rho D.
+  std::vector<Vec3d> direct;    ///< Irradiance, W/m2.
+  std::vector<Vec3d> indirect;  ///< Irradiance, W/m2.
+  std::vector<Vec3d> unshot;    ///< Reflected and not passed on yet, W/m2.
+  double emitted = 0.0;         ///< W, sum of channels.
+  double source_norm = 0.0;     ///< Of rho D.
+  double unshot_norm = 0.0;
+  Vec3d ambient{0.0};  ///< Irradiance that the unshot light is going to cause on average, W/m2.
 };
 
 class Refinement {
  public:
-  Refinement(const PatchSet& scene, const SolveConfig& config)
+  Refinement(const PatchSet& scene, const SolveConfig& config, FormFactorSource& form_factors)
       : scene_(scene),
         config_(config),
-        form_factors_(scene, std::uint64_t(config.seed)),
+        form_factors_(form_factors),
+        by_rays_(config.form_factors == "rays"),
         groups_(scene.light_groups.size()),
         power_(scene.patches.size()),
-        cast_(scene.patches.size()) {
-    for (Group& group : groups_) {
-      group.direct.resize(scene.patches.size(), Vec3d(0.0));
-      group.indirect.resize(scene.patches.size(), Vec3d(0.0));
-      group.unshot.resize(scene.patches.size(), Vec3d(0.0));
+        used_(scene.patches.size()) {
+    for (Group& group : groups_)
+      for (auto* field : {&group.direct, &group.indirect, &group.unshot}) field->resize(power_.size(), Vec3d(0.0));
+    for (const Patch& patch : scene.patches) {
+      area_ += patch.area;
+      reflectance_ += Vec3d(patch.reflectance) * patch.area;
+      if (Group* group = emitting_group(patch)) group->emitted += patch.area * channel_sum(Vec3d(patch.emission));
     }
-    for (const Patch& patch : scene.patches)
-      if (Group* group = group_of(patch)) group->emitted += patch.area * channel_sum(Vec3d(patch.emission));
+    reflectance_ /= area_;
   }
 
   void shoot_emitters(Progress& progress);
@@ -49,110 +58,147 @@ class Refinement {
   EnergyField result() const;
 
  private:
-  Group* group_of(const Patch& patch) {
+  Group* emitting_group(const Patch& patch) {
     const std::int32_t index = scene_.primitives[patch.primitive].light_group;
     return index >= 0 && patch.emission != Color(0.0f) ? &groups_[index] : nullptr;
   }
 
-  /// Rays for a shot that carries `share` of what a group emits.
-  std::uint32_t ray_count(double share) const {
-    const double wanted = share * config_.rays * double(scene_.patches.size());
-    return std::uint32_t(std::clamp(std::ceil(wanted / RayPacket::kSize), 1.0, 65536.0)) * RayPacket::kSize;
-  }
+  double rays_of(double share) const { return share * config_.rays * double(power_.size()); }
 
+  /// A shot that carries `share` of what all groups emit, each counted as one.
   Shot make_shot(std::int32_t patch, double share) {
-    const Shot shot{patch, ray_count(share), cast_[patch]};
-    cast_[patch] += shot.rays;
+    Shot shot{patch, 0, used_[patch]};
+    if (by_rays_) {
+      const double packets = std::ceil(rays_of(share) / kPacket);
+      shot.rays = std::uint32_t(std::clamp(packets, 1.0, kMostRays / kPacket)) * kPacket;
+    }
+    used_[patch] += by_rays_ ? shot.rays : 1;
     return shot;
   }
 
-  /// Calls pass_on(shot, ends of its rays) for every shot, in order.
+  /// Calls pass_on(shot, its row of form factors) for every shot, in order.
   template <class PassOn>
-  void cast(std::span<const Shot> shots, PassOn pass_on) {
-    for (std::size_t begin = 0, end; begin < shots.size(); begin = end) {
-      std::uint64_t rays = 0;
-      for (end = begin; end < shots.size() && (end == begin || rays + shots[end].rays <= kBatchRays); ++end)
-        rays += shots[end].rays;
-      const std::vector<std::int32_t> ends = form_factors_.cast(shots.subspan(begin, end - begin));
-      const std::int32_t* next = ends.data();
-      for (const Shot& shot : shots.subspan(begin, end - begin)) {
-        pass_on(shot, std::span(next, shot.rays));
-        next += shot.rays;
+  void shoot(std::span<const Shot> shots, PassOn pass_on) {
+    while (!shots.empty()) {
+      const std::span<const Shot> batch = shots.first(form_factors_.batch(shots));
+      const std::vector<std::span<const FormFactor>> rows = form_factors_.rows(batch);
+      for (std::size_t k = 0; k < batch.size(); ++k) {
+        pass_on(batch[k], rows[k]);
+        rays_ += batch[k].rays;
       }
-      rays_ += std::int64_t(rays);
-      shots_ += std::int64_t(end - begin);
+      shots_ += std::int64_t(batch.size());
+      shots = shots.subspan(batch.size());
       Progress::check_interrupted();
     }
   }
 
-  void receive(Group& group, std::vector<Vec3d>& irradiance, std::int32_t j, const Vec3d& flux) {
-    const Patch& patch = scene_.patches[j];
-    const Vec3d added = flux / patch.area;
-    const Vec3d reflected = added * Vec3d(patch.reflectance);
-    irradiance[j] += added;
-    group.unshot[j] += reflected;
-    power_[j] += channel_sum(reflected) * patch.area / group.emitted;
+  /// Gives `flux` (W) of a group out along a row.
+  void pass_on(Group& group, std::vector<Vec3d>& irradiance, const Vec3d& flux, std::span<const FormFactor> row) {
+    double received = 0;
+    for (const FormFactor& f : row) {
+      const Patch& patch = scene_.patches[f.patch];
+      const Vec3d added = flux * (double(f.value) / patch.area);
+      irradiance[f.patch] += added;
+      group.unshot[f.patch] += added * Vec3d(patch.reflectance);
+      received += f.value;
+    }
+    shot_flux_ += channel_sum(positive(flux)) / group.emitted;
+    received_flux_ += received * channel_sum(positive(flux)) / group.emitted;
   }
 
+  void take_stock();
   std::vector<Shot> most_unshot();
-  double unshot_norm(const Group& group) const;
-  double residual() const;
+
+  double residual() const {
+    double largest = 0;
+    for (const Group& group : groups_)
+      if (group.source_norm > 0) largest = std::max(largest, group.unshot_norm / group.source_norm);
+    return largest;
+  }
 
   const PatchSet& scene_;
   const SolveConfig& config_;
-  RayFormFactors form_factors_;
+  FormFactorSource& form_factors_;
+  const bool by_rays_;
   std::vector<Group> groups_;
   std::vector<double> power_;        ///< Unshot power of each patch, over what its groups emit.
-  std::vector<std::uint64_t> cast_;  ///< Rays that each patch has cast.
+  std::vector<std::uint64_t> used_;  ///< Samples that each patch has used.
+  double area_ = 0.0;                ///< m2
+  Vec3d reflectance_{0.0};           ///< Mean over the area.
+  double shot_flux_ = 0.0, received_flux_ = 0.0;
   std::int64_t shots_ = 0;
   std::int64_t rays_ = 0;
 };
 
 void Refinement::shoot_emitters(Progress& progress) {
+  // An emitter's light is seen directly: its hemicubes stand on many points, one for every 32 patches of the scene.
+  const double points = double(power_.size()) / 32;
   std::vector<Shot> shots;
-  for (std::size_t i = 0; i < scene_.patches.size(); ++i) {
+  std::vector<int> parts(power_.size());
+  for (std::size_t i = 0; i < power_.size(); ++i) {
     const Patch& patch = scene_.patches[i];
-    const Group* group = group_of(patch);
+    const Group* group = emitting_group(patch);
     if (!group) continue;
-    const double share = patch.area * channel_sum(Vec3d(patch.emission)) / group->emitted;
-    shots.push_back(make_shot(std::int32_t(i), share / double(groups_.size())));
+    const double share = patch.area * channel_sum(Vec3d(patch.emission)) / (group->emitted * double(groups_.size()));
+    parts[i] = int(std::ceil(by_rays_ ? rays_of(share) / kMostRays : std::min(share * points, 64.0)));
+    for (int k = 0; k < parts[i]; ++k) shots.push_back(make_shot(std::int32_t(i), share / parts[i]));
   }
-  cast(shots, [&](const Shot& shot, std::span<const std::int32_t> ends) {
+  shoot(shots, [&](const Shot& shot, std::span<const FormFactor> row) {
     const Patch& patch = scene_.patches[shot.patch];
-    Group& group = *group_of(patch);
-    const Vec3d flux = Vec3d(patch.emission) * (patch.area / shot.rays);
-    for (const std::int32_t j : ends)
-      if (j >= 0) receive(group, group.direct, j, flux);
+    Group& group = *emitting_group(patch);
+    pass_on(group, group.direct, Vec3d(patch.emission) * (patch.area / parts[shot.patch]), row);
     progress.update(0.0, "direct light");
   });
-  for (Group& group : groups_) group.source_norm = unshot_norm(group);
+  take_stock();
+  for (Group& group : groups_) group.source_norm = group.unshot_norm;
 }
 
 void Refinement::shoot_reflections(Progress& progress) {
   const double first = residual();
-  const std::int64_t most_shots = config_.max_shots * std::int64_t(scene_.patches.size());
-  double left = first;
-  while (left > config_.tolerance && shots_ < most_shots) {
-    const std::vector<Shot> shots = most_unshot();
-    cast(shots, [&](const Shot& shot, std::span<const std::int32_t> ends) {
-      power_[shot.patch] = 0;
+  const std::int64_t most_shots = config_.max_shots * std::int64_t(power_.size());
+  while (residual() > config_.tolerance && shots_ < most_shots) {
+    const bool overshoot = !by_rays_ && residual() > kOvershootUntil;
+    shoot(most_unshot(), [&](const Shot& shot, std::span<const FormFactor> row) {
+      const Patch& patch = scene_.patches[shot.patch];
       for (Group& group : groups_) {
-        const Vec3d flux = group.unshot[shot.patch] * (scene_.patches[shot.patch].area / shot.rays);
-        group.unshot[shot.patch] = Vec3d(0.0);
-        if (flux == Vec3d(0.0)) continue;
-        for (const std::int32_t j : ends)
-          if (j >= 0) receive(group, group.indirect, j, flux);
+        Vec3d& unshot = group.unshot[shot.patch];
+        if (unshot == Vec3d(0.0)) continue;
+        Vec3d ahead(0.0);  // at most as much again, lest patches that shoot together overdo it
+        for (int k = 0; overshoot && k < 3; ++k)
+          ahead[k] = std::clamp(double(patch.reflectance[k]) * group.ambient[k], 0.0, std::max(unshot[k], 0.0));
+        const Vec3d shot_now = unshot + ahead;
+        unshot = -ahead;
+        pass_on(group, group.indirect, shot_now * patch.area, row);
       }
     });
-    left = residual();
-    progress.update(std::log(first / std::max(left, 1e-300)) / std::log(first / config_.tolerance),
-                    fmt::format("unshot {:.2g}, {} shots", left, shots_));
+    take_stock();
+    progress.update(std::log(first / std::max(residual(), 1e-300)) / std::log(first / config_.tolerance),
+                    fmt::format("unshot {:.2g}, {} shots", residual(), shots_));
   }
-  if (left > config_.tolerance)
+  if (residual() > config_.tolerance)
     progress.warning(
         fmt::format("stopped after {} shots at a residual of {:.2g}: raise solve.max_shots ({}) or "
                     "solve.tolerance ({})",
-                    shots_, left, config_.max_shots, config_.tolerance));
+                    shots_, residual(), config_.max_shots, config_.tolerance));
+}
+
+/// Sums up what is unshot.
+void Refinement::take_stock() {
+  std::fill(power_.begin(), power_.end(), 0.0);
+  const double kept = shot_flux_ > 0 ? received_flux_ / shot_flux_ : 0.0;
+  for (Group& group : groups_) {
+    double square = 0;
+    Vec3d sum(0.0);
+    for (std::size_t i = 0; i < power_.size(); ++i) {
+      const Vec3d& unshot = group.unshot[i];
+      const double area = scene_.patches[i].area;
+      square += area * unshot.length2();
+      sum += unshot * area;
+      if (group.emitted > 0) power_[i] += area * std::abs(channel_sum(unshot)) / group.emitted;
+    }
+    group.unshot_norm = std::sqrt(square);
+    group.ambient = positive(sum * (kept / area_) / (Vec3d(1.0) - reflectance_ * kept));
+  }
 }
 
 /// The thirty-second part of all patches that has the most unshot power: choosing costs a shot O(1), and a batch is
@@ -172,26 +218,21 @@ std::vector<Shot> Refinement::most_unshot() {
   return shots;
 }
 
-double Refinement::unshot_norm(const Group& group) const {
-  double sum = 0;
-  for (std::size_t i = 0; i < scene_.patches.size(); ++i) sum += scene_.patches[i].area * group.unshot[i].length2();
-  return std::sqrt(sum);
-}
-
-double Refinement::residual() const {
-  double largest = 0;
-  for (const Group& group : groups_)
-    if (group.source_norm > 0) largest = std::max(largest, unshot_norm(group) / group.source_norm);
-  return largest;
-}
-
 EnergyField Refinement::result() const {
   EnergyField energy;
   for (std::size_t g = 0; g < groups_.size(); ++g) {
-    auto& group = energy.groups.emplace_back();
-    group.name = scene_.light_groups[g];
-    for (const Vec3d& h : groups_[g].direct) group.direct.emplace_back(Vec3f(h));
-    for (const Vec3d& h : groups_[g].indirect) group.indirect.emplace_back(Vec3f(h));
+    const Group& from = groups_[g];
+    auto& to = energy.groups.emplace_back();
+    to.name = scene_.light_groups[g];
+    for (std::size_t i = 0; i < power_.size(); ++i) {
+      const bool reached = from.direct[i] != Vec3d(0.0) || from.indirect[i] != Vec3d(0.0);
+      to.direct.emplace_back(Vec3f(from.direct[i]));
+      to.indirect.emplace_back(Vec3f(positive(from.indirect[i] + (reached ? from.ambient : Vec3d(0.0)))));
+      const Color sum = to.direct.back() + to.indirect.back();
+      if (!std::isfinite(sum.x + sum.y + sum.z))
+        throw Error(ExitCode::bad_data, "light group `" + to.name + "` is too strong for single precision", "energy.h5",
+                    "give its emitters less, and frames more by `lights` or the exposure");
+    }
   }
   energy.iterations = shots_;
   energy.rays = rays_;
@@ -201,8 +242,9 @@ EnergyField Refinement::result() const {
 
 }  // namespace
 
-EnergyField progressive_refinement(const PatchSet& scene, const SolveConfig& config, Progress& progress) {
-  Refinement refinement(scene, config);
+EnergyField progressive_refinement(const PatchSet& scene, const SolveConfig& config, FormFactorSource& form_factors,
+                                   Progress& progress) {
+  Refinement refinement(scene, config, form_factors);
   refinement.shoot_emitters(progress);
   refinement.shoot_reflections(progress);
   return refinement.result();

@@ -8,6 +8,7 @@
 #include <array>
 
 #include "pipeline/optics/patch_sampling.h"
+#include "pipeline/optics/random.h"
 
 namespace patchlight {
 
@@ -16,17 +17,6 @@ namespace {
 // Powers of the inverse of the real root of x^5 = x + 1, the best known Kronecker steps in four dimensions, times 2^64.
 constexpr std::array<std::uint64_t, 4> kSteps{0xdb4f0b9175ae2165, 0xbbe0563303a4615f, 0xa0f2ec75a1fe1575,
                                               0x89e182857d9ed689};
-
-std::uint64_t scramble(std::uint64_t x) {  // splitmix64
-  x += 0x9e3779b97f4a7c15;
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111eb;
-  return x ^ (x >> 31);
-}
-
-float to_unit(std::uint64_t x) {
-  return float(x >> 40) * 0x1p-24f;
-}
 
 /// A part of a shot small enough to share work by.
 struct Slice {
@@ -37,6 +27,7 @@ struct Slice {
 };
 
 constexpr std::uint32_t kSliceRays = 4096;
+constexpr std::uint64_t kBatchRays = 1 << 20;
 
 }  // namespace
 
@@ -62,6 +53,33 @@ std::vector<std::int32_t> RayFormFactors::cast(std::span<const Shot> shots) cons
       cast_packets(*slices[i].shot, slices[i].first, slices[i].last, slices[i].ends);
   });
   return ends;
+}
+
+std::size_t RayFormFactors::batch(std::span<const Shot> shots) const {
+  std::uint64_t rays = 0;
+  std::size_t count = 0;
+  while (count < shots.size() && (count == 0 || rays + shots[count].rays <= kBatchRays)) rays += shots[count++].rays;
+  return count;
+}
+
+std::vector<std::span<const FormFactor>> RayFormFactors::rows(std::span<const Shot> shots) {
+  const std::vector<std::int32_t> ends = cast(shots);
+  factors_.clear();
+  std::vector<std::size_t> sizes;
+  const std::int32_t* next = ends.data();
+  for (const Shot& shot : shots) {
+    const std::size_t begin = factors_.size();
+    for (const std::int32_t* last = next + shot.rays; next != last; ++next)
+      if (*next >= 0) factors_.push_back({*next, 1.0f / float(shot.rays)});
+    sizes.push_back(factors_.size() - begin);
+  }
+  std::vector<std::span<const FormFactor>> result;
+  std::size_t begin = 0;
+  for (const std::size_t size : sizes) {
+    result.push_back(std::span(factors_).subspan(begin, size));
+    begin += size;
+  }
+  return result;
 }
 
 void RayFormFactors::cast_packets(const Shot& shot, std::uint32_t first, std::uint32_t last, std::int32_t* ends) const {

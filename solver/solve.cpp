@@ -6,7 +6,9 @@
 
 #include "pipeline/files/key.h"
 #include "pipeline/model/error.h"
+#include "solver/hemicube.h"
 #include "solver/progressive_refinement.h"
+#include "solver/ray_form_factors.h"
 
 namespace patchlight {
 
@@ -17,8 +19,13 @@ void check_available(const SolveConfig& config) {
     throw Error(ExitCode::bad_config, "`" + value + "` is not available yet", key, mend);
   };
   if (config.method != "progressive") refuse(config.method, "solve.method", "use `progressive`");
-  if (config.form_factors != "rays") refuse(config.form_factors, "solve.form_factors", "use `rays`");
   if (config.display) refuse("true", "solve.display", "use `false`");
+}
+
+std::unique_ptr<FormFactorSource> make_form_factors(const PatchSet& scene, const SolveConfig& config) {
+  if (config.form_factors == "hemicube")
+    return std::make_unique<HemicubeFormFactors>(scene, config.hemicube_resolution, std::uint64_t(config.seed));
+  return std::make_unique<RayFormFactors>(scene, std::uint64_t(config.seed));
 }
 
 }  // namespace
@@ -28,15 +35,15 @@ EnergyField solve(const PatchSet& scene, const SolveConfig& config, Progress& pr
   const auto start = std::chrono::steady_clock::now();
   if (scene.light_groups.empty())
     progress.warning("nothing in the scene emits light: all is black; give a material an emission");
-  EnergyField energy = progressive_refinement(scene, config, progress);
+  EnergyField energy = progressive_refinement(scene, config, *make_form_factors(scene, config), progress);
   energy.key = energy_key(scene.key, config);
   energy.patches_key = scene.key;
   energy.method = config.method;
   energy.form_factors = config.form_factors;
   energy.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  progress.note(fmt::format("{} patches, {} shots, {:.3g} million rays, residual {:.2g}, {:.2f} s",
-                            scene.patches.size(), energy.iterations, double(energy.rays) * 1e-6, energy.residual,
-                            energy.seconds));
+  const std::string rays = energy.rays > 0 ? fmt::format(" of {:.3g} million rays", double(energy.rays) * 1e-6) : "";
+  progress.note(fmt::format("{} patches, {} shots{}, residual {:.2g}, {:.2f} s", scene.patches.size(),
+                            energy.iterations, rays, energy.residual, energy.seconds));
   return energy;
 }
 

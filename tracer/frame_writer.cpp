@@ -21,7 +21,7 @@ FrameWriter::FrameWriter(const Job& job, const PatchSet& scene, const EnergyFiel
 
 void FrameWriter::write(const Frame& frame, Image image, double seconds) const {
   for (Color& pixel : image.pixels)
-    for (int k = 0; k < 3; ++k) pixel[k] = std::min(pixel[k], kBrightest);
+    for (int k = 0; k < 3; ++k) pixel[k] = pixel[k] > 0 ? std::min(pixel[k], kBrightest) : 0.0f;  // NaN is not > 0
   Job job = job_;
   job.output.clear();  // the same picture wherever it is put
   const std::string& camera = scene_.cameras[frame.camera].name;

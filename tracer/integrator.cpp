@@ -79,9 +79,7 @@ Integrator::Integrator(const PatchSet& scene, const EnergyField& energy, const J
       lookup_(scene),
       emission_(lit_emission(scene, light_settings(scene, job))),
       irradiance_(lit_irradiance(energy, scene.patches.size(), light_settings(scene, job))),
-      irradiance_lookup_(scene, lookup_, irradiance_) {
-  for (const Primitive& p : scene.primitives) normals_.push_back(point_at(p, 0.5, 0.5).normal);
-}
+      irradiance_lookup_(scene, lookup_, irradiance_) {}
 
 Image Integrator::render(const Camera& camera, Progress& progress) const {
   const auto [width, height] = config_.resolution;
@@ -138,10 +136,10 @@ bool Integrator::shade(RayPacket& packet, int lane, Path& path, Color* pixels) c
   const SurfaceHit hit = ray_scene_.hit(packet, lane);
   if (hit.primitive < 0) return false;
   const Vec3f direction = packet.direction(lane);
-  const Vec3f position = packet.origin(lane) + direction * hit.t;
   if (!hit.front) {
     if (!config_.cull_backfaces) return false;
-    packet.set(lane, position + direction * ray_scene_.offset(hit.primitive), direction);
+    packet.set(lane, ray_scene_.to_local(point_of(hit).position) + direction * ray_scene_.offset(hit.primitive),
+               direction);
     return ++path.mirrors < kMostMirrors;
   }
   const std::int32_t i = lookup_.patch(hit.primitive, hit.u, hit.v);
@@ -153,17 +151,15 @@ bool Integrator::shade(RayPacket& packet, int lane, Path& path, Color* pixels) c
   pixels[path.pixel] += path.throughput * radiance;
   path.throughput *= material.specular;
   if (!mirror || largest(path.throughput) < kLeastThroughput || ++path.mirrors >= kMostMirrors) return false;
-  const Vec3f normal = normal_at(hit, position);
-  packet.set(lane, position + normal * ray_scene_.offset(hit.primitive),
-             direction - normal * (2.0f * (normal ^ direction)));
+  const SurfacePoint point = point_of(hit);
+  packet.set(lane, ray_scene_.to_local(point.position) + point.normal * ray_scene_.offset(hit.primitive),
+             direction - point.normal * (2.0f * (point.normal ^ direction)));
   return true;
 }
 
-Vec3f Integrator::normal_at(const SurfaceHit& hit, const Vec3f& position) const {
-  const Primitive& p = scene_.primitives[hit.primitive];
-  if (p.shape == Primitive::Shape::quad) return normals_[hit.primitive];
-  const Vec3f out = (position - ray_scene_.to_local(p.sphere_center)).normalized();
-  return p.sphere_radius < 0 ? -out : out;
+/// From (u,v), since the ray's own end is only as exact as the ray is long.
+SurfacePoint Integrator::point_of(const SurfaceHit& hit) const {
+  return point_at(scene_.primitives[hit.primitive], hit.u, hit.v);
 }
 
 }  // namespace patchlight

@@ -2,6 +2,7 @@
 #include "pipeline/files/image_file.h"
 #include "pipeline/files/job.h"
 #include "pipeline/model/energy_field.h"
+#include "pipeline/optics/patch_sampling.h"
 #include "pipeline/optics/ray_scene.h"
 #include "pipeline/stage/progress.h"
 #include "tracer/irradiance_lookup.h"
@@ -31,7 +32,7 @@ class Integrator {
   void trace(RayPacket& packet, std::array<Path, RayPacket::kSize>& paths, Color* pixels) const;
   /// Adds what a hit shows and turns the lane towards what its mirror shows; false when the path ends.
   bool shade(RayPacket& packet, int lane, Path& path, Color* pixels) const;
-  Vec3f normal_at(const SurfaceHit& hit, const Vec3f& position) const;
+  SurfacePoint point_of(const SurfaceHit& hit) const;
 
   const PatchSet& scene_;
   const TraceConfig& config_;
@@ -39,7 +40,6 @@ class Integrator {
   PatchLookup lookup_;
   std::vector<Color> emission_;    ///< [patches], under the lights' settings.
   std::vector<Color> irradiance_;  ///< [patches], of all groups under the lights' settings.
-  std::vector<Vec3f> normals_;     ///< [primitives]; of quads.
   IrradianceLookup irradiance_lookup_;
 };
 

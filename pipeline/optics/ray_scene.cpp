@@ -8,6 +8,7 @@
 #include <new>
 
 #include "pipeline/model/error.h"
+#include "pipeline/optics/quad_shape.h"
 
 namespace patchlight {
 
@@ -36,21 +37,6 @@ Imath::Box3d bounds_of(const PatchSet& scene) {
     }
   }
   return bounds;
-}
-
-/// (u,v) on the bilinear quad whose corner 2 is (a, b) in the frame of its edges, of the point (s, t) in that frame:
-/// s = u (1 + v (a - 1)), t = v (1 + u (b - 1)).
-Vec2f inverse_bilinear(float a, float b, float s, float t) {
-  const float k = a - 1.0f;
-  const float linear = 1.0f + (b - 1.0f) * s - t * k;
-  float v = t / linear;
-  if (k != 0.0f) {
-    const float root = std::sqrt(std::max(0.0f, linear * linear + 4.0f * k * t));
-    v = 2.0f * t / (linear + root);
-  }
-  v = std::clamp(v, 0.0f, 1.0f);
-  const float width = 1.0f + v * k;
-  return {width > 0.0f ? std::clamp(s / width, 0.0f, 1.0f) : 0.5f, v};
 }
 
 }  // namespace
@@ -110,13 +96,8 @@ void RayScene::add_quads(const PatchSet& scene) {
     offsets_[i] = std::max(size * kPlaneOffset, std::numeric_limits<float>::min());
     if (p.back >= 0 && p.back < std::int32_t(i)) continue;
     corners.push_back(local);
-    const Vec3d e1 = p.corners[1] - p.corners[0], e3 = p.corners[3] - p.corners[0], d = p.corners[2] - p.corners[0];
-    const Vec3d normal = e1 % e3;
-    const double scale = 1.0 / (normal ^ normal);
-    const double a = ((d % e3) ^ normal) * scale, b = ((e1 % d) ^ normal) * scale;
-    const auto snapped = [](double x) { return std::abs(x - 1.0) < 1e-5 ? 1.0f : float(x); };
-    quads_.push_back(
-        {std::int32_t(i), p.back, p.is_triangle() ? 0.0f : snapped(a), p.is_triangle() ? 1.0f : snapped(b)});
+    const Vec2f shape = quad_shape(p);
+    quads_.push_back({std::int32_t(i), p.back, shape.x, shape.y});
   }
   if (quads_.empty()) return;
   RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_QUAD);

@@ -88,6 +88,15 @@ TEST_F(ExitCode, Is66ForAMissingInput) {
   expect(66, run_program(folder_, "patchlight", {"info", "none.h5"}), "none.h5");
 }
 
+TEST_F(ExitCode, Is69WithoutOpenGl) {
+  small_job(folder_);
+  ASSERT_EQ(import({"job.yaml"}).code, 0);
+  expect(69,
+         run_program(folder_, "patchlight-solve", {"job.yaml", "--set", "solve.form_factors=hemicube"},
+                     "__EGL_VENDOR_LIBRARY_FILENAMES=/none"),
+         "solve.form_factors: rays");
+}
+
 TEST_F(ExitCode, Is73WhenTheOutputCannotBeMade) {
   small_job(folder_);
   folder_.write("taken", "");
@@ -126,7 +135,7 @@ TEST_F(ExitCode, Is78ForABadJob) {
     return run_program(folder_, "patchlight-solve", {"job.yaml", "--set", set});
   };
   expect(78, solve("solve.method=matrix"), "not available");
-  expect(78, solve("solve.form_factors=hemicube"), "not available");
+  expect(78, solve("solve.display=true"), "not available");
   ASSERT_EQ(solve("solve.rays=16").code, 0);
   const auto trace = [&](const char* set) {
     return run_program(folder_, "patchlight-trace", {"job.yaml", "--set", set});

@@ -77,6 +77,36 @@ TEST(ProgressiveRefinement, DirectLightIsThePartThatIsNotReflected) {
   EXPECT_NEAR(energy.groups[0].indirect[0].y, 3 * f * 0.5 * f / (1 - 0.25 * f * f), 3e-3);
 }
 
+TEST(ProgressiveRefinement, ByHemicubesAndByRaysAgree) {
+  PatchScene builder;
+  builder.room(1, 6, {0.7f, 0.0f});
+  builder.sphere({0, -0.6, 0}, 0.4, 4, 8, {0.4f, 0.0f});
+  PatchSet& scene = builder.get();
+  scene.primitives[3].light_group = 0;
+  scene.patches[3 * 36 + 14].emission = Color(5.0f);
+  SolveConfig config = config_of(1 << 14);
+  const EnergyField rays = solve_quietly(scene, config);
+  config.form_factors = "hemicube";
+  const EnergyField hemicubes = solve_quietly(scene, config);
+  double difference = 0, norm = 0;
+  const std::vector<Color> a = radiosity(scene, rays), b = radiosity(scene, hemicubes);
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (scene.patches[i].emission != Color(0.0f)) continue;
+    difference += scene.patches[i].area * std::pow(a[i].y - b[i].y, 2);
+    norm += scene.patches[i].area * a[i].y * a[i].y;
+  }
+  EXPECT_LT(std::sqrt(difference / norm), 0.03);
+  EXPECT_EQ(hemicubes.rays, 0);
+}
+
+TEST(ProgressiveRefinement, ASmallLampGetsAsManyRaysAsItIsWorth) {
+  PatchScene builder;
+  builder.room(1, 40, {0.0f, 0.0f});
+  builder.quad({{{-0.01, 0.9, -0.01}, {0.01, 0.9, -0.01}, {0.01, 0.9, 0.01}, {-0.01, 0.9, 0.01}}}, 1, 1, {0.0f, 1.0f});
+  const EnergyField energy = solve_quietly(builder.get(), config_of(1024));
+  EXPECT_GE(energy.rays, std::int64_t(1024 * builder.get().patches.size()));
+}
+
 TEST(ProgressiveRefinement, GroupsAddUpToTheWhole) {
   PatchScene builder;
   builder.room(1, 4, {0.6f, 0.0f});
@@ -152,7 +182,8 @@ TEST(Solve, RefusesMethodsThatDoNotExistYet) {
   EXPECT_ERROR(solve_quietly(builder.get(), config), ExitCode::bad_config, "solve.method");
   config = {};
   config.form_factors = "hemicube";
-  EXPECT_ERROR(solve_quietly(builder.get(), config), ExitCode::bad_config, "solve.form_factors");
+  config.hemicube_resolution = 65;
+  EXPECT_ERROR(solve_quietly(builder.get(), config), ExitCode::bad_config, "solve.hemicube_resolution");
 }
 
 }  // namespace

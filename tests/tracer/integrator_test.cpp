@@ -75,6 +75,17 @@ TEST(Integrator, MirrorsShowWhatIsBeforeThem) {
   }
 }
 
+TEST(Integrator, MirrorsShowAsMuchFromFarAway) {
+  PatchScene builder;
+  builder.get().materials.push_back({"mirror", Color(1.0f), 0.0f});
+  builder.quad({{{-0.01, -0.01, 0}, {0.01, -0.01, 0}, {0.01, 0.01, 0}, {-0.01, 0.01, 0}}}, 1, 1, {0.0f, 0.0f, 0, 1});
+  builder.quad({{{-9, -9, 400}, {-9, 9, 400}, {9, 9, 400}, {9, -9, 400}}}, 1, 1, {0.0f, 3.0f});
+  Solved solved(builder);
+  solved.camera.to_world.translate(Vec3d(0, 0, 300));
+  solved.camera.vertical = 3e-5;  // the mirror fills the frame
+  for (const Color& pixel : solved.render().pixels) EXPECT_NEAR(pixel.y, 3 / kPi, 1e-5);
+}
+
 TEST(Integrator, EndsBetweenMirrorsThatFaceEachOther) {
   PatchScene builder;
   builder.get().materials[0] = {"mirror", Color(1.0f), 0.0f};

@@ -1,0 +1,124 @@
+#pragma once
+
+// GLSL of PatchIdRenderer.
+
+namespace patchlight {
+
+inline constexpr const char* kQuadVertexShader = R"(#version 450 core
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec2 st;
+layout(location = 2) in uint quad;
+uniform vec3 eye;
+uniform mat3 axes;        // rows: right / width, up, forward
+uniform vec2 height;      // scale and shift that map heights at distance 1 to [-1, 1]
+uniform float near;
+out vec2 at;
+flat out uint index;
+void main() {
+  vec3 p = axes * (position - eye);
+  gl_Position = vec4(p.x, height.x * p.y + height.y * p.z, near, p.z);
+  at = st;
+  index = quad;
+}
+)";
+
+inline constexpr const char* kQuadFragmentShader = R"(#version 450 core
+struct Side { int first, columns, rows, unused; };
+struct Quad { Side front, back; vec4 shape; };  // shape: a, b of corner 2 in the frame of the edges
+layout(std430, binding = 0) readonly buffer Quads { Quad quads[]; };
+in vec2 at;
+flat in uint index;
+layout(location = 0) out uint id;
+
+// s = u (1 + v (a - 1)), t = v (1 + u (b - 1))
+vec2 inverse_bilinear(float a, float b, float s, float t) {
+  float k = a - 1.0, linear = 1.0 + (b - 1.0) * s - t * k;
+  float v = t / linear;
+  if (k != 0.0) v = 2.0 * t / (linear + sqrt(max(0.0, linear * linear + 4.0 * k * t)));
+  float width = 1.0 + v * k;
+  return vec2(width > 0.0 ? s / width : 0.5, v);
+}
+
+void main() {
+  Quad quad = quads[index];
+  vec2 uv = clamp(inverse_bilinear(quad.shape.x, quad.shape.y, at.x, at.y), 0.0, 1.0);
+  Side side = quad.front;
+  if (!gl_FrontFacing) {
+    side = quad.back;
+    uv.x = 1.0 - uv.x;
+  }
+  if (side.first < 0) {
+    id = 0xffffffffu;
+    return;
+  }
+  int column = min(int(uv.x * side.columns), side.columns - 1), row = min(int(uv.y * side.rows), side.rows - 1);
+  id = uint(side.first + row * side.columns + column + 1);
+}
+)";
+
+inline constexpr const char* kSphereVertexShader = R"(#version 450 core
+struct Sphere { vec4 ball; ivec4 rings; };  // centre, radius; first ring and their number, outside and inside
+layout(std430, binding = 1) readonly buffer Spheres { Sphere spheres[]; };
+uniform vec3 eye;
+uniform mat3 axes;
+uniform vec2 height;
+uniform float near;
+out vec3 ray;
+flat out int index;
+const int kCorners[36] = int[36](0,2,1, 1,2,3, 4,5,6, 5,7,6, 0,1,4, 1,5,4, 2,6,3, 3,6,7, 0,4,2, 2,4,6, 1,3,5, 3,7,5);
+void main() {
+  int corner = kCorners[gl_VertexID];
+  vec4 ball = spheres[gl_InstanceID].ball;
+  vec3 box = vec3(corner & 1, (corner >> 1) & 1, corner >> 2) * 2.0 - 1.0;
+  ray = ball.xyz + box * ball.w * 1.001 - eye;
+  vec3 p = axes * ray;
+  gl_Position = vec4(p.x, height.x * p.y + height.y * p.z, near, p.z);
+  index = gl_InstanceID;
+}
+)";
+
+inline constexpr const char* kSphereFragmentShader = R"(#version 450 core
+struct Sphere { vec4 ball; ivec4 rings; };
+layout(std430, binding = 1) readonly buffer Spheres { Sphere spheres[]; };
+layout(std430, binding = 2) readonly buffer Rings { ivec2 rings[]; };  // first patch, patches
+uniform vec3 eye;
+uniform mat3 axes;
+uniform float near;
+uniform int self;         // the sphere that the eye is on, or -1
+uniform bool self_inside;
+in vec3 ray;
+flat in int index;
+layout(location = 0) out uint id;
+void main() {
+  vec4 ball = spheres[index].ball;
+  vec3 from = eye - ball.xyz;
+  float length2 = dot(ray, ray), middle = -dot(from, ray) / length2;
+  vec3 nearest = from + middle * ray;
+  float inside = ball.w * ball.w - dot(nearest, nearest);
+  if (inside <= 0.0) discard;
+  float half_chord = sqrt(inside / length2);
+  float t = middle - half_chord;
+  if (index == self) {
+    if (!self_inside) discard;
+    t = middle + half_chord;
+  } else if (t <= 0.0) {
+    t = middle + half_chord;
+  }
+  float distance = t * (axes * ray).z;
+  if (t <= 0.0 || distance <= near) discard;
+  gl_FragDepth = near / distance;
+
+  vec3 n = from + t * ray;
+  ivec2 side = dot(n, ray) < 0.0 ? spheres[index].rings.xy : spheres[index].rings.zw;
+  if (side.y == 0) {
+    id = 0xffffffffu;
+    return;
+  }
+  float turn = atan(-n.z, n.x) * 0.15915494;
+  float u = turn < 0.0 ? turn + 1.0 : turn, v = atan(length(n.xz), n.y) * 0.31830989;
+  ivec2 ring = rings[side.x + min(int(v * side.y), side.y - 1)];
+  id = uint(ring.x + min(int(u * ring.y), ring.y - 1) + 1);
+}
+)";
+
+}  // namespace patchlight
