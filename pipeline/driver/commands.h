@@ -17,6 +17,18 @@ struct RunCommand {
 /// stage that fails, else 0.
 int run_job(const RunCommand& command, Progress& progress);
 
+struct PreviewCommand {
+  std::string job_file;
+  std::string kind = "patches";
+  std::string camera;
+  std::string patch;
+  CommonOptions common;
+};
+
+/// Draws a picture of a job's patches, radiosity or hemicubes into <output>/preview/. Returns an exit code.
+/// Throws: Error (bad_config, missing_input) for the job.
+int draw_preview(const PreviewCommand& command);
+
 struct InfoCommand {
   std::string file;
 };

@@ -18,6 +18,17 @@ int main(int argc, char** argv) {
   add_common_options(*run_app, run.common);
   run_app->footer(job_key_help());
 
+  PreviewCommand preview;
+  CLI::App* preview_app = app.add_subcommand("preview", "Draw a job's patches, radiosity, irradiance or hemicubes");
+  preview_app->add_option("JOB.yaml", preview.job_file, "The job file; import it, or solve it, first")->required();
+  preview_app->add_option("--kind", preview.kind, "What to draw")
+      ->check(CLI::IsMember({"patches", "radiosity", "irradiance", "hemicube"}))
+      ->capture_default_str();
+  preview_app->add_option("--camera", preview.camera, "From which camera; absent: the job's first");
+  preview_app->add_option("--patch", preview.patch, "The patch to highlight, or whose hemicube to draw")
+      ->check(CLI::NonNegativeNumber);
+  add_common_options(*preview_app, preview.common);
+
   InfoCommand info;
   CLI::App* info_app = app.add_subcommand("info", "Show what is in a glTF scene, patches.h5, energy.h5 or a frame");
   info_app->add_option("FILE", info.file)->required();
@@ -35,13 +46,15 @@ int main(int argc, char** argv) {
 
   if (const auto exit_code = parse_options(app, "patchlight", argc, argv)) return *exit_code;
   int result = 0;
-  const int failure = with_progress(run_app->parsed()    ? "run"
-                                    : info_app->parsed() ? "info"
-                                                         : "diff",
-                                    run.common, [&](Progress& progress) {
-                                      result = run_app->parsed()    ? run_job(run, progress)
-                                               : info_app->parsed() ? show_info(info)
-                                                                    : compare_files(diff);
-                                    });
+  const char* name = run_app->parsed()       ? "run"
+                     : preview_app->parsed() ? "preview"
+                     : info_app->parsed()    ? "info"
+                                             : "diff";
+  const int failure = with_progress(name, run.common, [&](Progress& progress) {
+    result = run_app->parsed()       ? run_job(run, progress)
+             : preview_app->parsed() ? draw_preview(preview)
+             : info_app->parsed()    ? show_info(info)
+                                     : compare_files(diff);
+  });
   return failure != 0 ? failure : result;
 }

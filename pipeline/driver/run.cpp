@@ -8,26 +8,9 @@
 
 namespace patchlight {
 
-namespace {
-
-std::vector<std::string> stage_arguments(const RunCommand& command) {
-  std::vector<std::string> arguments{command.job_file};
-  const auto add = [&](const std::string& option, const std::string& value) {
-    if (!value.empty()) arguments.insert(arguments.end(), {option, value});
-  };
-  for (const auto& set : command.common.sets) add("--set", set);
-  add("--output", command.common.output);
-  add("--threads", command.common.threads > 0 ? std::to_string(command.common.threads) : "");
-  add("--log-json", command.common.log_json);
-  if (command.common.quiet) arguments.push_back("--quiet");
-  return arguments;
-}
-
-}  // namespace
-
 int run_job(const RunCommand& command, Progress& progress) {
   const Job job = read_job(command.job_file, command.common.sets, command.common.output);
-  const std::vector<std::string> arguments = stage_arguments(command);
+  const std::vector<std::string> arguments = stage_arguments(command.job_file, command.common);
 
   /// Runs the stage unless its output is fresh. Returns its exit code.
   const auto bring_up_to_date = [&](const std::string& stage, const Freshness& state) {

@@ -26,6 +26,20 @@ extern "C" void pass_on(int signal) {
 
 }  // namespace
 
+std::vector<std::string> stage_arguments(const std::string& job_file, const CommonOptions& options) {
+  std::vector<std::string> arguments;
+  const auto add = [&](const std::string& option, const std::string& value) {
+    if (!value.empty()) arguments.insert(arguments.end(), {option, value});
+  };
+  for (const auto& set : options.sets) add("--set", set);
+  add("--output", options.output);
+  add("--threads", options.threads > 0 ? std::to_string(options.threads) : "");
+  add("--log-json", options.log_json);
+  if (options.quiet) arguments.push_back("--quiet");
+  arguments.insert(arguments.begin(), job_file);
+  return arguments;
+}
+
 int run_stage_program(const std::string& stage, const std::vector<std::string>& arguments) {
   const std::string program =
       (std::filesystem::read_symlink("/proc/self/exe").parent_path() / ("patchlight-" + stage)).string();

@@ -2,7 +2,12 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/stage/stage.h"
+
 namespace patchlight {
+
+/// A stage's arguments for a job under the driver's own options.
+std::vector<std::string> stage_arguments(const std::string& job_file, const CommonOptions& options);
 
 /// Runs `patchlight-STAGE` of this program's own folder and waits for it. SIGINT and SIGTERM are passed on to it.
 /// Returns its exit code; 70 if it was killed.

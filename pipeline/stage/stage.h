@@ -34,7 +34,8 @@ std::optional<int> parse_options(CLI::App& app, const std::string& name, int arg
 int with_progress(const std::string& stage, const CommonOptions& options, const std::function<void(Progress&)>& body);
 
 /// The body of a stage program's main(): parses the options, reads the job, sets the number of threads, runs `body`
-/// and reports its errors.
-int run_stage(const std::string& stage, int argc, char** argv, const std::function<void(const Job&, Progress&)>& body);
+/// and reports its errors. `more` adds options of the stage's own.
+int run_stage(const std::string& stage, int argc, char** argv, const std::function<void(const Job&, Progress&)>& body,
+              const std::function<void(CLI::App&)>& more = {});
 
 }  // namespace patchlight
