@@ -77,9 +77,11 @@ Integrator::Integrator(const PatchSet& scene, const EnergyField& energy, const J
       config_(job.trace),
       ray_scene_(scene),
       lookup_(scene),
-      emission_(lit_emission(scene, light_settings(scene, job))),
-      irradiance_(lit_irradiance(energy, scene.patches.size(), light_settings(scene, job))),
-      irradiance_lookup_(scene, lookup_, irradiance_) {
+      settings_(light_settings(scene, job)),
+      emission_(lit_emission(scene, settings_)),
+      irradiance_(lit_irradiance(energy, scene.patches.size(), settings_)),
+      irradiance_lookup_(scene, lookup_, irradiance_),
+      shaders_([&scene] { return compile_shaders(scene); }) {
   for (const Primitive& p : scene.primitives) normals_.push_back(point_at(p, 0.5, 0.5).normal);
 }
 
@@ -148,8 +150,10 @@ bool Integrator::shade(RayPacket& packet, int lane, Path& path, Color* pixels) c
   const Material& material = scene_.materials[scene_.primitives[hit.primitive].material];
   const bool mirror = material.roughness < kMirrorRoughness;
   Color reflectance = scene_.patches[i].reflectance;
+  Color emission = emission_[i];
+  if (scene_.primitives[hit.primitive].shader >= 0) apply_shader(hit, reflectance, emission);
   if (!mirror) reflectance += material.specular;
-  const Color radiance = (emission_[i] + reflectance * irradiance_lookup_(hit.primitive, hit.u, hit.v)) / float(kPi);
+  const Color radiance = (emission + reflectance * irradiance_lookup_(hit.primitive, hit.u, hit.v)) / float(kPi);
   pixels[path.pixel] += path.throughput * radiance;
   path.throughput *= material.specular;
   if (!mirror || largest(path.throughput) < kLeastThroughput || ++path.mirrors >= kMostMirrors) return false;
@@ -157,6 +161,16 @@ bool Integrator::shade(RayPacket& packet, int lane, Path& path, Color* pixels) c
   packet.set(lane, position + normal * ray_scene_.offset(hit.primitive),
              direction - normal * (2.0f * (normal ^ direction)));
   return true;
+}
+
+void Integrator::apply_shader(const SurfaceHit& hit, Color& reflectance, Color& emission) const {
+  const Primitive& p = scene_.primitives[hit.primitive];
+  MaterialShader& shader = shaders_.local()[p.shader];
+  const ExpressionInputs at = shader_inputs(scene_, hit.primitive, hit.u, hit.v);
+  if (shader.reflects()) {
+    reflectance = within_range(shader.reflectance(at), most_reflectance(scene_.materials[p.material]));
+  }
+  if (shader.emits()) emission = within_range(shader.emission(at), Color(kMostEmission)) * settings_[p.light_group];
 }
 
 Vec3f Integrator::normal_at(const SurfaceHit& hit, const Vec3f& position) const {
