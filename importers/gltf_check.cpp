@@ -9,6 +9,7 @@
 
 #include "importers/gltf_json.h"
 #include "importers/gltf_reduce.h"
+#include "importers/gltf_texcoord_check.h"
 #include "importers/gltf_tree_check.h"
 #include "pipeline/model/error.h"
 
@@ -235,7 +236,7 @@ void check_nodes(Check& gltf) {
 
 }  // namespace
 
-CheckedGltf check_gltf(std::string_view json, const std::string& file) {
+CheckedGltf check_gltf(std::string_view json, const std::string& file, bool texcoords) {
   const Json root = parse_gltf_json(json, file);
   Check gltf(root, file);
   check_asset(gltf);
@@ -245,11 +246,12 @@ CheckedGltf check_gltf(std::string_view json, const std::string& file) {
   check_buffer_views(gltf, result.buffers);
   check_accessors(gltf);
   check_meshes(gltf);
+  if (texcoords) check_texcoords(root, file);
   check_materials(gltf);
   check_nodes(gltf);
   if (gltf.count("animations") > 0) gltf.ignored.insert("animations are not read: nodes stand in their rest state");
   result.ignored.assign(gltf.ignored.begin(), gltf.ignored.end());
-  result.json = reduced_gltf(root).dump();
+  result.json = reduced_gltf(root, texcoords).dump();
   return result;
 }
 

@@ -1,11 +1,11 @@
 #include "importers/gltf_materials.h"
 
 #include <fmt/format.h>
-#include <fnmatch.h>
 
 #include <algorithm>
 #include <map>
 
+#include "importers/name_pattern.h"
 #include "importers/texture_mean.h"
 #include "pipeline/model/error.h"
 
@@ -98,10 +98,6 @@ SurfaceMaterial default_material() {
   material.name = "default";
   material.reflectance = Color(kDefaultGrey);
   return material;
-}
-
-bool matches(const std::string& pattern, const std::string& name) {
-  return pattern == name || fnmatch(pattern.c_str(), name.c_str(), 0) == 0;
 }
 
 /// What is left for one kind of reflection beside the other.

@@ -100,10 +100,10 @@ void note_what_is_skipped(GltfModel& model) {
 
 }  // namespace
 
-GltfModel load_gltf_model(GltfFile file) {
+GltfModel load_gltf_model(GltfFile file, bool texcoords) {
   GltfModel model;
   model.file = std::move(file);
-  model.checked = check_gltf(model.file.json, model.file.name);
+  model.checked = check_gltf(model.file.json, model.file.name, texcoords);
   model.gltf = parsed_model(model.checked.json, model.file.name);
   model.checked.json.clear();
   load_buffers(model);
@@ -158,6 +158,17 @@ Vec3f AccessorReader::vector(std::size_t element) const {
   std::array<float, 3> value{};
   std::memcpy(value.data(), data + element * stride, sizeof(value));
   return {value[0], value[1], value[2]};
+}
+
+Vec2f AccessorReader::texcoord(std::size_t element) const {
+  const auto pair = [at = data + element * stride](auto zero, float unit) {
+    std::array<decltype(zero), 2> value{};
+    std::memcpy(value.data(), at, sizeof(value));
+    return Vec2f(static_cast<float>(value[0]) / unit, static_cast<float>(value[1]) / unit);
+  };
+  if (component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE) return pair(std::uint8_t{0}, 255.0f);
+  if (component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT) return pair(std::uint16_t{0}, 65535.0f);
+  return pair(0.0f, 1.0f);
 }
 
 }  // namespace patchlight

@@ -33,9 +33,9 @@ struct GltfModel {
   std::vector<std::vector<MeshPart>> mesh_parts;  ///< By mesh.
 };
 
-/// Checks and parses the file and loads its buffers.
+/// Checks and parses the file and loads its buffers; `texcoords` as for check_gltf.
 /// Throws: Error (missing_input, bad_data, over_limit, io_error).
-GltfModel load_gltf_model(GltfFile file);
+GltfModel load_gltf_model(GltfFile file, bool texcoords);
 
 /// The bytes of a bufferView, which check_gltf has shown to lie within what its buffer states.
 /// Throws: Error (bad_data) if the buffer is a placeholder.
@@ -56,6 +56,7 @@ struct AccessorReader {
 
   std::uint32_t index(std::size_t element) const;
   Vec3f vector(std::size_t element) const;
+  Vec2f texcoord(std::size_t element) const;
 };
 
 }  // namespace patchlight

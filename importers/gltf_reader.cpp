@@ -9,6 +9,7 @@
 #include "importers/gltf_cameras.h"
 #include "importers/gltf_materials.h"
 #include "importers/gltf_model.h"
+#include "importers/shader_assignment.h"
 #include "pipeline/model/error.h"
 
 namespace patchlight {
@@ -152,7 +153,8 @@ void assign_light_groups(const GltfModel& model, GltfScene& scene) {
   std::map<std::string, int> numbers;
   for (Surface& surface : scene.surfaces) {
     const SurfaceMaterial& material = scene.materials[surface.material];
-    if (!material.emits()) continue;
+    const bool shader_emits = surface.shader >= 0 && is_set(scene.shaders[surface.shader].emission);
+    if (!material.emits() && !shader_emits) continue;
     const std::string name = light_group(model.gltf.nodes[surface.node], material);
     const auto [entry, is_new] = numbers.emplace(name, static_cast<int>(scene.light_groups.size()));
     if (is_new) scene.light_groups.push_back(name);
@@ -178,7 +180,9 @@ std::vector<Camera> placed_cameras(const GltfModel& model, const std::vector<Pla
 }  // namespace
 
 GltfScene read_gltf_scene(const Job& job, Progress& progress) {
-  const auto model = std::make_shared<GltfModel>(load_gltf_model(read_gltf_file(job.scene)));
+  const std::vector<char> reads_uv = check_shaders(job);
+  const bool texcoords = std::find(reads_uv.begin(), reads_uv.end(), 1) != reads_uv.end();
+  const auto model = std::make_shared<GltfModel>(load_gltf_model(read_gltf_file(job.scene), texcoords));
   for (const std::string& message : model->checked.ignored) progress.warning(message);
 
   GltfScene scene;
@@ -192,6 +196,7 @@ GltfScene read_gltf_scene(const Job& job, Progress& progress) {
   std::vector<char> used(model->gltf.materials.size() + 1, 0);
   for (const Surface& surface : scene.surfaces) used[surface.material] = 1;
   scene.materials = read_materials(*model, used, job, progress);
+  assign_shaders(job, reads_uv, scene, progress);
   assign_light_groups(*model, scene);
   scene.cameras = placed_cameras(*model, nodes, scene.nodes, progress);
   scene.sources = model->file.sources;

@@ -20,7 +20,9 @@ struct Surface {
   int light_group = -1;  ///< Index into GltfScene::light_groups; -1: it does not emit.
   Matrix4 to_world;
   int mesh = 0;
-  int part = 0;  ///< Of the mesh.
+  int part = 0;           ///< Of the mesh.
+  int shader = -1;        ///< Index into GltfScene::shaders; -1: none.
+  bool reads_uv = false;  ///< Its shader reads u or v.
 };
 
 /// What the importer takes from a glTF file. Triangles are read surface by surface, since instances can make a small
@@ -29,6 +31,7 @@ struct GltfScene {
   std::vector<std::string> nodes;  ///< All nodes of the file; `node_N` for one without a name.
   std::vector<SurfaceMaterial> materials;
   std::vector<std::string> light_groups;
+  std::vector<Shader> shaders;
   std::vector<Surface> surfaces;
   std::vector<Camera> cameras;  ///< None is made up here.
   std::vector<SourceFile> sources;
@@ -37,11 +40,13 @@ struct GltfScene {
 };
 
 /// Reads the job's scene: the nodes of the default scene, or all where it has none, in their rest state.
-/// Throws: Error (missing_input, bad_data); (over_limit) where instances make too many triangles; (io_error).
+/// Throws: Error (missing_input, bad_data); (bad_config) for a shader that does not compile; (over_limit) where
+/// instances make too many triangles; (io_error).
 GltfScene read_gltf_scene(const Job& job, Progress& progress);
 
-/// The world-space triangles of a surface; windings are turned where the node's transform mirrors.
-/// Throws: Error (bad_data) naming the node for positions that are not finite and for indices out of range.
+/// The world-space triangles of a surface, with texture coordinates if its shader reads them; windings are turned where
+/// the node's transform mirrors.
+/// Throws: Error (bad_data) naming the node for numbers that are not finite and for indices out of range.
 TriangleSoup read_triangles(const GltfScene& scene, const Surface& surface);
 
 }  // namespace patchlight

@@ -61,11 +61,12 @@ Json reduced_material(const Json& material) {
   return result;
 }
 
-Json reduced_mesh(const Json& mesh) {
+Json reduced_mesh(const Json& mesh, bool texcoords) {
   Json result = kept(mesh, {"name"});
-  result["primitives"] = reduced_list(mesh, "primitives", [](const Json& primitive) {
+  result["primitives"] = reduced_list(mesh, "primitives", [&](const Json& primitive) {
     Json reduced = kept(primitive, {"indices", "material", "mode"});
     reduced["attributes"] = kept(primitive.at("attributes"), {"POSITION", "NORMAL"});
+    if (texcoords) reduced["attributes"].update(kept(primitive.at("attributes"), {"TEXCOORD_0"}));
     if (!reduced["attributes"].contains("POSITION")) reduced.erase("indices");
     return reduced;
   });
@@ -97,12 +98,12 @@ Json reduced_camera(const Json& camera) {
 
 }  // namespace
 
-Json reduced_gltf(const Json& root) {
+Json reduced_gltf(const Json& root, bool texcoords) {
   Json result = kept(root, {"scene"});
   result["asset"] = kept(root.at("asset"), {"version"});
   result["scenes"] = reduced_list(root, "scenes", [](const Json& scene) { return kept(scene, {"nodes"}); });
   result["nodes"] = reduced_list(root, "nodes", reduced_node);
-  result["meshes"] = reduced_list(root, "meshes", reduced_mesh);
+  result["meshes"] = reduced_list(root, "meshes", [&](const Json& mesh) { return reduced_mesh(mesh, texcoords); });
   result["materials"] = reduced_list(root, "materials", reduced_material);
   result["cameras"] = reduced_list(root, "cameras", reduced_camera);
   result["textures"] = reduced_list(root, "textures", [](const Json& texture) { return kept(texture, {"source"}); });

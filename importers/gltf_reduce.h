@@ -5,7 +5,8 @@
 namespace patchlight {
 
 /// The part of a checked glTF file that the importer reads. Whatever is left out cannot harm a parser.
-/// Cameras that make no picture keep their place with a vertical extent of zero.
-Json reduced_gltf(const Json& root);
+/// Texture coordinates stay only if `texcoords` asks for them. Cameras that make no picture keep their place with a
+/// vertical extent of zero.
+Json reduced_gltf(const Json& root, bool texcoords);
 
 }  // namespace patchlight

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "importers/gltf_model.h"
@@ -11,6 +12,7 @@ namespace patchlight {
 namespace {
 
 constexpr double kFarthest = 1e12;  // m; what is farther has no useful digits left and overflows areas
+const Vec2f kNoTexcoord(std::numeric_limits<float>::quiet_NaN());
 
 /// A node's transform, for positions and for normals.
 struct Placement {
@@ -65,16 +67,19 @@ struct CornerOrder {
 };
 
 void append_triangles(const GltfModel& model, const tinygltf::Primitive& primitive, const Placement& placement,
-                      const std::string& node, TriangleSoup& soup) {
+                      const std::string& node, bool texcoords, TriangleSoup& soup) {
   const auto refuse = [&](const std::string& what) {
     throw Error(ExitCode::bad_data, what, fmt::format("{}, node '{}'", model.file.name, node), "mend its mesh");
   };
   const AccessorReader positions(model, primitive.attributes.at("POSITION"));
   std::optional<AccessorReader> normals;
   std::optional<AccessorReader> indices;
+  std::optional<AccessorReader> uvs;
   const auto normal = primitive.attributes.find("NORMAL");
   if (normal != primitive.attributes.end()) normals.emplace(model, normal->second);
   if (primitive.indices >= 0) indices.emplace(model, primitive.indices);
+  const auto uv = primitive.attributes.find("TEXCOORD_0");
+  if (texcoords && uv != primitive.attributes.end()) uvs.emplace(model, uv->second);
 
   const CornerOrder order{primitive.mode};
   const std::size_t count = order.triangles(indices ? indices->count : positions.count);
@@ -90,6 +95,10 @@ void append_triangles(const GltfModel& model, const tinygltf::Primitive& primiti
       }
       soup.positions.push_back(position);
       soup.normals.push_back(normals && normals->data ? placement.normal(normals->vector(vertex)) : Vec3f(0.0f));
+      if (!texcoords) continue;
+      soup.texcoords.push_back(uvs && uvs->data ? uvs->texcoord(vertex) : kNoTexcoord);
+      if (uvs && uvs->data && !std::isfinite(soup.texcoords.back().x + soup.texcoords.back().y))
+        refuse("a texture coordinate is not finite");
     }
   }
 }
@@ -105,7 +114,7 @@ TriangleSoup read_triangles(const GltfScene& scene, const Surface& surface) {
   const Placement placement(surface.to_world);
   for (const int primitive : part.primitives) {
     append_triangles(model, model.gltf.meshes[surface.mesh].primitives[primitive], placement, scene.nodes[surface.node],
-                     soup);
+                     surface.reads_uv, soup);
   }
   return soup;
 }

@@ -10,6 +10,7 @@
 #include "importers/gltf_reader.h"
 #include "importers/patch_builder.h"
 #include "importers/primitive_builder.h"
+#include "importers/shader_averages.h"
 #include "pipeline/files/key.h"
 #include "pipeline/model/error.h"
 
@@ -30,6 +31,7 @@ PrimitiveList build_primitives(const GltfScene& scene, const Job& job, Progress&
     progress.update(static_cast<double>(i + 1) / static_cast<double>(scene.surfaces.size()), scene.nodes[surface.node]);
   }
   if (list.without_area > 0) progress.warning(fmt::format("{} triangles without area are skipped", list.without_area));
+  if (!list.texcoords.empty()) list.texcoords.resize(list.primitives.size(), kOwnTexcoords);
   if (list.primitives.empty()) {
     throw Error(ExitCode::bad_data, "the scene has nothing with an area", job.scene.filename().string(),
                 "it needs a mesh in its default scene");
@@ -67,9 +69,9 @@ std::string summary(const GltfScene& scene, const PrimitiveList& list, const Pat
   }
   return fmt::format(
       "{} triangles read as {} quads, {} triangles, {} spheres; {} patches; modelled: {} metallic materials, "
-      "{} light groups, {} cameras",
+      "{} light groups, {} cameras{}",
       scene.triangles, list.quads, list.triangles, list.spheres, set.patches.size(), mirrors, set.light_groups.size(),
-      set.cameras.size());
+      set.cameras.size(), set.shaders.empty() ? "" : fmt::format(", {} shaders", set.shaders.size()));
 }
 
 }  // namespace
@@ -81,12 +83,15 @@ PatchSet import_scene(const Job& job, Progress& progress) {
   PatchSet set;
   set.patches = build_patches(list.primitives, scene.materials, choose_patch_area(list.primitives, job.import));
   set.primitives = std::move(list.primitives);
+  set.texcoords = std::move(list.texcoords);
+  set.shaders = scene.shaders;
   set.materials = lasting_materials(scene.materials);
   set.nodes = scene.nodes;
   set.light_groups = scene.light_groups;
   set.cameras = scene.cameras;
   if (set.cameras.empty()) set.cameras.push_back(camera_for(set.primitives));
   set.sources = scene.sources;
+  if (!set.shaders.empty()) average_shaders(job, set, progress);
   set.inputs_key = import_inputs_key(set.sources, job);
   progress.note(summary(scene, list, set));
   return set;

@@ -98,20 +98,21 @@ int corner_of(const MeshTopology::Triangle& triangle, std::int32_t vertex) {
                           triangle.vertices.begin());
 }
 
-/// The file's normals by the corners of the connected triangles.
-std::vector<Vec3f> corner_normals(const TriangleSoup& soup, const Connectivity& connected,
-                                  const MeshTopology& topology) {
-  std::vector<Vec3f> normals(topology.triangles.size() * 3);
+/// What the file says of each corner, by the corners of the connected triangles.
+template <class Value>
+std::vector<Value> by_corner(const std::vector<Value>& values, const TriangleSoup& soup, const Connectivity& connected,
+                             const MeshTopology& topology) {
+  std::vector<Value> result(topology.triangles.size() * 3);
   for (std::size_t t = 0; t < topology.triangles.size(); ++t) {
     for (std::size_t i = 0; i < 3; ++i) {
       const std::size_t corner = 3 * static_cast<std::size_t>(connected.soup_triangle[t]) + i;
       for (std::size_t k = 0; k < 3; ++k) {
         const Vec3d& place = topology.vertices[topology.triangles[t].vertices[k]];
-        if (place == soup.positions[corner]) normals[3 * t + k] = soup.normals[corner];
+        if (place == soup.positions[corner]) result[3 * t + k] = values[corner];
       }
     }
   }
-  return normals;
+  return result;
 }
 
 void number_smooth_vertices(MeshTopology& topology, const std::vector<Vec3f>& normals) {
@@ -177,7 +178,8 @@ MeshTopology build_topology(const TriangleSoup& soup) {
   Connectivity connected = connect(soup, vertices, std::move(triangles));
   topology.vertices = std::move(connected.positions);
   fill_triangles(connected, topology);
-  number_smooth_vertices(topology, corner_normals(soup, connected, topology));
+  number_smooth_vertices(topology, by_corner(soup.normals, soup, connected, topology));
+  if (!soup.texcoords.empty()) topology.texcoords = by_corner(soup.texcoords, soup, connected, topology);
   find_components(topology);
   return topology;
 }

@@ -1,6 +1,7 @@
 #include "importers/primitive_builder.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "importers/mesh_topology.h"
 #include "importers/quad_recognition.h"
@@ -14,16 +15,21 @@ Primitive blank_primitive(const Surface& surface) {
   primitive.node = surface.node;
   primitive.material = surface.material;
   primitive.light_group = surface.light_group;
+  primitive.shader = surface.shader;
   return primitive;
 }
 
-/// The other side: seen from there, the corners run the other way and u is mirrored.
+/// Which corners of the front a back's corners are: seen from there they run the other way.
+std::array<std::size_t, 4> corners_of_back(const Primitive& front) {
+  return front.is_triangle() ? std::array<std::size_t, 4>{1, 0, 2, 2} : std::array<std::size_t, 4>{1, 0, 3, 2};
+}
+
+/// The other side; its u is mirrored.
 Primitive other_side(const Primitive& front, std::int32_t smooth_offset) {
   Primitive back = front;
   back.sphere_radius = -front.sphere_radius;
   if (front.shape == Primitive::Shape::sphere) return back;
-  const std::array<std::size_t, 4> order =
-      front.is_triangle() ? std::array<std::size_t, 4>{1, 0, 2, 2} : std::array<std::size_t, 4>{1, 0, 3, 2};
+  const std::array<std::size_t, 4> order = corners_of_back(front);
   for (std::size_t i = 0; i < 4; ++i) {
     back.corners[i] = front.corners[order[i]];
     back.smooth_vertices[i] = front.smooth_vertices[order[i]] + smooth_offset;
@@ -38,6 +44,17 @@ void append(const Primitive& front, bool double_sided, std::int32_t smooth_offse
   list.primitives.push_back(other_side(front, smooth_offset));
   list.primitives[index].back = index + 1;
   list.primitives[index + 1].back = index;
+}
+
+/// Notes the texture coordinates of the primitive appended last, and of its back: the same at the same place.
+void append_texcoords(const Texcoords& front, PrimitiveList& list) {
+  const Primitive& last = list.primitives.back();
+  const bool two = last.back >= 0;
+  list.texcoords.resize(list.primitives.size() - (two ? 2 : 1), kOwnTexcoords);
+  list.texcoords.push_back(front);
+  if (!two) return;
+  const std::array<std::size_t, 4> order = corners_of_back(list.primitives[last.back]);
+  list.texcoords.push_back({front[order[0]], front[order[1]], front[order[2]], front[order[3]]});
 }
 
 /// Numbers the facets' smooth vertices from 0 without gaps. Returns how many there are.
@@ -80,6 +97,7 @@ void append_primitives(const Surface& surface, const SurfaceMaterial& material, 
     primitive.corners = facet.corners;
     for (std::size_t i = 0; i < 4; ++i) primitive.smooth_vertices[i] = facet.smooth_vertices[i] + list.smooth_vertices;
     append(primitive, material.double_sided, smooth_count, list);
+    if (!topology.texcoords.empty() && !std::isnan(facet.texcoords[0].x)) append_texcoords(facet.texcoords, list);
     ++(primitive.is_triangle() ? list.triangles : list.quads);
   }
   list.smooth_vertices += material.double_sided ? 2 * smooth_count : smooth_count;

@@ -11,6 +11,7 @@ namespace patchlight {
 /// Primitives of a scene as they come together, and what they were made from.
 struct PrimitiveList {
   std::vector<Primitive> primitives;
+  std::vector<Texcoords> texcoords;  ///< Of the first primitives, up to the last one that has any from the file.
   std::int32_t smooth_vertices = 0;  ///< Numbers in use.
   std::int64_t quads = 0;
   std::int64_t triangles = 0;

@@ -11,7 +11,9 @@ namespace {
 constexpr double kFlatness = 1e-4;         // distance of a corner from the other triangle's plane, in longest edges
 constexpr double kLargestFoldSine = 1e-2;  // also for slivers, whose corners are never far from any plane
 constexpr double kLeastCornerSine = 1e-3;
-constexpr double kScoreStep = 1e-5;  // rectangles are equally good up to rounding
+constexpr double kMapping = 1e-5;          // of texture coordinates: in their extent over the quad
+constexpr double kMappingRounding = 1e-6;  // in the largest of them
+constexpr double kScoreStep = 1e-5;        // rectangles are equally good up to rounding
 
 using Triangle = MeshTopology::Triangle;
 
@@ -47,6 +49,37 @@ std::optional<double> farthest_from_rectangle(const std::array<Vec3d, 4>& quad, 
   return worst;
 }
 
+Vec2f texcoord(const MeshTopology& topology, std::int32_t triangle, std::size_t corner) {
+  return topology.texcoords[3 * static_cast<std::size_t>(triangle) + corner];
+}
+
+/// Whether the map of texture coordinates of the triangle of corners 0, 2, 3 also holds at corner 1, and whether the
+/// other triangle agrees: `first_end` and `second_end` are what it has at corners 0 and 2.
+bool mapped_as_one(const Facet& quad, const Vec2f& first_end, const Vec2f& second_end) {
+  const auto& c = quad.corners;
+  std::array<Imath::V2d, 4> t;
+  double largest = 0.0;
+  double extent = 0.0;
+  int without = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    t[i] = Imath::V2d(quad.texcoords[i]);
+    without += std::isnan(t[i].x) ? 1 : 0;
+    largest = std::max(largest, t[i].length());
+    extent = std::max(extent, (t[i] - t[0]).length());
+  }
+  if (without == 4) return true;
+  const Vec3d along = c[2] - c[0];
+  const Vec3d up = c[3] - c[0];
+  const Vec3d to = c[1] - c[0];
+  const Vec3d normal = along.cross(up);
+  const double a = to.cross(up).dot(normal) / normal.length2();
+  const double b = along.cross(to).dot(normal) / normal.length2();
+  const Imath::V2d expected = t[0] + (t[2] - t[0]) * a + (t[3] - t[0]) * b;
+  const double tolerance = kMapping * extent + kMappingRounding * largest;
+  return (t[1] - expected).length() <= tolerance && (Imath::V2d(first_end) - t[0]).length() <= tolerance &&
+         (Imath::V2d(second_end) - t[2]).length() <= tolerance;
+}
+
 std::optional<Pair> paired(const MeshTopology& topology, std::int32_t first, int edge) {
   const Triangle& a = topology.triangles[first];
   const std::int32_t second = a.neighbors[edge];
@@ -65,13 +98,20 @@ std::optional<Pair> paired(const MeshTopology& topology, std::int32_t first, int
   pair.quad.smooth_vertices = {a.smooth_vertices[edge], b.smooth_vertices[apex], a.smooth_vertices[end],
                                a.smooth_vertices[rest]};
   if (!coplanar(a, b, pair.quad.corners)) return std::nullopt;
+  if (!topology.texcoords.empty()) {
+    pair.quad.texcoords = {texcoord(topology, first, edge), texcoord(topology, second, apex),
+                           texcoord(topology, first, end), texcoord(topology, first, rest)};
+    if (!mapped_as_one(pair.quad, texcoord(topology, second, start_in_b), texcoord(topology, second, (apex + 1) % 3)))
+      return std::nullopt;
+  }
   const std::optional<double> score = farthest_from_rectangle(pair.quad.corners, a.normal);
   if (!score) return std::nullopt;
   pair.score = std::llround(*score / kScoreStep);
   return pair;
 }
 
-Facet single_triangle(const MeshTopology& topology, const Triangle& triangle) {
+Facet single_triangle(const MeshTopology& topology, std::int32_t index) {
+  const Triangle& triangle = topology.triangles[index];
   std::size_t start = 0;
   double shortest = 0.0;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -87,6 +127,7 @@ Facet single_triangle(const MeshTopology& topology, const Triangle& triangle) {
     const std::size_t corner = (start + std::min<std::size_t>(i, 2)) % 3;
     facet.corners[i] = topology.vertices[triangle.vertices[corner]];
     facet.smooth_vertices[i] = triangle.smooth_vertices[corner];
+    if (!topology.texcoords.empty()) facet.texcoords[i] = texcoord(topology, index, corner);
   }
   return facet;
 }
@@ -118,7 +159,7 @@ std::vector<Facet> recognize_quads(const MeshTopology& topology, const std::vect
   for (std::int32_t t = 0; t < count; ++t) {
     if (taken[t]) continue;
     if (pair_of[t] == none) {
-      facets.push_back(single_triangle(topology, topology.triangles[t]));
+      facets.push_back(single_triangle(topology, t));
     } else if (pairs[pair_of[t]].first == t) {
       facets.push_back(pairs[pair_of[t]].quad);
     }

@@ -25,12 +25,14 @@ struct SurfaceMaterial {
 struct TriangleSoup {
   std::vector<Vec3d> positions;  ///< m. Shape: [3 triangles].
   std::vector<Vec3f> normals;    ///< Unit, of the file. Shape: [3 triangles]; zero where the file has none.
+  std::vector<Vec2f> texcoords;  ///< Shape: [3 triangles], NaN where the file has none; empty where none are wanted.
 };
 
 /// A planar piece of a mesh: a convex quad, or a triangle that repeats its last corner.
 struct Facet {
   std::array<Vec3d, 4> corners{};
   std::array<std::int32_t, 4> smooth_vertices{};
+  std::array<Vec2f, 4> texcoords{};  ///< Set where the soup has them.
 };
 
 /// A sphere that a mesh stands for.

@@ -77,9 +77,11 @@ Integrator::Integrator(const PatchSet& scene, const EnergyField& energy, const J
       config_(job.trace),
       ray_scene_(scene),
       lookup_(scene),
-      emission_(lit_emission(scene, light_settings(scene, job))),
-      irradiance_(lit_irradiance(energy, scene.patches.size(), light_settings(scene, job))),
-      irradiance_lookup_(scene, lookup_, irradiance_) {}
+      settings_(light_settings(scene, job)),
+      emission_(lit_emission(scene, settings_)),
+      irradiance_(lit_irradiance(energy, scene.patches.size(), settings_)),
+      irradiance_lookup_(scene, lookup_, irradiance_),
+      shaders_([&scene] { return compile_shaders(scene); }) {}
 
 Image Integrator::render(const Camera& camera, Progress& progress) const {
   const auto [width, height] = config_.resolution;
@@ -146,8 +148,10 @@ bool Integrator::shade(RayPacket& packet, int lane, Path& path, Color* pixels) c
   const Material& material = scene_.materials[scene_.primitives[hit.primitive].material];
   const bool mirror = material.roughness < kMirrorRoughness;
   Color reflectance = scene_.patches[i].reflectance;
+  Color emission = emission_[i];
+  if (scene_.primitives[hit.primitive].shader >= 0) apply_shader(hit, reflectance, emission);
   if (!mirror) reflectance += material.specular;
-  const Color radiance = (emission_[i] + reflectance * irradiance_lookup_(hit.primitive, hit.u, hit.v)) / float(kPi);
+  const Color radiance = (emission + reflectance * irradiance_lookup_(hit.primitive, hit.u, hit.v)) / float(kPi);
   pixels[path.pixel] += path.throughput * radiance;
   path.throughput *= material.specular;
   if (!mirror || largest(path.throughput) < kLeastThroughput || ++path.mirrors >= kMostMirrors) return false;
@@ -160,6 +164,16 @@ bool Integrator::shade(RayPacket& packet, int lane, Path& path, Color* pixels) c
 /// From (u,v), since the ray's own end is only as exact as the ray is long.
 SurfacePoint Integrator::point_of(const SurfaceHit& hit) const {
   return point_at(scene_.primitives[hit.primitive], hit.u, hit.v);
+}
+
+void Integrator::apply_shader(const SurfaceHit& hit, Color& reflectance, Color& emission) const {
+  const Primitive& p = scene_.primitives[hit.primitive];
+  MaterialShader& shader = shaders_.local()[p.shader];
+  const ExpressionInputs at = shader_inputs(scene_, hit.primitive, hit.u, hit.v);
+  if (shader.reflects()) {
+    reflectance = within_range(shader.reflectance(at), most_reflectance(scene_.materials[p.material]));
+  }
+  if (shader.emits()) emission = within_range(shader.emission(at), Color(kMostEmission)) * settings_[p.light_group];
 }
 
 }  // namespace patchlight

@@ -41,7 +41,7 @@ Freshness patches_freshness(const Job& job, PatchSet& scene) {
     if (sources[i].hash != scene.sources[i].hash) return {false, false, file.filename().string() + " has changed"};
   }
   if (import_inputs_key(sources, job) != scene.inputs_key)
-    return {false, false, "settings of `import` or `materials` have changed"};
+    return {false, false, "settings of `import`, `materials` or `shaders` have changed"};
   return state;
 }
 

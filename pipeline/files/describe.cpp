@@ -44,6 +44,20 @@ std::string describe_materials(const PatchSet& scene) {
   return text;
 }
 
+std::string describe_shaders(const PatchSet& scene) {
+  std::string text = "shaders\n";
+  for (std::size_t i = 0; i < scene.shaders.size(); ++i) {
+    const Shader& shader = scene.shaders[i];
+    const auto uses = std::count_if(scene.primitives.begin(), scene.primitives.end(),
+                                    [&](const Primitive& p) { return p.shader == std::int32_t(i); });
+    text += fmt::format("  {:<24}{} primitives", shader.name, uses);
+    if (is_set(shader.reflectance)) text += fmt::format(", reflectance {}", fmt::join(shader.reflectance, ", "));
+    if (is_set(shader.emission)) text += fmt::format(", emission {}", fmt::join(shader.emission, ", "));
+    text += "\n";
+  }
+  return text;
+}
+
 template <class Items, class Name>
 std::string describe_names(const std::string& title, const Items& items, Name name) {
   std::string text = title + "\n";
@@ -71,6 +85,7 @@ std::string describe(const PatchSet& scene) {
                       area / double(scene.patches.size()));
   text += fmt::format("extent      {} to {} m\n", triple(bounds.min), triple(bounds.max));
   text += describe_materials(scene);
+  if (!scene.shaders.empty()) text += describe_shaders(scene);
   text += describe_names("light groups", scene.light_groups, [](const std::string& name) { return name; });
   text += describe_names("cameras", scene.cameras, [](const Camera& c) {
     const bool perspective = c.projection == Camera::Projection::perspective;

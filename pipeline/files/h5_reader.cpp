@@ -207,6 +207,10 @@ std::vector<std::string> H5Reader::strings(const std::string& name, std::int64_t
   return values;
 }
 
+bool H5Reader::has(const std::string& name) const {
+  return state_->hashes.contains(name);
+}
+
 std::vector<std::string> H5Reader::children(const std::string& group) const {
   std::vector<std::string> names;
   for (const auto& [name, hash] : state_->hashes) {

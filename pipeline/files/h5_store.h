@@ -61,6 +61,8 @@ class H5Reader {
 
   std::vector<std::string> strings(const std::string& name, std::int64_t rows) const;
 
+  bool has(const std::string& name) const;
+
   /// Names right below a group, in order; none without the group.
   std::vector<std::string> children(const std::string& group) const;
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "pipeline/model/math.h"
+#include "pipeline/model/shader.h"
 
 namespace patchlight {
 
@@ -59,6 +60,7 @@ struct Job {
   std::filesystem::path output;
   ImportConfig import;
   std::vector<MaterialOverride> materials;
+  std::vector<Shader> shaders;
   SolveConfig solve;
   std::map<std::string, LightSetting> lights;  ///< By light group.
   TraceConfig trace;

@@ -6,6 +6,8 @@
 #include <limits>
 #include <regex>
 
+#include "pipeline/files/job_shaders.h"
+
 namespace patchlight {
 
 namespace {
@@ -218,6 +220,9 @@ std::vector<JobKey> job_keys(Job& job) {
        "of "
        "a perfect mirror",
        [&job](const Node& n) { read_materials(n, job.materials); }, [&job] { return materials_node(job.materials); }},
+      {"shaders",
+       "by material or node name (globs): reflectance and emission as expressions [r,g,b] of u, v, x, y, z, nx, ny, nz",
+       [&job](const Node& n) { read_shaders(n, job.shaders); }, [&job] { return shaders_node(job.shaders); }},
       choice_key("solve.method", solve.method, {"matrix", "progressive"}, "how the linear system is solved"),
       choice_key("solve.form_factors", solve.form_factors, {"rays", "hemicube"}, "how form factors are found"),
       integer_key("solve.rays", solve.rays, 1, 1 << 24,

@@ -92,6 +92,11 @@ std::string import_inputs_key(const std::vector<SourceFile>& sources, const Job&
     add_color(hasher, material.emission);
     add_color(hasher, material.mirror);
   }
+  for (const auto& shader : job.shaders) {
+    hasher.add("shader").add(shader.name);
+    for (const ColorExpressions* color : {&shader.reflectance, &shader.emission})
+      for (const auto& expression : *color) hasher.add(expression);
+  }
   return hasher.hex();
 }
 

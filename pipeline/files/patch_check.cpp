@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "pipeline/files/expression.h"
+
 namespace patchlight {
 
 namespace {
@@ -37,6 +39,38 @@ PatchFault primitive_fault(const PatchSet& scene, std::size_t i) {
     return {"two sides that do not name each other", "/primitives/back"};
   for (const std::int32_t vertex : p.smooth_vertices)
     if (vertex < -1) return {"a negative index", "/primitives/smooth_vertices"};
+  return {};
+}
+
+PatchFault expression_fault(const ColorExpressions& color, const char* where) {
+  if (color == ColorExpressions{}) return {};
+  for (const std::string& text : color) {
+    try {
+      const Expression expression(text);
+    } catch (const ExpressionFault& fault) {
+      return {"an expression that does not compile: " + fault.reason, where};
+    }
+  }
+  return {};
+}
+
+PatchFault shader_fault(const PatchSet& scene) {
+  for (const Shader& shader : scene.shaders) {
+    if (PatchFault fault = expression_fault(shader.reflectance, "/shaders/reflectance")) return fault;
+    if (PatchFault fault = expression_fault(shader.emission, "/shaders/emission")) return fault;
+  }
+  for (const Primitive& p : scene.primitives) {
+    if (p.shader == -1) continue;
+    if (!index_of(p.shader, scene.shaders.size())) return {"an index out of range", "/primitives/shader"};
+    if (is_set(scene.shaders[p.shader].emission) && p.light_group < 0)
+      return {"an emitter without a light group", "/primitives/light_group"};
+  }
+  if (!scene.texcoords.empty() && scene.texcoords.size() != scene.primitives.size())
+    return {"another number than of primitives", "/primitives/texcoord"};
+  for (const Texcoords& corners : scene.texcoords)
+    for (const Vec2f& corner : corners)
+      if (!std::isfinite(corner.x) || !std::isfinite(corner.y))
+        return {"a texture coordinate that is not finite", "/primitives/texcoord"};
   return {};
 }
 
@@ -80,6 +114,7 @@ PatchFault find_fault(const PatchSet& scene) {
   if (scene.patches.empty()) return {"no patches", "/patches/area"};
   for (std::size_t i = 0; i < scene.primitives.size(); ++i)
     if (PatchFault fault = primitive_fault(scene, i)) return fault;
+  if (PatchFault fault = shader_fault(scene)) return fault;
   for (const Patch& patch : scene.patches) {
     if (!index_of(patch.primitive, scene.primitives.size())) return {"an index out of range", "/patches/primitive"};
     if (PatchFault fault = patch_fault(scene, patch)) return fault;

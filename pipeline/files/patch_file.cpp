@@ -5,6 +5,7 @@
 
 #include "pipeline/files/h5_store.h"
 #include "pipeline/files/patch_check.h"
+#include "pipeline/files/patch_shaders.h"
 
 namespace patchlight {
 
@@ -190,11 +191,13 @@ void write_patches(const std::filesystem::path& file, PatchSet& scene) {
   write_cameras(writer, scene.cameras);
   write_sources(writer, scene.sources);
   writer.strings("/light_groups/name", scene.light_groups);
+  write_shader_datasets(writer, scene);
 
   scene.key = writer.key_of({"/patches/", "/primitives/type", "/primitives/corners", "/primitives/sphere",
                              "/primitives/back", "/primitives/light_group", "/light_groups/", "/materials/specular",
                              "/materials/roughness", "/primitives/material"});
-  scene.frames_key = writer.key_of({"/cameras/", "/primitives/smooth_vertices"});
+  scene.frames_key = writer.key_of(
+      {"/cameras/", "/primitives/smooth_vertices", "/shaders/", "/primitives/shader", "/primitives/texcoord"});
   writer.attribute("format", kPatchFormat);
   writer.attribute("version", std::int64_t(kVersion));
   writer.attribute("key", scene.key);
@@ -214,6 +217,7 @@ PatchSet read_patches(const std::filesystem::path& file) {
   read_materials(reader, scene.materials);
   read_cameras(reader, scene.cameras);
   scene.light_groups = reader.strings("/light_groups/name", -1);
+  read_shader_datasets(reader, scene);
   const std::vector<std::string> paths = reader.strings("/sources/path", -1);
   const std::vector<std::string> hashes = reader.strings("/sources/hash", std::int64_t(paths.size()));
   for (std::size_t i = 0; i < paths.size(); ++i) scene.sources.push_back({paths[i], hashes[i]});

@@ -47,16 +47,20 @@ PatchSampler::PatchSampler(const Primitive& primitive, const Patch& patch) : pri
 }
 
 SurfacePoint PatchSampler::operator()(float x, float y) const {
+  const Imath::V2d at = uv(x, y);
+  if (primitive_.shape == Primitive::Shape::sphere) return point_at(primitive_, at.x, at.y);
+  return {bilinear(primitive_.corners, at.x, at.y), patch_.normal};
+}
+
+Imath::V2d PatchSampler::uv(float x, float y) const {
   if (primitive_.shape == Primitive::Shape::sphere) {
     const double u = patch_.u0 + x * double(patch_.u1 - patch_.u0);
     const double cos_theta = cos_top_ + y * (cos_bottom_ - cos_top_);
-    return point_at(primitive_, u, std::acos(std::clamp(cos_theta, -1.0, 1.0)) / kPi);
+    return {u, std::acos(std::clamp(cos_theta, -1.0, 1.0)) / kPi};
   }
   const double v = sample_linear(y, density_[0] + density_[1], density_[2] + density_[3]);
   const double u = sample_linear(x, density_[0] * (1 - v) + density_[2] * v, density_[1] * (1 - v) + density_[3] * v);
-  return {
-      bilinear(primitive_.corners, patch_.u0 + u * (patch_.u1 - patch_.u0), patch_.v0 + v * (patch_.v1 - patch_.v0)),
-      patch_.normal};
+  return {patch_.u0 + u * (patch_.u1 - patch_.u0), patch_.v0 + v * (patch_.v1 - patch_.v0)};
 }
 
 Vec3f cosine_direction(float x, float y) {

@@ -18,6 +18,8 @@ class PatchSampler {
  public:
   PatchSampler(const Primitive& primitive, const Patch& patch);
   SurfacePoint operator()(float x, float y) const;
+  /// (u,v) of that point on the primitive.
+  Imath::V2d uv(float x, float y) const;
 
  private:
   const Primitive& primitive_;

@@ -75,6 +75,16 @@ TEST_F(Rerun, DoesNotSolveAgainWhenTheSceneOnlyMovedItsCamera) {
   EXPECT_EQ(stages(run({})), "import trace");
 }
 
+TEST_F(Rerun, SolvesAgainForAShaderThatChangesPatches) {
+  const auto with = [&](const std::string& expression) {
+    return stages(run({"--set", "shaders.\"*\".reflectance=" + expression}));
+  };
+  EXPECT_EQ(with("0.3 + x*0"), "import solve trace");
+  EXPECT_EQ(with("0.3 + x*0"), "");
+  EXPECT_EQ(with("0.3 + y*0"), "import trace");
+  EXPECT_EQ(stages(run({})), "import solve trace");
+}
+
 TEST_F(Rerun, DoesNothingForATouchedFileOrAComment) {
   folder_.write("box.glb", test::read_text(folder_ / "box.glb"));
   folder_.write("job.yaml", "# a comment\n" + test::read_text(folder_ / "job.yaml"));

@@ -72,6 +72,31 @@ TEST_F(JobFile, RefusesValuesThatAreNotAllowed) {
   EXPECT_ERROR(read("a: [1\n"), ExitCode::bad_config, "not valid YAML");
 }
 
+TEST_F(JobFile, ReadsShaders) {
+  const Job job = read(std::string(kMinimal) + R"(
+shaders:
+  wall_*: {reflectance: ["(1+cos(4*pi*u))/2", v, 1]}
+  lamp: {emission: "u > 0.5 ? 5 : 0", reflectance: 0.5}
+)");
+  ASSERT_EQ(job.shaders.size(), 2u);
+  EXPECT_EQ(job.shaders[0].name, "wall_*");
+  EXPECT_EQ(job.shaders[0].reflectance, (ColorExpressions{"(1+cos(4*pi*u))/2", "v", "1"}));
+  EXPECT_FALSE(is_set(job.shaders[0].emission));
+  EXPECT_EQ(job.shaders[1].emission[2], "u > 0.5 ? 5 : 0");
+  EXPECT_EQ(job.shaders[1].reflectance[0], "0.5");
+  EXPECT_EQ(effective_job(read(effective_job(job))), effective_job(job));
+}
+
+TEST_F(JobFile, RefusesShadersOfAnotherShape) {
+  const auto shaders = [&](const std::string& text) { return read(kMinimal + ("shaders: " + text)); };
+  EXPECT_ERROR(shaders("{a: {reflectance: [u, v]}}"), ExitCode::bad_config, "three expressions");
+  EXPECT_ERROR(shaders("{a: {reflectance: [u, v, [1]]}}"), ExitCode::bad_config, "expected an expression");
+  EXPECT_ERROR(shaders("{a: {reflectance: ''}}"), ExitCode::bad_config, "expected an expression");
+  EXPECT_ERROR(shaders("{a: {mirror: u}}"), ExitCode::bad_config, "unknown key `mirror` of `a`");
+  EXPECT_ERROR(shaders("{a: u}"), ExitCode::bad_config, "map of settings");
+  EXPECT_ERROR(shaders("[u]"), ExitCode::bad_config, "`shaders`");
+}
+
 TEST_F(JobFile, SurvivesHostileYaml) {
   EXPECT_ERROR(read(std::string(100000, '[')), ExitCode::bad_config, "YAML");
   EXPECT_ERROR(read("scene: &a [*a]\noutput: out\n"), ExitCode::bad_config, "scene");

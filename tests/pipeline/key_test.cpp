@@ -22,6 +22,17 @@ TEST(Key, OfAnImportIgnoresWhereTheSceneStands) {
             import_inputs_key({{"a.gltf", "hash"}, {"y.bin", "hash"}}, job));
 }
 
+TEST(Key, OfAnImportHoldsEveryExpression) {
+  Job plain, reflecting, emitting;
+  reflecting.shaders = {{"wall", {"u", "v", "1"}, {}}};
+  emitting.shaders = {{"wall", {}, {"u", "v", "1"}}};
+  const auto key = [](const Job& job) { return import_inputs_key({{"a.glb", "hash"}}, job); };
+  EXPECT_NE(key(plain), key(reflecting));
+  EXPECT_NE(key(reflecting), key(emitting));
+  reflecting.shaders[0].reflectance[2] = "2";
+  EXPECT_NE(key(reflecting), key(emitting));
+}
+
 TEST(Key, OfAFrameIgnoresLightsAtTheirOwnStrength) {
   PatchSet scene;
   Job plain, lit;

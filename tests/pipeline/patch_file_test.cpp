@@ -13,6 +13,7 @@ namespace patchlight {
 namespace {
 
 using test::PatchScene;
+using test::read_text;
 using test::TemporaryFolder;
 
 PatchSet sample() {
@@ -63,6 +64,62 @@ TEST(PatchFile, KeepsItsKeyWhenOnlyACameraMoves) {
   EXPECT_NE(scene.frames_key, moved.frames_key);
   EXPECT_NE(scene.key, repainted.key);
   EXPECT_EQ(scene.frames_key, repainted.frames_key);
+}
+
+PatchSet shaded_sample() {
+  PatchSet scene = sample();
+  scene.shaders = {{"wall", {"u", "v", "1"}, {}}, {"lamp", {}, {"2", "2", "2*x"}}};
+  scene.primitives[0].shader = 1;
+  scene.primitives[2].shader = 0;
+  scene.texcoords.assign(3, kOwnTexcoords);
+  scene.texcoords[1] = {Vec2f(0, 0), Vec2f(0.5f, 0), Vec2f(0.5f, 7), Vec2f(0, 7)};
+  return scene;
+}
+
+TEST(PatchFile, KeepsShaders) {
+  const TemporaryFolder folder;
+  PatchSet scene = shaded_sample();
+  write_patches(folder / "patches.h5", scene);
+  const PatchSet read = read_patches(folder / "patches.h5");
+  ASSERT_EQ(read.shaders.size(), 2u);
+  EXPECT_EQ(read.shaders[0].name, "wall");
+  EXPECT_EQ(read.shaders[0].reflectance, scene.shaders[0].reflectance);
+  EXPECT_FALSE(is_set(read.shaders[0].emission));
+  EXPECT_EQ(read.shaders[1].emission, scene.shaders[1].emission);
+  EXPECT_EQ(read.primitives[0].shader, 1);
+  EXPECT_EQ(read.primitives[1].shader, -1);
+  EXPECT_EQ(read.texcoords, scene.texcoords);
+}
+
+TEST(PatchFile, SceneWithoutShadersHasNoDatasetsForThem) {
+  const TemporaryFolder folder;
+  PatchSet scene = sample(), shaded = shaded_sample();
+  write_patches(folder / "plain.h5", scene);
+  write_patches(folder / "shaded.h5", shaded);
+  EXPECT_EQ(read_text(folder / "plain.h5").find("shader"), std::string::npos);
+  EXPECT_TRUE(read_patches(folder / "plain.h5").texcoords.empty());
+  EXPECT_EQ(scene.key, shaded.key);
+  EXPECT_NE(scene.frames_key, shaded.frames_key);
+}
+
+TEST(PatchFile, RefusesBrokenShaders) {
+  const std::vector<std::pair<std::string, std::function<void(PatchSet&)>>> faults{
+      {"/shaders/reflectance", [](PatchSet& s) { s.shaders[0].reflectance[1] = "1+*u"; }},
+      {"/shaders/reflectance", [](PatchSet& s) { s.shaders[0].reflectance[0] = ""; }},
+      {"/shaders/emission", [](PatchSet& s) { s.shaders[1].emission[2] = "w"; }},
+      {"/primitives/shader", [](PatchSet& s) { s.primitives[1].shader = 2; }},
+      {"/primitives/shader", [](PatchSet& s) { s.primitives[1].shader = -2; }},
+      {"/primitives/light_group", [](PatchSet& s) { s.primitives[1].shader = 1; }},
+      {"/primitives/texcoord", [](PatchSet& s) { s.texcoords[1][2].y = INFINITY; }},
+      {"/primitives/texcoord", [](PatchSet& s) { s.texcoords.pop_back(); }},
+  };
+  for (const auto& [where, spoil] : faults) {
+    const TemporaryFolder folder;
+    PatchSet scene = shaded_sample();
+    spoil(scene);
+    write_patches(folder / "patches.h5", scene);
+    EXPECT_ERROR(read_patches(folder / "patches.h5"), ExitCode::bad_data, where);
+  }
 }
 
 TEST(PatchFile, RefusesBrokenPromises) {

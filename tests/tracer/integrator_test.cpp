@@ -114,10 +114,68 @@ TEST(Integrator, EdgesAreTheShareOfThePixelThatIsCovered) {
   EXPECT_NEAR(solved.render().pixels[0].y, 0.3, 0.01);
 }
 
+/// A wall of one patch that fills the view, 1 m before the camera, from -1 to 1 in x and y.
+PatchScene wall_scene(const Shader& shader) {
+  PatchScene builder;
+  builder.quad({{{-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1}}}, 1, 1, {0.5f, float(kPi)});
+  builder.get().shaders = {shader};
+  builder.get().primitives[0].shader = 0;
+  return builder;
+}
+
+/// Seen so that pixel x of 8 spans u from x / 8 to (x + 1) / 8.
+Solved before_wall(PatchScene builder) {
+  Solved solved(builder, float(kPi), 0.0f);
+  solved.camera.vertical = kPi / 2;
+  return solved;
+}
+
+TEST(Integrator, EvaluatesShadersAtThePixelNotThePatch) {
+  const Image image = before_wall(wall_scene({"wall", {"u < 0.5 ? 0.25 : 0.75", "v", "nz"}, {}})).render();
+  for (int y = 0; y < 8; ++y)
+    for (int x = 0; x < 8; ++x) {
+      const Color pixel = image.pixels[std::size_t(y * 8 + x)];
+      EXPECT_NEAR(pixel.x, 1 + (x < 4 ? 0.25 : 0.75), 1e-5);
+      EXPECT_NEAR(pixel.y, 1 + (7.5 - y) / 8, 0.05);
+      EXPECT_NEAR(pixel.z, 1 + 0.99999, 1e-5);  // lowered
+    }
+}
+
+TEST(Integrator, EvaluatesEmissionUnderTheLightsSetting) {
+  Solved solved = before_wall(wall_scene({"wall", {}, {"x < 0 ? 0 : 2*pi", "y - y", "-1/(z+z)"}}));
+  solved.job.lights["light"].scale = 3;
+  const Image image = solved.render();
+  for (std::size_t x = 0; x < 8; ++x) {
+    EXPECT_NEAR(image.pixels[x].x, (x < 4 ? 0 : 6) + 1.5, 1e-4);
+    EXPECT_NEAR(image.pixels[x].y, 1.5, 1e-4);
+    EXPECT_NEAR(image.pixels[x].z, 1.5 + 3 * 0.5 / kPi, 1e-4);
+  }
+}
+
+TEST(Integrator, ShadersSeeTextureCoordinates) {
+  PatchScene builder = wall_scene({"wall", {"u - 3 < 0.5 ? 0.25 : 0.75", "0", "0"}, {}});
+  builder.get().texcoords = {{Vec2f(3, 0), Vec2f(3, 9), Vec2f(4, 9), Vec2f(4, 0)}};  // u runs up the wall
+  const Image image = before_wall(builder).render();
+  EXPECT_NEAR(image.pixels[0].x, 1.75, 1e-5);
+  EXPECT_NEAR(image.pixels[63].x, 1.25, 1e-5);
+}
+
+TEST(Integrator, ShadersAreBroughtIntoRangeInFrames) {
+  const Image image = before_wall(wall_scene({"wall", {"-1", "7", "1/(u-u)"}, {}})).render();
+  for (const Color& pixel : image.pixels) {
+    EXPECT_NEAR(pixel.x, 1, 1e-5);
+    EXPECT_NEAR(pixel.y, 1 + 0.99999, 1e-5);
+    EXPECT_NEAR(pixel.z, 1, 1e-5);
+  }
+}
+
 TEST(Integrator, GivesTheSameBitsForAnyNumberOfThreads) {
   PatchScene builder;
   builder.room(1, 4, {0.5f, 1.0f});
   builder.sphere({0.2, 0, -0.6}, 0.3, 4, 6, {});
+  builder.get().shaders = {{"all", {"(1+sin(9*u))/2", "abs(sin(30*x*y))", "abs(nz)"}, {"1+sin(7*v)", "u", "v"}}};
+  for (Primitive& p : builder.get().primitives)
+    if (p.light_group >= 0) p.shader = 0;
   Solved solved(builder);
   solved.job.trace.resolution = {40, 33};
   std::vector<Image> images;

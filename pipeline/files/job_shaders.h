@@ -1,0 +1,16 @@
+#pragma once
+#include <yaml-cpp/yaml.h>
+
+#include <vector>
+
+#include "pipeline/model/shader.h"
+
+namespace patchlight {
+
+/// Reads the job's `shaders`; their expressions are not compiled here.
+/// Throws: std::string, what is wrong and what is allowed.
+void read_shaders(const YAML::Node& map, std::vector<Shader>& shaders);
+
+YAML::Node shaders_node(const std::vector<Shader>& shaders);
+
+}  // namespace patchlight
