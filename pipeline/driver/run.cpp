@@ -1,5 +1,3 @@
-#include <fmt/format.h>
-
 #include "pipeline/driver/commands.h"
 #include "pipeline/driver/freshness.h"
 #include "pipeline/driver/stage_program.h"
@@ -8,26 +6,9 @@
 
 namespace patchlight {
 
-namespace {
-
-std::vector<std::string> stage_arguments(const RunCommand& command) {
-  std::vector<std::string> arguments{command.job_file};
-  const auto add = [&](const std::string& option, const std::string& value) {
-    if (!value.empty()) arguments.insert(arguments.end(), {option, value});
-  };
-  for (const auto& set : command.common.sets) add("--set", set);
-  add("--output", command.common.output);
-  add("--threads", command.common.threads > 0 ? std::to_string(command.common.threads) : "");
-  add("--log-json", command.common.log_json);
-  if (command.common.quiet) arguments.push_back("--quiet");
-  return arguments;
-}
-
-}  // namespace
-
 int run_job(const RunCommand& command, Progress& progress) {
   const Job job = read_job(command.job_file, command.common.sets, command.common.output);
-  const std::vector<std::string> arguments = stage_arguments(command);
+  const std::vector<std::string> arguments = stage_arguments(command.job_file, command.common);
 
   /// Runs the stage unless its output is fresh. Returns its exit code.
   const auto bring_up_to_date = [&](const std::string& stage, const Freshness& state) {
@@ -39,7 +20,7 @@ int run_job(const RunCommand& command, Progress& progress) {
       progress.warning(stage + " runs again: " + state.reason);
     else
       progress.note(stage + " runs: " + (state.fresh ? "--force" : state.reason));
-    return run_stage_program(stage, arguments);
+    return run_stage_program(stage, arguments).exit_code;
   };
 
   PatchSet scene;
