@@ -18,6 +18,13 @@ int main(int argc, char** argv) {
   add_common_options(*run_app, run.common);
   run_app->footer(job_key_help());
 
+  BenchCommand bench;
+  CLI::App* bench_app = app.add_subcommand(
+      "bench", "Measure time, memory and error of a job over its `bench.sweep`; write tables, a plot and pictures");
+  bench_app->add_option("JOB.yaml", bench.job_file, "The job file")->required();
+  add_common_options(*bench_app, bench.common);
+  bench_app->footer(job_key_help());
+
   InfoCommand info;
   CLI::App* info_app = app.add_subcommand("info", "Show what is in a glTF scene, patches.h5, energy.h5 or a frame");
   info_app->add_option("FILE", info.file)->required();
@@ -35,11 +42,14 @@ int main(int argc, char** argv) {
 
   if (const auto exit_code = parse_options(app, "patchlight", argc, argv)) return *exit_code;
   int result = 0;
+  const bool benches = bench_app->parsed();
   const int failure = with_progress(run_app->parsed()    ? "run"
+                                    : benches            ? "bench"
                                     : info_app->parsed() ? "info"
                                                          : "diff",
-                                    run.common, [&](Progress& progress) {
+                                    benches ? bench.common : run.common, [&](Progress& progress) {
                                       result = run_app->parsed()    ? run_job(run, progress)
+                                               : benches            ? bench_job(bench, progress)
                                                : info_app->parsed() ? show_info(info)
                                                                     : compare_files(diff);
                                     });
