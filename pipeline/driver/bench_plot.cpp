@@ -85,14 +85,18 @@ Range range_of(const std::vector<Point>& points, double Point::*value) {
   return {(*least).*value / 1.35, (*most).*value * 1.6};
 }
 
-/// `set` commands for an axis with numbers at 1, 2 and 5 of each decade, or at the decades of a long one.
+/// `set` commands for an axis with numbers at 1, 2 and 5 of each decade; at the decades of a long one, and between
+/// them on a short one.
 std::string axis_commands(char axis, const Range& range) {
-  const bool long_axis = range.high / range.low > 2e3;
+  const double span = range.high / range.low;
+  const std::vector<double> steps = span > 2e3 ? std::vector<double>{1}
+                                    : span > 9 ? std::vector<double>{1, 2, 5}
+                                               : std::vector<double>{1, 1.5, 2, 3, 4, 5, 6, 8};
   std::string ticks;
   for (int decade = int(std::floor(std::log10(range.low))); decade <= int(std::ceil(std::log10(range.high))); ++decade)
-    for (const double step : {1.0, 2.0, 5.0}) {
+    for (const double step : steps) {
       const double value = step * std::pow(10.0, decade);
-      if (value < range.low || value > range.high || (long_axis && step > 1)) continue;
+      if (value < range.low || value > range.high) continue;
       ticks += fmt::format("{}\"{:.3g}\" {:.6g}", ticks.empty() ? "" : ", ", value, value);
     }
   return fmt::format("set {0}range [{1:.6g}:{2:.6g}]\nset {0}tics ({3})\n", axis, range.low, range.high, ticks);
