@@ -24,6 +24,7 @@ void FrameWriter::write(const Frame& frame, Image image, double seconds) const {
     for (int k = 0; k < 3; ++k) pixel[k] = pixel[k] > 0 ? std::min(pixel[k], kBrightest) : 0.0f;  // NaN is not > 0
   Job job = job_;
   job.output.clear();  // the same picture wherever it is put
+  job.bench = {};
   const std::string& camera = scene_.cameras[frame.camera].name;
   image.metadata = {
       {"Software", "Patchlight"},

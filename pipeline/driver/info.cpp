@@ -40,7 +40,7 @@ int show_info(const InfoCommand& command) {
       show_frame(command.file);
       break;
     case FileKind::scene:
-      return run_stage_program("import", {"--info", command.file});
+      return run_stage_program("import", {"--info", command.file}).exit_code;
   }
   return 0;
 }

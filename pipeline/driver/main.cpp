@@ -1,60 +1,91 @@
-#include <fmt/format.h>
-
 #include <CLI/CLI.hpp>
 
 #include "pipeline/driver/commands.h"
-#include "pipeline/stage/stage.h"
+
+namespace {
+
+using namespace patchlight;
+
+/// A subcommand and what it does.
+struct Command {
+  CLI::App* app;
+  const CommonOptions* options;
+  std::function<int(Progress&)> act;
+};
+
+Command add_run(CLI::App& app) {
+  static RunCommand run;
+  CLI::App* sub = app.add_subcommand("run", "Run whatever is stale of a job: import, solve, trace");
+  sub->add_option("JOB.yaml", run.job_file, "The job file")->required();
+  sub->add_flag("--force", run.force, "Run every stage, stale or not");
+  add_common_options(*sub, run.common);
+  sub->footer(job_key_help());
+  return {sub, &run.common, [](Progress& progress) { return run_job(run, progress); }};
+}
+
+Command add_preview(CLI::App& app) {
+  static PreviewCommand preview;
+  CLI::App* sub = app.add_subcommand("preview", "Draw a job's patches, radiosity, irradiance or hemicubes");
+  sub->add_option("JOB.yaml", preview.job_file, "The job file; import it, or solve it, first")->required();
+  sub->add_option("--kind", preview.kind, "What to draw")
+      ->check(CLI::IsMember({"patches", "radiosity", "irradiance", "hemicube"}))
+      ->capture_default_str();
+  sub->add_option("--camera", preview.camera, "From which camera; absent: the job's first");
+  sub->add_option("--patch", preview.patch, "The patch to highlight, or whose hemicube to draw")
+      ->check(CLI::NonNegativeNumber);
+  add_common_options(*sub, preview.common);
+  return {sub, &preview.common, [](Progress&) { return draw_preview(preview); }};
+}
+
+Command add_bench(CLI::App& app) {
+  static BenchCommand bench;
+  CLI::App* sub = app.add_subcommand(
+      "bench", "Measure time, memory and error of a job over its `bench.sweep`; write tables, a plot and pictures");
+  sub->add_option("JOB.yaml", bench.job_file, "The job file")->required();
+  add_common_options(*sub, bench.common);
+  sub->footer(job_key_help());
+  return {sub, &bench.common, [](Progress& progress) { return bench_job(bench, progress); }};
+}
+
+Command add_info(CLI::App& app) {
+  static InfoCommand info;
+  static CommonOptions common;
+  CLI::App* sub = app.add_subcommand("info", "Show what is in a glTF scene, patches.h5, energy.h5 or a frame");
+  sub->add_option("FILE", info.file)->required();
+  add_common_options(*sub, common);
+  return {sub, &common, [](Progress&) { return show_info(info); }};
+}
+
+Command add_diff(CLI::App& app) {
+  static DiffCommand diff;
+  static CommonOptions common;
+  CLI::App* sub = app.add_subcommand(
+      "diff", "Compare two patches.h5, energy.h5 or frames; exit code 1 if they differ by more than is allowed");
+  sub->add_option("A", diff.a, "The reference")->required();
+  sub->add_option("B", diff.b)->required();
+  sub->add_option("--tolerance", diff.tolerance, "Allowed RMS of differences over the RMS of A's values")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  sub->add_option("--max", diff.max, "Allowed largest difference over A's largest value; absent: any")
+      ->check(CLI::NonNegativeNumber);
+  add_common_options(*sub, common);
+  return {sub, &common, [](Progress&) { return compare_files(diff); }};
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
-  using namespace patchlight;
   CLI::App app{"Patchlight: radiosity from glTF scenes, in stages that run again only when they must.", "patchlight"};
   app.require_subcommand(1);
   app.set_version_flag("--version", patchlight_version());
-
-  RunCommand run;
-  CLI::App* run_app = app.add_subcommand("run", "Run whatever is stale of a job: import, solve, trace");
-  run_app->add_option("JOB.yaml", run.job_file, "The job file")->required();
-  run_app->add_flag("--force", run.force, "Run every stage, stale or not");
-  add_common_options(*run_app, run.common);
-  run_app->footer(job_key_help());
-
-  PreviewCommand preview;
-  CLI::App* preview_app = app.add_subcommand("preview", "Draw a job's patches, radiosity, irradiance or hemicubes");
-  preview_app->add_option("JOB.yaml", preview.job_file, "The job file; import it, or solve it, first")->required();
-  preview_app->add_option("--kind", preview.kind, "What to draw")
-      ->check(CLI::IsMember({"patches", "radiosity", "irradiance", "hemicube"}))
-      ->capture_default_str();
-  preview_app->add_option("--camera", preview.camera, "From which camera; absent: the job's first");
-  preview_app->add_option("--patch", preview.patch, "The patch to highlight, or whose hemicube to draw")
-      ->check(CLI::NonNegativeNumber);
-  add_common_options(*preview_app, preview.common);
-
-  InfoCommand info;
-  CLI::App* info_app = app.add_subcommand("info", "Show what is in a glTF scene, patches.h5, energy.h5 or a frame");
-  info_app->add_option("FILE", info.file)->required();
-
-  DiffCommand diff;
-  CLI::App* diff_app = app.add_subcommand(
-      "diff", "Compare two patches.h5, energy.h5 or frames; exit code 1 if they differ by more than is allowed");
-  diff_app->add_option("A", diff.a, "The reference")->required();
-  diff_app->add_option("B", diff.b)->required();
-  diff_app->add_option("--tolerance", diff.tolerance, "Allowed RMS of differences over the RMS of A's values")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
-  diff_app->add_option("--max", diff.max, "Allowed largest difference over A's largest value; absent: any")
-      ->check(CLI::NonNegativeNumber);
-
+  const std::vector<Command> commands{add_run(app), add_preview(app), add_bench(app), add_info(app), add_diff(app)};
   if (const auto exit_code = parse_options(app, "patchlight", argc, argv)) return *exit_code;
-  int result = 0;
-  const char* name = run_app->parsed()       ? "run"
-                     : preview_app->parsed() ? "preview"
-                     : info_app->parsed()    ? "info"
-                                             : "diff";
-  const int failure = with_progress(name, run.common, [&](Progress& progress) {
-    result = run_app->parsed()       ? run_job(run, progress)
-             : preview_app->parsed() ? draw_preview(preview)
-             : info_app->parsed()    ? show_info(info)
-                                     : compare_files(diff);
-  });
-  return failure != 0 ? failure : result;
+  for (const Command& command : commands) {
+    if (!command.app->parsed()) continue;
+    int result = 0;
+    const int failure = with_progress(command.app->get_name(), *command.options,
+                                      [&](Progress& progress) { result = command.act(progress); });
+    return failure != 0 ? failure : result;
+  }
+  return 0;
 }

@@ -14,7 +14,7 @@ int draw_preview(const PreviewCommand& command) {
   arguments.insert(arguments.end(), {"--preview", (job.output / "preview" / name).string(), "--kind", command.kind});
   if (!command.camera.empty()) arguments.insert(arguments.end(), {"--camera", command.camera});
   if (!command.patch.empty()) arguments.insert(arguments.end(), {"--patch", command.patch});
-  return run_stage_program("solve", arguments);
+  return run_stage_program("solve", arguments).exit_code;
 }
 
 }  // namespace patchlight

@@ -1,5 +1,3 @@
-#include <fmt/format.h>
-
 #include "pipeline/driver/commands.h"
 #include "pipeline/driver/freshness.h"
 #include "pipeline/driver/stage_program.h"
@@ -22,7 +20,7 @@ int run_job(const RunCommand& command, Progress& progress) {
       progress.warning(stage + " runs again: " + state.reason);
     else
       progress.note(stage + " runs: " + (state.fresh ? "--force" : state.reason));
-    return run_stage_program(stage, arguments);
+    return run_stage_program(stage, arguments).exit_code;
   };
 
   PatchSet scene;

@@ -1,16 +1,22 @@
 #include "pipeline/driver/stage_program.h"
 
+#include <poll.h>
 #include <spawn.h>
+#include <sys/resource.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 
 #include "pipeline/model/error.h"
-#include "pipeline/stage/progress.h"
 
 extern char** environ;
 
@@ -24,25 +30,43 @@ extern "C" void pass_on(int signal) {
   if (running_child > 0) kill(pid_t(running_child), signal);
 }
 
-}  // namespace
-
-std::vector<std::string> stage_arguments(const std::string& job_file, const CommonOptions& options) {
-  std::vector<std::string> arguments;
-  const auto add = [&](const std::string& option, const std::string& value) {
-    if (!value.empty()) arguments.insert(arguments.end(), {option, value});
-  };
-  for (const auto& set : options.sets) add("--set", set);
-  add("--output", options.output);
-  add("--threads", options.threads > 0 ? std::to_string(options.threads) : "");
-  add("--log-json", options.log_json);
-  if (options.quiet) arguments.push_back("--quiet");
-  arguments.insert(arguments.begin(), job_file);
-  return arguments;
+/// Largest resident set of a running process so far, bytes; 0 once it has ended.
+std::int64_t peak_so_far(pid_t process) {
+  std::ifstream status("/proc/" + std::to_string(process) + "/status");
+  for (std::string line; std::getline(status, line);)
+    if (line.starts_with("VmHWM:")) return std::atoll(line.c_str() + 6) * 1024;
+  return 0;
 }
 
-int run_stage_program(const std::string& stage, const std::vector<std::string>& arguments) {
-  const std::string program =
-      (std::filesystem::read_symlink("/proc/self/exe").parent_path() / ("patchlight-" + stage)).string();
+/// Waits for a child. What the kernel reports as its peak is no less than its parent's at the start, so where that
+/// may have hidden the child's own, the peak that was seen while it ran stands in.
+int wait_for(pid_t child, rusage& usage, std::int64_t& peak) {
+  rusage own{};
+  getrusage(RUSAGE_SELF, &own);
+  pollfd ended{int(syscall(SYS_pidfd_open, child, 0)), POLLIN, 0};
+  constexpr int kInterval = 5;  // ms
+  while (ended.fd >= 0 && poll(&ended, 1, kInterval) <= 0) peak = std::max(peak, peak_so_far(child));
+  close(ended.fd);
+  int status = 0;
+  while (wait4(child, &status, 0, &usage) < 0 && errno == EINTR) {
+  }
+  if (usage.ru_maxrss > own.ru_maxrss || peak == 0) peak = std::int64_t(usage.ru_maxrss) * 1024;
+  return status;
+}
+
+int exit_code_of(int status) {
+  if (WIFEXITED(status)) return WEXITSTATUS(status);
+  const int signal = WTERMSIG(status);
+  return int(signal == SIGINT || signal == SIGTERM ? ExitCode::interrupted : ExitCode::internal);
+}
+
+double seconds(const timeval& time) {
+  return double(time.tv_sec) + 1e-6 * double(time.tv_usec);
+}
+
+}  // namespace
+
+ProgramRun run_program(const std::string& program, const std::vector<std::string>& arguments) {
   std::vector<char*> argv{const_cast<char*>(program.c_str())};
   for (const auto& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
   argv.push_back(nullptr);
@@ -52,20 +76,38 @@ int run_stage_program(const std::string& stage, const std::vector<std::string>& 
   action.sa_handler = pass_on;
   sigaction(SIGINT, &action, &old_int);
   sigaction(SIGTERM, &action, &old_term);
+  const auto start = std::chrono::steady_clock::now();
   pid_t child = 0;
-  if (const int fault = posix_spawn(&child, program.c_str(), nullptr, nullptr, argv.data(), environ))
-    throw Error(ExitCode::unavailable, std::string("cannot start the stage: ") + std::strerror(fault), program,
+  if (const int fault = posix_spawnp(&child, program.c_str(), nullptr, nullptr, argv.data(), environ))
+    throw Error(ExitCode::unavailable, std::string("cannot start the program: ") + std::strerror(fault), program,
                 "build all programs into one folder");
   running_child = child;
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
+  rusage usage{};
+  std::int64_t peak = 0;
+  const int status = wait_for(child, usage, peak);
   running_child = 0;
   sigaction(SIGINT, &old_int, nullptr);
   sigaction(SIGTERM, &old_term, nullptr);
-  if (WIFEXITED(status)) return WEXITSTATUS(status);
-  const int signal = WTERMSIG(status);
-  return int(signal == SIGINT || signal == SIGTERM ? ExitCode::interrupted : ExitCode::internal);
+  const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
+  return {exit_code_of(status), seconds(usage.ru_utime) + seconds(usage.ru_stime), wall.count(), peak};
+}
+
+std::vector<std::string> stage_arguments(const std::string& job_file, const CommonOptions& options) {
+  std::vector<std::string> arguments{job_file};
+  const auto add = [&](const std::string& option, const std::string& value) {
+    if (!value.empty()) arguments.insert(arguments.end(), {option, value});
+  };
+  for (const auto& set : options.sets) add("--set", set);
+  add("--output", options.output);
+  add("--threads", options.threads > 0 ? std::to_string(options.threads) : "");
+  add("--log-json", options.log_json);
+  if (options.quiet) arguments.push_back("--quiet");
+  return arguments;
+}
+
+ProgramRun run_stage_program(const std::string& stage, const std::vector<std::string>& arguments) {
+  return run_program((std::filesystem::read_symlink("/proc/self/exe").parent_path() / ("patchlight-" + stage)).string(),
+                     arguments);
 }
 
 }  // namespace patchlight

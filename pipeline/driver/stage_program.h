@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -6,12 +7,22 @@
 
 namespace patchlight {
 
-/// A stage's arguments for a job under the driver's own options.
+/// How a program ended and what the whole process took.
+struct ProgramRun {
+  int exit_code = 0;       ///< 75 if SIGINT or SIGTERM killed it, 70 after any other signal.
+  double cpu_seconds = 0;  ///< User and system.
+  double wall_seconds = 0;
+  std::int64_t peak_bytes = 0;  ///< Largest resident set.
+};
+
+/// Runs a program, looked up in $PATH unless it is a path, and waits for it. SIGINT and SIGTERM are passed on to it.
+/// Throws: Error (unavailable) if it cannot be started.
+ProgramRun run_program(const std::string& program, const std::vector<std::string>& arguments);
+
+/// The command line that hands a job and these options on to a stage.
 std::vector<std::string> stage_arguments(const std::string& job_file, const CommonOptions& options);
 
-/// Runs `patchlight-STAGE` of this program's own folder and waits for it. SIGINT and SIGTERM are passed on to it.
-/// Returns its exit code; 70 if it was killed.
-/// Throws: Error (unavailable) if it cannot be started.
-int run_stage_program(const std::string& stage, const std::vector<std::string>& arguments);
+/// Runs `patchlight-STAGE` of this program's own folder. Throws: as run_program.
+ProgramRun run_stage_program(const std::string& stage, const std::vector<std::string>& arguments);
 
 }  // namespace patchlight

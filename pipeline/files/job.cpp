@@ -8,6 +8,7 @@
 #include <set>
 #include <sstream>
 
+#include "pipeline/files/job_override.h"
 #include "pipeline/files/job_schema.h"
 #include "pipeline/model/error.h"
 
@@ -64,74 +65,60 @@ YAML::Node load_yaml(const fs::path& file) {
   }
 }
 
-[[noreturn]] void refuse_set(const std::string& set) {
-  throw Error(ExitCode::usage, "malformed override", "--set " + set,
-              "write --set key.path=value, and a key that holds dots in double quotes");
-}
-
-/// Splits `a."b.c".d=value` into {a, b.c, d} and the value.
-std::pair<std::vector<std::string>, std::string> split_set(const std::string& set) {
-  std::vector<std::string> path(1);
-  bool quoted = false;
-  for (std::size_t i = 0; i < set.size(); ++i) {
-    const char c = set[i];
-    if (c == '"') {
-      quoted = !quoted;
-    } else if (quoted || (c != '.' && c != '=')) {
-      path.back() += c;
-    } else if (path.back().empty()) {
-      refuse_set(set);
-    } else if (c == '.') {
-      path.emplace_back();
-    } else {
-      return {path, set.substr(i + 1)};
-    }
-  }
-  refuse_set(set);
-}
-
-/// YAML::Node has reference semantics, so each level is a variable of its own.
-void put(YAML::Node parent, const std::vector<std::string>& path, std::size_t depth, const YAML::Node& value) {
-  YAML::Node child = parent[path[depth]];
-  if (depth + 1 == path.size()) {
-    parent[path[depth]] = value;
-    return;
-  }
-  if (!child.IsDefined() || !child.IsMap()) parent[path[depth]] = YAML::Node(YAML::NodeType::Map);
-  put(parent[path[depth]], path, depth + 1, value);
-}
-
-void apply_set(YAML::Node root, const std::string& set) {
-  const auto [path, text] = split_set(set);
-  YAML::Node value;
-  try {
-    value = YAML::Load(text);
-  } catch (const YAML::Exception&) {
-    refuse_set(set);
-  }
-  if (!value.IsDefined() || value.IsNull()) refuse_set(set);
-  put(root, path, 0, value);
-}
-
 /// Reads a whole job: of each key it knows whether the file or an override says it.
 class JobReader {
  public:
-  JobReader(const fs::path& file, Job& job) : file_(file), keys_(job_keys(job)), root_(load_yaml(file)) {}
+  JobReader(const fs::path& file, YAML::Node root, Job& job) : file_(file), keys_(job_keys(job)), root_(root) {}
 
   void apply(const std::string& set) {
-    apply_set(root_, set);
     std::string path;
-    for (const auto& part : split_set(set).first) overridden_.insert(path += (path.empty() ? "" : ".") + part);
+    for (const auto& part : apply_override(root_, set)) overridden_.insert(path += (path.empty() ? "" : ".") + part);
   }
 
-  void read() const { read_section(root_, ""); }
+  void read() const {
+    read_section(root_, "");
+    const YAML::Node bench = root_["bench"];
+    if (!bench.IsDefined() || !bench.IsMap()) return;
+    if (const YAML::Node sweep = bench["sweep"]; sweep.IsDefined() && sweep.IsSequence())
+      for (const auto& grid : sweep) check_settings("bench.sweep", grid, true);
+    else if (sweep.IsDefined())
+      check_settings("bench.sweep", sweep, true);
+    if (const YAML::Node settings = bench["reference_settings"]; settings.IsDefined())
+      check_settings("bench.reference_settings", settings, false);
+  }
 
  private:
+  /// Where a key stands, for people.
+  std::string place_of(const std::string& path, const YAML::Node& name) const {
+    if (!place_.empty()) return place_;
+    if (name.Mark().is_null() || overridden_.contains(path)) return file_.string() + ", --set";
+    return fmt::format("{}, line {}", file_.string(), name.Mark().line + 1);
+  }
+
   [[noreturn]] void refuse_entry(const std::string& path, const YAML::Node& name, const std::string& what,
                                  const std::string& mend) const {
-    if (name.Mark().is_null() || overridden_.contains(path))
-      throw Error(ExitCode::bad_config, what, file_.string() + ", --set", mend);
-    refuse(file_, name.Mark(), what, mend);
+    throw Error(ExitCode::bad_config, what, place_of(path, name), mend);
+  }
+
+  /// Refuses settings, of key to value or to a list of values, that a job would not take.
+  void check_settings(const std::string& path, const YAML::Node& settings, bool lists) const {
+    for (const auto& setting : settings) {
+      const std::vector<std::string> key = split_key(setting.first.Scalar());
+      if (key.empty() || key[0] == "bench" || key[0] == "output")
+        refuse_entry(path, setting.first, "`" + setting.first.Scalar() + "` cannot stand in `" + path + "`",
+                     "name a key of a stage, as in `solve.rays`");
+      Job scratch;
+      JobReader reader(file_, YAML::Node(YAML::NodeType::Map), scratch);
+      reader.place_ = place_of(path, setting.first);
+      const auto check = [&](const YAML::Node& value) {
+        put_key(reader.root_, key, value);
+        reader.read_section(reader.root_, "");
+      };
+      if (lists && setting.second.IsSequence())
+        for (const auto& value : setting.second) check(value);
+      else
+        check(setting.second);
+    }
   }
 
   void read_section(const YAML::Node& map, const std::string& prefix) const {
@@ -167,6 +154,7 @@ class JobReader {
   std::vector<JobKey> keys_;
   YAML::Node root_;
   std::set<std::string> overridden_;
+  std::string place_;  ///< Of all keys; empty: each has its own.
 };
 
 }  // namespace
@@ -174,7 +162,7 @@ class JobReader {
 Job read_job(const fs::path& file, const std::vector<std::string>& sets, const fs::path& output) {
   Job job;
   job.file = file;
-  JobReader reader(file, job);
+  JobReader reader(file, load_yaml(file), job);
   for (const auto& set : sets) reader.apply(set);
   reader.read();
   if (job.scene.empty()) throw Error(ExitCode::bad_config, "no `scene`", file.string(), "add `scene: FILE.glb`");
@@ -183,16 +171,18 @@ Job read_job(const fs::path& file, const std::vector<std::string>& sets, const f
   const fs::path folder = fs::absolute(file).parent_path();
   job.scene = (folder / job.scene).lexically_normal();
   job.output = (folder / job.output).lexically_normal();
+  if (!job.bench.reference.empty()) job.bench.reference = (folder / job.bench.reference).lexically_normal();
   return job;
 }
 
 std::string effective_job(const Job& job) {
   const fs::path folder = fs::absolute(job.file).parent_path();
   Job copy = job;
-  for (fs::path* path : {&copy.scene, &copy.output})
+  for (fs::path* path : {&copy.scene, &copy.output, &copy.bench.reference})
     if (!path->empty()) *path = path->lexically_relative(folder);
   YAML::Node root(YAML::NodeType::Map);
   for (const JobKey& key : job_keys(copy)) {
+    if (job.bench.sweep.empty() && key.path.starts_with("bench.")) continue;
     const YAML::Node value = key.write();
     const std::size_t dot = key.path.find('.');
     if (value.IsScalar() && value.Scalar().empty()) continue;

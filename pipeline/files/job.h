@@ -53,6 +53,26 @@ struct TraceConfig {
   double exposure = 0.0;  ///< Stops, for the PNG alone.
 };
 
+/// One key of the job and the values to try, each as an override takes it.
+struct SweepAxis {
+  std::string key;  ///< Dotted, as in an override.
+  std::vector<std::string> values;
+};
+
+/// Every combination of the axes' values.
+using SweepGrid = std::vector<SweepAxis>;
+
+/// What `patchlight bench` runs; no stage reads it, and no key of theirs depends on it.
+struct BenchConfig {
+  std::vector<SweepGrid> sweep;
+  std::filesystem::path reference;  ///< EXR; empty: none.
+  std::optional<Color> radiance;    ///< Of every pixel of the reference, W/m2/sr.
+  std::map<std::string, std::string> reference_settings{
+      {"solve.rays", "16384"}, {"solve.tolerance", "1e-5"}, {"trace.samples", "64"}};  ///< Where neither is given.
+  std::string camera;                                                                  ///< Empty: the first.
+  int repeats = 1;
+};
+
 /// A job file with its overrides applied and checked.
 struct Job {
   std::filesystem::path file;
@@ -64,6 +84,7 @@ struct Job {
   SolveConfig solve;
   std::map<std::string, LightSetting> lights;  ///< By light group.
   TraceConfig trace;
+  BenchConfig bench;
 
   std::filesystem::path patch_file() const { return output / "patches.h5"; }
   std::filesystem::path energy_file() const { return output / "energy.h5"; }
@@ -79,7 +100,7 @@ Job read_job(const std::filesystem::path& file, const std::vector<std::string>& 
              const std::filesystem::path& output = {});
 
 /// The whole effective job as YAML, every default filled in; its paths relative to the job file's folder, and absent if
-/// empty.
+/// empty; `bench` only if it sweeps something.
 std::string effective_job(const Job& job);
 
 /// One line for each key of a job file: name, default, meaning.

@@ -210,7 +210,7 @@ std::vector<JobKey> job_keys(Job& job) {
   const std::int64_t most = std::numeric_limits<std::int64_t>::max();
   SolveConfig& solve = job.solve;
   TraceConfig& trace = job.trace;
-  return {
+  std::vector<JobKey> keys{
       path_key("scene", job.scene, "the glTF scene, .gltf or .glb"),
       path_key("output", job.output, "folder for all that the job makes"),
       patch_area_key(job.import.patch_area),
@@ -244,6 +244,8 @@ std::vector<JobKey> job_keys(Job& job) {
       view_key(trace.view),
       number_key("trace.exposure", trace.exposure, -100, 100, "stops by which the PNG is brighter than the EXR"),
   };
+  for (JobKey& key : bench_keys(job.bench)) keys.push_back(std::move(key));
+  return keys;
 }
 
 }  // namespace patchlight

@@ -20,4 +20,7 @@ struct JobKey {
 
 std::vector<JobKey> job_keys(Job& job);
 
+/// Those of the section `bench`, which job_keys() ends with.
+std::vector<JobKey> bench_keys(BenchConfig& bench);
+
 }  // namespace patchlight

@@ -1,5 +1,8 @@
 #include "pipeline/model/energy_field.h"
 
+#include <cmath>
+#include <limits>
+
 namespace patchlight {
 
 std::vector<Color> radiosity(const PatchSet& scene, const EnergyField& energy) {
@@ -10,6 +13,19 @@ std::vector<Color> radiosity(const PatchSet& scene, const EnergyField& energy) {
     result[i] = scene.patches[i].emission + scene.patches[i].reflectance * irradiance;
   }
   return result;
+}
+
+double radiosity_error(const PatchSet& scene, const EnergyField& energy, const EnergyField& truth) {
+  const std::vector<Color> a = radiosity(scene, energy), b = radiosity(scene, truth);
+  double difference = 0, norm = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const Patch& patch = scene.patches[i];
+    if (patch.emission != Color(0.0f)) continue;
+    difference += patch.area * double((a[i] - b[i]).length2());
+    norm += patch.area * double(b[i].length2());
+  }
+  if (difference == 0) return 0;
+  return norm > 0 ? std::sqrt(difference / norm) : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace patchlight

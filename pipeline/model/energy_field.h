@@ -29,4 +29,8 @@ struct EnergyField {
 /// Radiosity B = E + rho * (all groups' direct + indirect irradiance), W/m2. Shape: [patches].
 std::vector<Color> radiosity(const PatchSet& scene, const EnergyField& energy);
 
+/// Area-weighted relative L2 difference of reflected radiosity, B - E, over patches that do not emit: an emitter's own
+/// B would hide the rest. Both solutions are of `scene`. 0 if they are equal, infinite if only the truth is black.
+double radiosity_error(const PatchSet& scene, const EnergyField& energy, const EnergyField& truth);
+
 }  // namespace patchlight

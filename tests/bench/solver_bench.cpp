@@ -4,7 +4,6 @@
 #include <benchmark/benchmark.h>
 #include <tbb/global_control.h>
 
-#include <cmath>
 #include <cstdlib>
 #include <memory>
 #include <random>
@@ -80,24 +79,6 @@ void solver_cast(benchmark::State& state) {
 }
 BENCHMARK(solver_cast)->Unit(benchmark::kMillisecond)->Repetitions(5)->ReportAggregatesOnly();
 
-std::vector<Color> reflected(const EnergyField& energy) {
-  std::vector<Color> result = radiosity(scene(), energy);
-  for (std::size_t i = 0; i < result.size(); ++i) result[i] -= scene().patches[i].emission;
-  return result;
-}
-
-/// Area-weighted relative L2 of reflected radiosity over patches that do not emit.
-double error_of(const EnergyField& energy, const std::vector<Color>& truth) {
-  const std::vector<Color> values = reflected(energy);
-  double difference = 0, norm = 0;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    if (scene().patches[i].emission != Color(0.0f)) continue;
-    difference += scene().patches[i].area * double((values[i] - truth[i]).length2());
-    norm += scene().patches[i].area * double(truth[i].length2());
-  }
-  return std::sqrt(difference / norm);
-}
-
 SolveConfig config_of(int rays, double tolerance) {
   SolveConfig config;
   config.rays = rays;
@@ -106,13 +87,13 @@ SolveConfig config_of(int rays, double tolerance) {
 }
 
 void solve_error(benchmark::State& state) {
-  static const std::vector<Color> truth = reflected(solve(scene(), config_of(1 << 16, 1e-5), quiet()));
+  static const EnergyField truth = solve(scene(), config_of(1 << 16, 1e-5), quiet());
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
   EnergyField energy;
   for (auto _ : state) energy = solve(scene(), config_of(int(state.range(0)), 1e-3), quiet());
   state.counters["patches"] = double(scene().patches.size());
   state.counters["rays"] = double(energy.rays);
-  state.counters["error_percent"] = 100 * error_of(energy, truth);
+  state.counters["error_percent"] = 100 * radiosity_error(scene(), energy, truth);
 }
 BENCHMARK(solve_error)->RangeMultiplier(4)->Range(16, 4096)->Unit(benchmark::kMillisecond)->Iterations(3);
 

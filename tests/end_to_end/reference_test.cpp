@@ -1,8 +1,7 @@
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "pipeline/files/energy_file.h"
+#include "pipeline/files/image_error.h"
 #include "pipeline/files/image_file.h"
 #include "pipeline/files/patch_file.h"
 #include "tests/end_to_end/program.h"
@@ -14,25 +13,6 @@ using test::run_program;
 using test::TemporaryFolder;
 
 const std::string kScenes = PATCHLIGHT_SCENES;
-
-/// Mean over 8 x 8 blocks and channels of |mean I - mean R| / (mean R + 0.01 m), m the mean of R in the channel.
-double block_error(const Image& image, const Image& reference) {
-  Vec3d mean(0.0);
-  for (const Color& c : reference.pixels) mean += Vec3d(c) / double(reference.pixels.size());
-  double sum = 0;
-  int blocks = 0;
-  for (int y = 0; y + 8 <= image.height; y += 8)
-    for (int x = 0; x + 8 <= image.width; x += 8, ++blocks) {
-      Vec3d a(0.0), b(0.0);
-      for (int k = 0; k < 64; ++k) {
-        const std::size_t pixel = std::size_t(y + k / 8) * image.width + x + k % 8;
-        a += Vec3d(image.pixels[pixel]) / 64.0;
-        b += Vec3d(reference.pixels[pixel]) / 64.0;
-      }
-      for (int k = 0; k < 3; ++k) sum += std::abs(a[k] - b[k]) / (b[k] + 0.01 * mean[k]) / 3;
-    }
-  return sum / blocks;
-}
 
 class Reference : public ::testing::Test {
  protected:
@@ -50,8 +30,8 @@ class Reference : public ::testing::Test {
 
 TEST_F(Reference, CornellMatchesThePathTracerAtTheDefaults) {
   run("cornell", "trace: {resolution: [256, 256]}\n");
-  EXPECT_LT(block_error(read_exr(folder_ / "out/frames/camera.0001.exr"), read_exr(kScenes + "/reference/cornell.exr")),
-            0.05);
+  const Image frame = read_exr(folder_ / "out/frames/camera.0001.exr");
+  EXPECT_LT(image_error(frame, read_exr(kScenes + "/reference/cornell.exr")).block, 0.05);
 }
 
 struct Furnace {

@@ -44,6 +44,17 @@ TEST(EnergyFile, HoldsRadiosityOfEmissionAndAllGroups) {
   EXPECT_EQ(radiosity(solved.scene, solved.energy)[0], Color(2.0f + 0.5f * 1.5f));
 }
 
+TEST(EnergyFile, RadiosityErrorIsRelativeAndWithoutEmitters) {
+  Solved solved;
+  solved.scene.patches[0].area = 4;
+  EnergyField other = solved.energy;
+  other.groups[0].direct[0] *= 1.5f;  // of the emitter
+  solved.scene.patches[1].emission = Color(0.0f);
+  EXPECT_EQ(radiosity_error(solved.scene, other, solved.energy), 0);
+  other.groups[0].direct[1] = Color(2.225f);  // irradiance 2.475 for 2.25
+  EXPECT_NEAR(radiosity_error(solved.scene, other, solved.energy), 0.1, 1e-6);
+}
+
 TEST(EnergyFile, RefusesAnotherScene) {
   const TemporaryFolder folder;
   Solved solved;

@@ -42,5 +42,13 @@ TEST(Key, OfAFrameIgnoresLightsAtTheirOwnStrength) {
   EXPECT_NE(frame_key(scene, "e", plain, "c", 1), frame_key(scene, "e", lit, "c", 1));
 }
 
+TEST(Key, IgnoresTheBench) {
+  Job plain, bench;
+  bench.bench.sweep = {{{"solve.rays", {"1", "2"}}}};
+  bench.bench.camera = "c";
+  EXPECT_EQ(import_inputs_key({{"a.glb", "hash"}}, plain), import_inputs_key({{"a.glb", "hash"}}, bench));
+  EXPECT_EQ(frame_key(PatchSet(), "e", plain, "c", 1), frame_key(PatchSet(), "e", bench, "c", 1));
+}
+
 }  // namespace
 }  // namespace patchlight
