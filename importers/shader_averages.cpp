@@ -13,7 +13,7 @@ namespace patchlight {
 namespace {
 
 constexpr double kRounding = 1e-6;  // what is less below 0 is 0
-constexpr double kEven = 1.0 / 64;  // spread of a patch's samples, in their largest, below which few of them do
+constexpr double kEven = 1.0 / 32;  // spread of a patch's samples below which few of them do: of 1, or of their largest
 
 /// Points of the unit square whose projections on both axes are evenly spaced: a Fibonacci lattice. So a stripe along
 /// an edge meets as many different columns as there are points.
@@ -58,7 +58,7 @@ struct ColorSource {
 
 bool is_even(const Vec3d& low, const Vec3d& high) {
   for (int k = 0; k < 3; ++k) {
-    if (high[k] - low[k] > kEven * high[k]) return false;
+    if (high[k] - low[k] > kEven * std::max(1.0, high[k])) return false;
   }
   return true;
 }
