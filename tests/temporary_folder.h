@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -14,8 +15,9 @@ class TemporaryFolder {
  public:
   TemporaryFolder() {
     const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-    path_ = std::filesystem::temp_directory_path() /
-            ("patchlight." + std::to_string(::getpid()) + "." + info->test_suite_name() + "." + info->name());
+    std::string name = std::string(info->test_suite_name()) + "." + info->name();
+    std::replace(name.begin(), name.end(), '/', '_');  // of parametrised tests
+    path_ = std::filesystem::temp_directory_path() / ("patchlight." + std::to_string(::getpid()) + "." + name);
     std::filesystem::create_directories(path_);
   }
   ~TemporaryFolder() {
