@@ -13,7 +13,7 @@ namespace patchlight {
 ///
 /// Datasets are chunked with fletcher32 checksums, and each carries the XXH3 hash of its bytes as attribute `xxh3`
 /// (fletcher32 cannot tell a word of zeros from a word of ones). The root attribute `digest` covers all names, hashes
-/// and other root attributes.
+/// and other root attributes. A hash of the whole file follows the HDF5 data.
 /// Throws everywhere: Error (cannot_create, io_error).
 class H5Writer {
  public:

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <xxhash.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdio>
@@ -67,14 +68,17 @@ std::string hash_bytes(const void* data, std::size_t size) {
   return to_hex(XXH3_128bits(data, size));
 }
 
-std::string hash_file(const std::filesystem::path& file) {
+std::string hash_file(const std::filesystem::path& file, std::uintmax_t size) {
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(file.c_str(), "rb"), std::fclose);
   if (!stream) throw Error(ExitCode::missing_input, "cannot open the file", file.string(), "check the path");
   std::unique_ptr<XXH3_state_t, XXH_errorcode (*)(XXH3_state_t*)> state(XXH3_createState(), XXH3_freeState);
   XXH3_128bits_reset(state.get());
   std::array<char, 1 << 16> buffer;
-  while (const std::size_t count = std::fread(buffer.data(), 1, buffer.size(), stream.get()))
+  while (const std::size_t count =
+             std::fread(buffer.data(), 1, std::size_t(std::min<std::uintmax_t>(size, buffer.size())), stream.get())) {
     XXH3_128bits_update(state.get(), buffer.data(), count);
+    size -= count;
+  }
   if (std::ferror(stream.get()))
     throw Error(ExitCode::io_error, "cannot read the file", file.string(), "check the disk and the path");
   return to_hex(XXH3_128bits_digest(state.get()));

@@ -31,8 +31,8 @@ class KeyHasher {
 /// Hash of raw bytes, 32 hex digits.
 std::string hash_bytes(const void* data, std::size_t size);
 
-/// Hash of a file's content. Throws: Error (missing_input, io_error).
-std::string hash_file(const std::filesystem::path& file);
+/// Hash of a file's content, or of its first `size` bytes. Throws: Error (missing_input, io_error).
+std::string hash_file(const std::filesystem::path& file, std::uintmax_t size = UINTMAX_MAX);
 
 /// Key of what an import reads: the source files' content and the settings that can change patches.h5.
 std::string import_inputs_key(const std::vector<SourceFile>& sources, const Job& job);
