@@ -26,11 +26,13 @@ std::vector<std::string> stage_arguments(const RunCommand& command) {
 }  // namespace
 
 int run_job(const RunCommand& command, Progress& progress) {
+  Progress::catch_signals();
   const Job job = read_job(command.job_file, command.common.sets, command.common.output);
   const std::vector<std::string> arguments = stage_arguments(command);
 
   /// Runs the stage unless its output is fresh. Returns its exit code.
   const auto bring_up_to_date = [&](const std::string& stage, const Freshness& state) {
+    Progress::check_interrupted();
     if (state.fresh && !command.force) {
       progress.note(stage + " skipped: up to date");
       return 0;
@@ -39,7 +41,9 @@ int run_job(const RunCommand& command, Progress& progress) {
       progress.warning(stage + " runs again: " + state.reason);
     else
       progress.note(stage + " runs: " + (state.fresh ? "--force" : state.reason));
-    return run_stage_program(stage, arguments);
+    const int code = run_stage_program(stage, arguments);
+    if (code == 0) Progress::check_interrupted();  // a stage that was just ending does not tell
+    return code;
   };
 
   PatchSet scene;

@@ -16,16 +16,6 @@ extern char** environ;
 
 namespace patchlight {
 
-namespace {
-
-volatile std::sig_atomic_t running_child = 0;
-
-extern "C" void pass_on(int signal) {
-  if (running_child > 0) kill(pid_t(running_child), signal);
-}
-
-}  // namespace
-
 int run_stage_program(const std::string& stage, const std::vector<std::string>& arguments) {
   const std::string program =
       (std::filesystem::read_symlink("/proc/self/exe").parent_path() / ("patchlight-" + stage)).string();
@@ -33,22 +23,18 @@ int run_stage_program(const std::string& stage, const std::vector<std::string>& 
   for (const auto& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
   argv.push_back(nullptr);
 
-  struct sigaction action {
-  }, old_int, old_term;
-  action.sa_handler = pass_on;
-  sigaction(SIGINT, &action, &old_int);
-  sigaction(SIGTERM, &action, &old_term);
   pid_t child = 0;
   if (const int fault = posix_spawn(&child, program.c_str(), nullptr, nullptr, argv.data(), environ))
     throw Error(ExitCode::unavailable, std::string("cannot start the stage: ") + std::strerror(fault), program,
                 "build all programs into one folder");
-  running_child = child;
+  Progress::pass_signals_to(child);
+  siginfo_t ended{};  // until it is reaped below, its number is its own
+  while (waitid(P_PID, id_t(child), &ended, WEXITED | WNOWAIT) < 0 && errno == EINTR) {
+  }
+  Progress::pass_signals_to(0);
   int status = 0;
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
-  running_child = 0;
-  sigaction(SIGINT, &old_int, nullptr);
-  sigaction(SIGTERM, &old_term, nullptr);
   if (WIFEXITED(status)) return WEXITSTATUS(status);
   const int signal = WTERMSIG(status);
   return int(signal == SIGINT || signal == SIGTERM ? ExitCode::interrupted : ExitCode::internal);

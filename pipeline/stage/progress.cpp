@@ -12,7 +12,13 @@ namespace patchlight {
 
 namespace {
 
-volatile std::sig_atomic_t stop_requested = 0;
+volatile std::sig_atomic_t stop_requested = 0;  ///< The signal that did.
+volatile std::sig_atomic_t informed_process = 0;
+
+extern "C" void request_stop(int signal) {
+  stop_requested = signal;
+  if (informed_process > 0) kill(pid_t(informed_process), signal);
+}
 
 double seconds(std::chrono::steady_clock::duration span) {
   return std::chrono::duration<double>(span).count();
@@ -79,9 +85,14 @@ void Progress::check_interrupted() {
 
 void Progress::catch_signals() {
   struct sigaction action {};
-  action.sa_handler = [](int) { stop_requested = 1; };
+  action.sa_handler = request_stop;
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
+}
+
+void Progress::pass_signals_to(int process) {
+  informed_process = process;
+  if (process > 0 && stop_requested) kill(pid_t(process), stop_requested);
 }
 
 void Progress::write_json(const char* level, const std::string& message, double fraction, int exit_code) {

@@ -36,6 +36,9 @@ class Progress {
   /// From now on SIGINT and SIGTERM only ask the stage to stop.
   static void catch_signals();
 
+  /// From now on passes them on to a process as well, and at once what came before; 0: to none.
+  static void pass_signals_to(int process);
+
  private:
   using Clock = std::chrono::steady_clock;
 
