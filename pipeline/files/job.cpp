@@ -4,11 +4,12 @@
 
 #include <algorithm>
 #include <fstream>
-#include <numeric>
 #include <set>
 #include <sstream>
+#include <tuple>
 
 #include "pipeline/files/job_schema.h"
+#include "pipeline/files/nearest_word.h"
 #include "pipeline/model/error.h"
 
 namespace patchlight {
@@ -18,30 +19,26 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uintmax_t kMaxJobBytes = 1 << 20;
+constexpr std::size_t kMaxEntries = 1 << 20;  // aliases can make far more of few bytes
+constexpr int kJobLevels = 3;
 
 [[noreturn]] void refuse(const fs::path& file, const YAML::Mark& mark, const std::string& what,
                          const std::string& mend) {
   throw Error(ExitCode::bad_config, what, fmt::format("{}, line {}", file.string(), mark.line + 1), mend);
 }
 
-std::size_t edit_distance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t(0));
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = row[0]++;
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t above = row[j + 1];
-      row[j + 1] = std::min({above + 1, row[j] + 1, diagonal + (a[i] != b[j])});
-      diagonal = above;
-    }
+/// Refuses keys that stand twice in one map: of which the later would hide the earlier from its reader. Deeper than
+/// jobs reach nothing is looked at.
+void refuse_duplicates(const fs::path& file, const YAML::Node& map, int levels, std::size_t& budget) {
+  if (levels == 0 || !map.IsMap()) return;
+  std::set<std::string> names;
+  for (const auto& entry : map) {
+    if (budget-- == 0) refuse(file, map.Mark(), "more entries than a job can have", "is it a job file?");
+    if (entry.first.IsScalar() && !names.insert(entry.first.Scalar()).second)
+      refuse(file, entry.first.Mark(), "the key `" + entry.first.Scalar().substr(0, 100) + "` stands twice",
+             "keep one of them");
+    refuse_duplicates(file, entry.second, levels - 1, budget);
   }
-  return row.back();
-}
-
-const JobKey& nearest_key(const std::vector<JobKey>& keys, const std::string& path) {
-  return *std::min_element(keys.begin(), keys.end(), [&](const JobKey& a, const JobKey& b) {
-    return edit_distance(a.path, path) < edit_distance(b.path, path);
-  });
 }
 
 YAML::Node load_yaml(const fs::path& file) {
@@ -58,6 +55,8 @@ YAML::Node load_yaml(const fs::path& file) {
     YAML::Node root = YAML::Load(text.str());
     if (root.IsNull()) root = YAML::Node(YAML::NodeType::Map);
     if (!root.IsMap()) refuse(file, root.Mark(), "not a map of keys", "begin with `scene: FILE.glb`");
+    std::size_t budget = kMaxEntries;
+    refuse_duplicates(file, root, kJobLevels, budget);
     return root;
   } catch (const YAML::Exception& error) {
     refuse(file, error.mark, "not valid YAML: " + error.msg, "mend the syntax");
@@ -69,13 +68,15 @@ YAML::Node load_yaml(const fs::path& file) {
               "write --set key.path=value, and a key that holds dots in double quotes");
 }
 
-/// Splits `a."b.c".d=value` into {a, b.c, d} and the value.
+/// Splits `a."b.c".d=value` into {a, b.c, d} and the value. Inside quotes, a backslash keeps a quote or backslash.
 std::pair<std::vector<std::string>, std::string> split_set(const std::string& set) {
   std::vector<std::string> path(1);
   bool quoted = false;
   for (std::size_t i = 0; i < set.size(); ++i) {
     const char c = set[i];
-    if (c == '"') {
+    if (quoted && c == '\\' && i + 1 < set.size() && (set[i + 1] == '"' || set[i + 1] == '\\')) {
+      path.back() += set[++i];
+    } else if (c == '"') {
       quoted = !quoted;
     } else if (quoted || (c != '.' && c != '=')) {
       path.back() += c;
@@ -90,83 +91,100 @@ std::pair<std::vector<std::string>, std::string> split_set(const std::string& se
   refuse_set(set);
 }
 
-/// YAML::Node has reference semantics, so each level is a variable of its own.
-void put(YAML::Node parent, const std::vector<std::string>& path, std::size_t depth, const YAML::Node& value) {
-  YAML::Node child = parent[path[depth]];
-  if (depth + 1 == path.size()) {
-    parent[path[depth]] = value;
-    return;
+/// One `--set`: its path and its value as YAML.
+struct Override {
+  explicit Override(const std::string& set) {
+    std::string text;
+    std::tie(path, text) = split_set(set);
+    try {
+      value = YAML::Load(text);
+    } catch (const YAML::Exception&) {
+      refuse_set(set);
+    }
+    if (!value.IsDefined() || value.IsNull()) refuse_set(set);
   }
-  if (!child.IsDefined() || !child.IsMap()) parent[path[depth]] = YAML::Node(YAML::NodeType::Map);
-  put(parent[path[depth]], path, depth + 1, value);
-}
 
-void apply_set(YAML::Node root, const std::string& set) {
-  const auto [path, text] = split_set(set);
+  /// The value in a map for each part of the path from the `depth`th on.
+  YAML::Node nested(std::size_t depth) const {
+    YAML::Node node = value;
+    for (std::size_t i = path.size(); i > depth; --i) {
+      YAML::Node map(YAML::NodeType::Map);
+      map[path[i - 1]] = node;
+      node.reset(map);
+    }
+    return node;
+  }
+
+  std::vector<std::string> path;
   YAML::Node value;
-  try {
-    value = YAML::Load(text);
-  } catch (const YAML::Exception&) {
-    refuse_set(set);
-  }
-  if (!value.IsDefined() || value.IsNull()) refuse_set(set);
-  put(root, path, 0, value);
-}
+};
 
-/// Reads a whole job: of each key it knows whether the file or an override says it.
+/// Reads a job from its file and then from one override after the other, so that each fault has a place of its own.
 class JobReader {
  public:
-  JobReader(const fs::path& file, Job& job) : file_(file), keys_(job_keys(job)), root_(load_yaml(file)) {}
+  JobReader(const fs::path& file, Job& job) : file_(file), keys_(job_keys(job)) {}
+
+  void read_file() { read_section(load_yaml(file_), ""); }
 
   void apply(const std::string& set) {
-    apply_set(root_, set);
-    std::string path;
-    for (const auto& part : split_set(set).first) overridden_.insert(path += (path.empty() ? "" : ".") + part);
+    const Override change(set);
+    set_ = &set;
+    const auto key = std::find_if(keys_.begin(), keys_.end(),
+                                  [&](const JobKey& k) { return k.path == change.path[0] && k.read_some; });
+    if (key == keys_.end() || change.path.size() == 1)
+      read_section(change.nested(0), "");
+    else
+      read_value(key->path, key->read_some, YAML::Node(), change.nested(1));
+    set_ = nullptr;
   }
 
-  void read() const { read_section(root_, ""); }
-
  private:
-  [[noreturn]] void refuse_entry(const std::string& path, const YAML::Node& name, const std::string& what,
-                                 const std::string& mend) const {
-    if (name.Mark().is_null() || overridden_.contains(path))
-      throw Error(ExitCode::bad_config, what, file_.string() + ", --set", mend);
-    refuse(file_, name.Mark(), what, mend);
+  [[noreturn]] void refuse_entry(const YAML::Mark& mark, const std::string& what, const std::string& mend) const {
+    if (set_) throw Error(ExitCode::bad_config, what, file_.string() + ", --set " + *set_, mend);
+    refuse(file_, mark, what, mend);
   }
 
   void read_section(const YAML::Node& map, const std::string& prefix) const {
     for (const auto& entry : map) {
-      if (!entry.first.IsScalar()) refuse(file_, entry.first.Mark(), "a key that is not a word", "write `key: value`");
+      const YAML::Mark mark = entry.first.Mark();
+      if (!entry.first.IsScalar()) refuse_entry(mark, "a key that is not a word", "write `key: value`");
       const std::string path = prefix + entry.first.Scalar().substr(0, 100);
       const auto key = std::find_if(keys_.begin(), keys_.end(), [&](const JobKey& k) { return k.path == path; });
       const bool section = prefix.empty() && std::any_of(keys_.begin(), keys_.end(), [&](const JobKey& k) {
                              return k.path.starts_with(path + ".");
                            });
       if (key == keys_.end() && !section)
-        refuse_entry(path, entry.first, "unknown key `" + path + "`",
-                     "did you mean `" + nearest_key(keys_, path).path + "`?");
+        refuse_entry(mark, "unknown key `" + path + "`", "did you mean `" + nearest_key(path) + "`?");
       if (entry.second.IsNull()) continue;  // `key:` without a value keeps the default
       if (section && !entry.second.IsMap())
-        refuse_entry(path, entry.first, "bad value of `" + path + "`", "expected a map of settings");
+        refuse_entry(mark, "bad value of `" + path + "`", "expected a map of settings");
       if (section)
         read_section(entry.second, path + ".");
       else
-        read_value(*key, entry.first, entry.second);
+        read_value(path, key->read, entry.first, entry.second);
     }
   }
 
-  void read_value(const JobKey& key, const YAML::Node& name, const YAML::Node& value) const {
+  void read_value(const std::string& path, const JobKey::Read& read, const YAML::Node& name,
+                  const YAML::Node& value) const {
     try {
-      key.read(value);
+      read(value);
     } catch (const std::string& expected) {
-      refuse_entry(key.path, name, "bad value of `" + key.path + "`", expected);
+      refuse_entry(name.Mark(), "bad value of `" + path + "`", expected);
+    } catch (const EntryFault& fault) {
+      refuse_entry(fault.mark, fault.what, fault.mend);
     }
+  }
+
+  std::string nearest_key(const std::string& path) const {
+    std::vector<std::string> paths;
+    for (const JobKey& key : keys_) paths.push_back(key.path);
+    return nearest_word(paths, path);
   }
 
   const fs::path& file_;
   std::vector<JobKey> keys_;
-  YAML::Node root_;
-  std::set<std::string> overridden_;
+  const std::string* set_ = nullptr;  ///< The override that is being read; null: the file.
 };
 
 }  // namespace
@@ -175,8 +193,8 @@ Job read_job(const fs::path& file, const std::vector<std::string>& sets, const f
   Job job;
   job.file = file;
   JobReader reader(file, job);
+  reader.read_file();
   for (const auto& set : sets) reader.apply(set);
-  reader.read();
   if (job.scene.empty()) throw Error(ExitCode::bad_config, "no `scene`", file.string(), "add `scene: FILE.glb`");
   if (!output.empty()) job.output = fs::absolute(output);
   if (job.output.empty()) throw Error(ExitCode::bad_config, "no `output`", file.string(), "add `output: FOLDER`");

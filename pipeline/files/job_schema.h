@@ -12,10 +12,20 @@ namespace patchlight {
 /// One key of a job file, bound to its place in a Job. The only list of keys: reading, help and the effective job are
 /// made from it.
 struct JobKey {
+  using Read = std::function<void(const YAML::Node&)>;
+
   std::string path;  ///< `section.name`, or a name alone.
   std::string help;
-  std::function<void(const YAML::Node&)> read;  ///< Throws: std::string, what is wrong and which values are allowed.
-  std::function<YAML::Node()> write;            ///< The present value.
+  Read read;                          ///< Throws: std::string, which values are allowed; EntryFault.
+  std::function<YAML::Node()> write;  ///< The present value.
+  Read read_some{};                   ///< Of a map of names: reads some settings and leaves the others as they are.
+};
+
+/// What is wrong below a key that is a map of names, and where.
+struct EntryFault {
+  std::string what;
+  std::string mend;
+  YAML::Mark mark;
 };
 
 std::vector<JobKey> job_keys(Job& job);

@@ -17,7 +17,8 @@ std::string patchlight_version() {
 
 void add_common_options(CLI::App& app, CommonOptions& options) {
   app.add_option("--set", options.sets, "Override a key of the job: key.path=value")->allow_extra_args(false);
-  app.add_option("--output", options.output, "Folder for outputs, instead of the job's");
+  app.add_option("--output", options.output, "Folder for outputs, instead of the job's")
+      ->check([](const std::string& folder) { return folder.empty() ? std::string("an empty name") : std::string(); });
   app.add_option("--threads", options.threads, "Number of threads; absent: all")->check(CLI::Range(1, 4096));
   app.add_flag("--quiet", options.quiet, "Print warnings and errors alone");
   app.add_option("--log-json", options.log_json, "Append one JSON object a line to this file");

@@ -53,6 +53,7 @@ TEST_F(ExitCode, Is64ForWrongUsage) {
   expect(64, import({"job.yaml", "--colour"}), "--colour");
   expect(64, import({"job.yaml", "--set", "solve.rays"}), "--set");
   expect(64, import({"job.yaml", "--threads", "0"}), "--threads");
+  expect(64, import({"job.yaml", "--output", ""}), "--output");
   expect(64, run_program(folder_, "patchlight", {"fly"}), "fly");
 }
 

@@ -56,6 +56,39 @@ TEST_F(JobFile, NamesAnUnknownKeyItsLineAndTheNearest) {
   EXPECT_ERROR(read("scene: a.glb\noutput: out\nsolver: {}\n"), ExitCode::bad_config, "line 3");
 }
 
+TEST_F(JobFile, NamesUnknownKeysBelowMaterialsAndLightsWithTheirLines) {
+  EXPECT_ERROR(
+      read("scene: a.glb\noutput: out\nmaterials:\n  red: {reflectance: [1, 0, 0]}\n  lamp:\n    emision: [1, 1, 1]\n"),
+      ExitCode::bad_config,
+      "unknown key `materials.lamp.emision` (" + (folder_ / "job.yaml").string() +
+          ", line 6): did you mean `materials.lamp.emission`?");
+  EXPECT_ERROR(read(std::string(kMinimal) + "lights:\n  l.a:\n    scale: -1\n"), ExitCode::bad_config, "line 5");
+  EXPECT_ERROR(read(kMinimal, {"lights.\"l.a\".scael=2"}), ExitCode::bad_config,
+               ", --set lights.\"l.a\".scael=2): did you mean `lights.\"l.a\".scale`?");
+}
+
+TEST_F(JobFile, RefusesAKeyThatStandsTwice) {
+  EXPECT_ERROR(read("scene: a.glb\noutput: out\nsolve: {rays: 1}\nsolve: {rays: 2}\n"), ExitCode::bad_config, "line 4");
+  EXPECT_ERROR(read("scene: a.glb\noutput: out\nsolve:\n  rays: 1\n  rays: 2\n"), ExitCode::bad_config,
+               "the key `rays` stands twice");
+  EXPECT_ERROR(read(std::string(kMinimal) + "lights:\n  a: {scale: 1}\n  a: {scale: 2}\n"), ExitCode::bad_config,
+               "line 5");
+}
+
+TEST_F(JobFile, TellsFaultsOfTheFileFromThoseOfSets) {
+  EXPECT_ERROR(read("scene: a.glb\noutput: out\nsolve:\n  rayz: 1\n", {"solve.rays=3"}), ExitCode::bad_config,
+               "line 4");
+  EXPECT_ERROR(read(std::string(kMinimal) + "solve:\n  rays: 1\n", {"solve.rayz=3"}), ExitCode::bad_config, "--set");
+}
+
+TEST_F(JobFile, SetsLeaveOtherAliasesAlone) {
+  const Job job =
+      read(std::string(kMinimal) + "lights: {a: &x {scale: 3, color: [1, 0, 0]}, b: *x}\n", {"lights.a.scale=5"});
+  EXPECT_EQ(job.lights.at("a").scale, 5);
+  EXPECT_EQ(job.lights.at("a").color, Color(1, 0, 0));
+  EXPECT_EQ(job.lights.at("b").scale, 3);
+}
+
 TEST_F(JobFile, RefusesValuesThatAreNotAllowed) {
   EXPECT_ERROR(read(std::string(kMinimal) + "import: {patch_area: -1}"), ExitCode::bad_config, "import.patch_area");
   EXPECT_ERROR(read(std::string(kMinimal) + "import: {patch_area: .nan}"), ExitCode::bad_config, "patch_area");
@@ -63,6 +96,7 @@ TEST_F(JobFile, RefusesValuesThatAreNotAllowed) {
   EXPECT_ERROR(read(std::string(kMinimal) + "solve: {rays: 2.5}"), ExitCode::bad_config, "whole number");
   EXPECT_ERROR(read(std::string(kMinimal) + "trace: {resolution: [0, 5]}"), ExitCode::bad_config, "resolution");
   EXPECT_ERROR(read(std::string(kMinimal) + "trace: {frames: 1-x}"), ExitCode::bad_config, "1-120");
+  EXPECT_ERROR(read(kMinimal, {"trace.frames=5-3"}), ExitCode::bad_config, "begins before it ends");
   EXPECT_ERROR(read(std::string(kMinimal) + "materials: {a: {reflectance: [1, 2, 0]}}"), ExitCode::bad_config,
                "0 to 1");
   EXPECT_ERROR(read(std::string(kMinimal) + "materials: {a: {colour: 1}}"), ExitCode::bad_config, "colour");
@@ -80,7 +114,10 @@ TEST_F(JobFile, SurvivesHostileYaml) {
 }
 
 TEST_F(JobFile, IsOverriddenBySets) {
-  const Job job = read(kMinimal, {"solve.rays=32", "lights.\"lights.lamp\".scale=2", "trace.cameras=[a, b]"});
+  const Job job = read(kMinimal, {"solve.rays=32", "lights.\"lights.lamp\".scale=2", "trace.cameras=[a, b]",
+                                  R"(lights."an \"old\" \\ lamp".scale=4)", "solve={seed: 7}"});
+  EXPECT_EQ(job.lights.at(R"(an "old" \ lamp)").scale, 4.0);
+  EXPECT_EQ(job.solve.seed, 7);
   EXPECT_EQ(job.solve.rays, 32);
   EXPECT_EQ(job.lights.at("lights.lamp").scale, 2.0);
   EXPECT_EQ(job.trace.cameras, (std::vector<std::string>{"a", "b"}));
