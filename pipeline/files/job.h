@@ -60,7 +60,7 @@ struct Job {
   ImportConfig import;
   std::vector<MaterialOverride> materials;
   SolveConfig solve;
-  std::map<std::string, LightSetting> lights;  ///< By light group.
+  std::map<std::string, LightSetting> lights;  ///< By light group, as files name it.
   TraceConfig trace;
 
   std::filesystem::path patch_file() const { return output / "patches.h5"; }

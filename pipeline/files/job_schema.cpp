@@ -7,6 +7,7 @@
 #include <limits>
 #include <regex>
 
+#include "pipeline/files/light_group_name.h"
 #include "pipeline/files/nearest_word.h"
 
 namespace patchlight {
@@ -122,7 +123,7 @@ Node materials_node(const std::vector<MaterialOverride>& materials) {
 
 void read_lights(const Node& map, std::map<std::string, LightSetting>& lights) {
   read_entries("lights", map, [&](const std::string& name) -> EntryReader {
-    LightSetting& light = lights[name];
+    LightSetting& light = lights[light_group_name(name)];
     return {{"scale", [&](const Node& n) { light.scale = parse_number(n, 0, 1e30); }},
             {"color", [&](const Node& n) { light.color = parse_color(n, 1e30); }}};
   });

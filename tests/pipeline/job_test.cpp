@@ -75,6 +75,13 @@ TEST_F(JobFile, RefusesAKeyThatStandsTwice) {
                "line 5");
 }
 
+TEST_F(JobFile, KnowsLightGroupsByTheNamesThatFilesGiveThem) {
+  const Job job = read(std::string(kMinimal) + "lights: {hall/lamp: {scale: 2}, .: {scale: 3}, ..: {scale: 4}}\n");
+  EXPECT_EQ(job.lights.at("hall_lamp").scale, 2);
+  EXPECT_EQ(job.lights.at("_").scale, 3);
+  EXPECT_EQ(job.lights.at("..").scale, 4);
+}
+
 TEST_F(JobFile, TellsFaultsOfTheFileFromThoseOfSets) {
   EXPECT_ERROR(read("scene: a.glb\noutput: out\nsolve:\n  rayz: 1\n", {"solve.rays=3"}), ExitCode::bad_config,
                "line 4");
