@@ -51,7 +51,7 @@ class Reference : public ::testing::Test {
 TEST_F(Reference, CornellMatchesThePathTracerAtTheDefaults) {
   run("cornell", "trace: {resolution: [256, 256]}\n");
   EXPECT_LT(block_error(read_exr(folder_ / "out/frames/camera.0001.exr"), read_exr(kScenes + "/reference/cornell.exr")),
-            0.05);
+            0.02);
 }
 
 struct Furnace {
