@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cmath>
 #include <csignal>
 #include <nlohmann/json.hpp>
 
@@ -62,6 +64,7 @@ void Progress::error(const std::string& message, int exit_code) {
 
 void Progress::update(double fraction, const std::string& detail) {
   check_interrupted();
+  fraction = fraction >= 0 ? std::min(fraction, 1.0) : 0.0;  // NaN is not at least zero
   const Clock::time_point now = Clock::now();
   const double interval = terminal_ ? 0.1 : 5.0;
   if (seconds(now - std::max(last_shown_, start_)) < interval) return;

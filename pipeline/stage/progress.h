@@ -26,7 +26,7 @@ class Progress {
   void warning(const std::string& message);
   void error(const std::string& message, int exit_code);
 
-  /// Reports how much of the stage is done, in [0,1], and in the user's words what of it. Cheap: call it often.
+  /// Reports how much of the stage is done, clamped to [0,1], and in the user's words what of it. Cheap: call it often.
   /// Throws: Error (interrupted) after SIGINT or SIGTERM.
   void update(double fraction, const std::string& detail);
 
