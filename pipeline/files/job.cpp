@@ -21,6 +21,7 @@ namespace fs = std::filesystem;
 constexpr std::uintmax_t kMaxJobBytes = 1 << 20;
 constexpr std::size_t kMaxEntries = 1 << 20;  // aliases can make far more of few bytes
 constexpr int kJobLevels = 3;
+constexpr std::int64_t kMaxPixels = 1 << 28;
 
 [[noreturn]] void refuse(const fs::path& file, const YAML::Mark& mark, const std::string& what,
                          const std::string& mend) {
@@ -199,8 +200,12 @@ Job read_job(const fs::path& file, const std::vector<std::string>& sets, const f
   if (!output.empty()) job.output = fs::absolute(output);
   if (job.output.empty()) throw Error(ExitCode::bad_config, "no `output`", file.string(), "add `output: FOLDER`");
   const fs::path folder = fs::absolute(file).parent_path();
-  job.scene = (folder / job.scene).lexically_normal();
-  job.output = (folder / job.output).lexically_normal();
+  // As they stand: `link/..` is not the folder that holds the link.
+  job.scene = folder / job.scene;
+  job.output = folder / job.output;
+  if (std::int64_t(job.trace.resolution[0]) * job.trace.resolution[1] > kMaxPixels)
+    throw Error(ExitCode::over_limit, fmt::format("a frame of more than {} pixels", kMaxPixels),
+                file.string() + ", trace.resolution", "lower it");
   return job;
 }
 
@@ -208,7 +213,7 @@ std::string effective_job(const Job& job) {
   const fs::path folder = fs::absolute(job.file).parent_path();
   Job copy = job;
   for (fs::path* path : {&copy.scene, &copy.output})
-    if (!path->empty()) *path = path->lexically_relative(folder);
+    if (path->string().starts_with(folder.string() + "/")) *path = path->string().substr(folder.string().size() + 1);
   YAML::Node root(YAML::NodeType::Map);
   for (const JobKey& key : job_keys(copy)) {
     const YAML::Node value = key.write();

@@ -120,6 +120,19 @@ TEST_F(JobFile, SurvivesHostileYaml) {
   EXPECT_ERROR(read_job(folder_ / "none.yaml"), ExitCode::missing_input, "none.yaml");
 }
 
+TEST_F(JobFile, TakesPathsAsTheyStand) {
+  const Job job = read("scene: link/../a.glb\noutput: link/../out\n");
+  EXPECT_EQ(job.scene, folder_.path() / "link/../a.glb");
+  EXPECT_EQ(job.output, folder_.path() / "link/../out");
+  EXPECT_THAT(effective_job(job), ::testing::HasSubstr("scene: link/../a.glb"));
+  EXPECT_THAT(effective_job(read("scene: /b/a.glb\noutput: out\n")), ::testing::HasSubstr("scene: /b/a.glb"));
+}
+
+TEST_F(JobFile, LimitsTheSizeOfFrames) {
+  EXPECT_EQ(read(kMinimal, {"trace.resolution=[16384, 16384]"}).trace.resolution[0], 16384);
+  EXPECT_ERROR(read(kMinimal, {"trace.resolution=[16384, 16385]"}), ExitCode::over_limit, "trace.resolution");
+}
+
 TEST_F(JobFile, IsOverriddenBySets) {
   const Job job = read(kMinimal, {"solve.rays=32", "lights.\"lights.lamp\".scale=2", "trace.cameras=[a, b]",
                                   R"(lights."an \"old\" \\ lamp".scale=4)", "solve={seed: 7}"});
