@@ -3,6 +3,7 @@
 #include "pipeline/driver/commands.h"
 #include "pipeline/driver/freshness.h"
 #include "pipeline/driver/stage_program.h"
+#include "pipeline/files/job_check.h"
 #include "pipeline/files/patch_file.h"
 #include "pipeline/model/error.h"
 
@@ -11,15 +12,16 @@ namespace patchlight {
 namespace {
 
 std::vector<std::string> stage_arguments(const RunCommand& command) {
-  std::vector<std::string> arguments{command.job_file};
+  std::vector<std::string> arguments;
   const auto add = [&](const std::string& option, const std::string& value) {
-    if (!value.empty()) arguments.insert(arguments.end(), {option, value});
+    if (!value.empty()) arguments.push_back(option + "=" + value);
   };
   for (const auto& set : command.common.sets) add("--set", set);
   add("--output", command.common.output);
   add("--threads", command.common.threads > 0 ? std::to_string(command.common.threads) : "");
   add("--log-json", command.common.log_json);
   if (command.common.quiet) arguments.push_back("--quiet");
+  arguments.insert(arguments.end(), {"--", command.job_file});
   return arguments;
 }
 
@@ -28,6 +30,7 @@ std::vector<std::string> stage_arguments(const RunCommand& command) {
 int run_job(const RunCommand& command, Progress& progress) {
   Progress::catch_signals();
   const Job job = read_job(command.job_file, command.common.sets, command.common.output);
+  check_available(job.solve);
   const std::vector<std::string> arguments = stage_arguments(command);
 
   /// Runs the stage unless its output is fresh. Returns its exit code.
@@ -49,10 +52,9 @@ int run_job(const RunCommand& command, Progress& progress) {
   PatchSet scene;
   if (const int code = bring_up_to_date("import", patches_freshness(job, scene))) return code;
   scene = read_patches(job.patch_file());
-  std::string energy_key;
-  if (const int code = bring_up_to_date("solve", energy_freshness(job, scene, energy_key))) return code;
-  energy_freshness(job, scene, energy_key);
-  return bring_up_to_date("trace", frames_freshness(job, scene, energy_key));
+  check_names(job, scene);
+  if (const int code = bring_up_to_date("solve", energy_freshness(job, scene))) return code;
+  return bring_up_to_date("trace", frames_freshness(job, scene));
 }
 
 }  // namespace patchlight

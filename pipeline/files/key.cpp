@@ -7,6 +7,7 @@
 #include <array>
 #include <bit>
 #include <cstdio>
+#include <cstdlib>
 #include <memory>
 
 #include "pipeline/model/error.h"
@@ -113,12 +114,24 @@ std::string energy_key(const std::string& patches_key, const SolveConfig& solve)
       .hex();
 }
 
-std::string frame_key(const PatchSet& scene, const std::string& energy_key, const Job& job, const std::string& camera,
-                      int frame) {
+std::string view_config_key() {
+  const char* file = std::getenv("OCIO");
+  if (!file || !*file) return "shipped";
+  std::error_code fault;
+  if (!std::filesystem::is_regular_file(file, fault))
+    throw Error(ExitCode::missing_input, "missing OpenColorIO config", file, "set or unset $OCIO");
+  return hash_file(file);
+}
+
+std::string frame_key(const PatchSet& scene, const std::string& energy_key, const Job& job, std::size_t camera,
+                      int frame, const std::string& view_config) {
   const TraceConfig& trace = job.trace;
+  const Camera& seen_by = scene.cameras[camera];
   KeyHasher hasher;
   hasher.add("trace").add(kTraceVersion).add(scene.key).add(scene.frames_key).add(energy_key);
-  hasher.add(camera).add(frame).add(trace.resolution[0]).add(trace.resolution[1]).add(trace.samples);
+  hasher.add(seen_by.name).add(int(seen_by.projection)).add(seen_by.vertical);
+  for (int k = 0; k < 16; ++k) hasher.add(seen_by.to_world.x[k / 4][k % 4]);
+  hasher.add(frame).add(trace.resolution[0]).add(trace.resolution[1]).add(trace.samples).add(view_config);
   hasher.add(trace.cull_backfaces).add(trace.view).add(trace.exposure);
   for (const auto& [name, light] : job.lights) {
     if (light.scale == 1.0 && light.color == Color(1.0f)) continue;
