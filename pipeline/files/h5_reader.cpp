@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -231,6 +233,49 @@ std::vector<std::string> H5Reader::strings(const std::string& name, std::int64_t
     values[i].assign(begin, strnlen(begin, width));
   }
   return values;
+}
+
+H5Reader::Values H5Reader::values(const std::string& name) const {
+  std::vector<hsize_t> shape;
+  hid_t kind = -1;
+  {
+    const H5Handle dataset = state_->open(name);
+    H5Handle type(H5Dget_type(dataset), H5Tclose);
+    H5Handle space(H5Dget_space(dataset), H5Sclose);
+    const int dimensions = H5Sget_simple_extent_ndims(space);
+    if (dimensions < 1 || dimensions > 3) refuse("wrong number of dimensions", name);
+    shape.resize(std::size_t(dimensions));
+    H5Sget_simple_extent_dims(space, shape.data(), nullptr);
+    for (const hid_t known : {H5T_NATIVE_DOUBLE, H5T_NATIVE_FLOAT, H5T_NATIVE_INT32, H5T_NATIVE_INT64})
+      if (H5Tequal(type, known) > 0) kind = known;
+  }
+  Values result;
+  result.shape = fmt::format("{}", fmt::join(shape, " x "));
+  const auto read = [&]<class T>() {
+    constexpr hsize_t kWidest = 1 << 20;
+    for (std::size_t i = 1; i < shape.size(); ++i)
+      if (shape[i] == 0 || shape[i] > kWidest) refuse("wrong shape", name);
+    const int columns = shape.size() > 1 ? int(shape.back()) : 0, planes = shape.size() > 2 ? int(shape[1]) : 1;
+    const std::vector<T> all = dataset<T>(name, -1, columns, planes);
+    result.numbers.assign(all.begin(), all.end());
+  };
+  if (kind == H5T_NATIVE_DOUBLE)
+    read.operator()<double>();
+  else if (kind == H5T_NATIVE_FLOAT)
+    read.operator()<float>();
+  else if (kind == H5T_NATIVE_INT32)
+    read.operator()<std::int32_t>();
+  else if (kind == H5T_NATIVE_INT64)
+    read.operator()<std::int64_t>();
+  else
+    result.texts = strings(name, -1);
+  return result;
+}
+
+std::vector<std::string> H5Reader::datasets() const {
+  std::vector<std::string> names;
+  for (const auto& [name, hash] : state_->hashes) names.push_back(name);
+  return names;
 }
 
 std::vector<std::string> H5Reader::children(const std::string& group) const {

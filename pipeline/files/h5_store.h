@@ -61,6 +61,17 @@ class H5Reader {
 
   std::vector<std::string> strings(const std::string& name, std::int64_t rows) const;
 
+  /// Any dataset, for those who only look.
+  struct Values {
+    std::string shape;  ///< As in `4 x 3`.
+    std::vector<double> numbers;
+    std::vector<std::string> texts;  ///< Instead of numbers.
+  };
+  Values values(const std::string& name) const;
+
+  /// Names of all datasets, in order.
+  std::vector<std::string> datasets() const;
+
   /// Names right below a group, in order; none without the group.
   std::vector<std::string> children(const std::string& group) const;
 
