@@ -21,17 +21,21 @@ int main(int argc, char** argv) {
   InfoCommand info;
   CLI::App* info_app = app.add_subcommand("info", "Show what is in a glTF scene, patches.h5, energy.h5 or a frame");
   info_app->add_option("FILE", info.file)->required();
+  add_common_options(*info_app, run.common);
 
   DiffCommand diff;
   CLI::App* diff_app = app.add_subcommand(
       "diff", "Compare two patches.h5, energy.h5 or frames; exit code 1 if they differ by more than is allowed");
   diff_app->add_option("A", diff.a, "The reference")->required();
   diff_app->add_option("B", diff.b)->required();
-  diff_app->add_option("--tolerance", diff.tolerance, "Allowed RMS of differences over the RMS of A's values")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
+  diff_app
+      ->add_option("--tolerance", diff.tolerance,
+                   "Allowed RMS of differences over the RMS of A's values; absent: 0, or any with --max")
+      ->check(CLI::NonNegativeNumber);
   diff_app->add_option("--max", diff.max, "Allowed largest difference over A's largest value; absent: any")
       ->check(CLI::NonNegativeNumber);
+
+  add_common_options(*diff_app, run.common);
 
   if (const auto exit_code = parse_options(app, "patchlight", argc, argv)) return *exit_code;
   int result = 0;
