@@ -10,6 +10,7 @@
 #include "importers/gltf_materials.h"
 #include "importers/gltf_model.h"
 #include "importers/shader_assignment.h"
+#include "pipeline/files/light_group_name.h"
 #include "pipeline/model/error.h"
 
 namespace patchlight {
@@ -132,21 +133,13 @@ std::vector<Surface> placed_surfaces(const GltfModel& model, const std::vector<P
   return surfaces;
 }
 
-/// A light group's name as files can hold it.
-std::string group_name(std::string name) {
-  for (char& c : name) {
-    if (c == '/' || static_cast<unsigned char>(c) < 0x20) c = '_';
-  }
-  return name == "." || name == ".." ? std::string(name.size(), '_') : name;
-}
-
 std::string light_group(const tinygltf::Node& node, const SurfaceMaterial& material) {
   std::string name;
   if (node.extras.Has("light_group") && node.extras.Get("light_group").IsString()) {
     name = node.extras.Get("light_group").Get<std::string>();
   }
   if (name.empty()) name = material.light_group;
-  return group_name(name.empty() ? material.name : name);
+  return light_group_name(name.empty() ? material.name : name);
 }
 
 void assign_light_groups(const GltfModel& model, GltfScene& scene) {
@@ -156,6 +149,11 @@ void assign_light_groups(const GltfModel& model, GltfScene& scene) {
     const bool shader_emits = surface.shader >= 0 && is_set(scene.shaders[surface.shader].emission);
     if (!material.emits() && !shader_emits) continue;
     const std::string name = light_group(model.gltf.nodes[surface.node], material);
+    if (name.size() > kLongestLightGroup) {
+      throw Error(ExitCode::bad_data, fmt::format("a light group's name of {} bytes", name.size()),
+                  fmt::format("{}, node {}", model.file.name, scene.nodes[surface.node]),
+                  fmt::format("shorten it to {}; the emitting material's name counts too", kLongestLightGroup));
+    }
     const auto [entry, is_new] = numbers.emplace(name, static_cast<int>(scene.light_groups.size()));
     if (is_new) scene.light_groups.push_back(name);
     surface.light_group = entry->second;

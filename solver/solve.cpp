@@ -4,8 +4,8 @@
 
 #include <chrono>
 
+#include "pipeline/files/job_check.h"
 #include "pipeline/files/key.h"
-#include "pipeline/model/error.h"
 #include "solver/hemicube.h"
 #include "solver/progressive_refinement.h"
 #include "solver/ray_form_factors.h"
@@ -13,14 +13,6 @@
 namespace patchlight {
 
 namespace {
-
-void check_available(const SolveConfig& config) {
-  const auto refuse = [](const std::string& value, const std::string& key, const std::string& mend) {
-    throw Error(ExitCode::bad_config, "`" + value + "` is not available yet", key, mend);
-  };
-  if (config.method != "progressive") refuse(config.method, "solve.method", "use `progressive`");
-  if (config.display) refuse("true", "solve.display", "use `false`");
-}
 
 std::unique_ptr<FormFactorSource> make_form_factors(const PatchSet& scene, const SolveConfig& config) {
   if (config.form_factors == "hemicube")

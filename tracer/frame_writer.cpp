@@ -17,7 +17,11 @@ constexpr float kBrightest = 65504.0f;
 }  // namespace
 
 FrameWriter::FrameWriter(const Job& job, const PatchSet& scene, const EnergyField& energy)
-    : job_(job), scene_(scene), energy_(energy), view_(job.trace.view, job.trace.exposure) {}
+    : job_(job),
+      scene_(scene),
+      energy_(energy),
+      view_(job.trace.view, job.trace.exposure),
+      view_config_(view_config_key()) {}
 
 void FrameWriter::write(const Frame& frame, Image image, double seconds) const {
   for (Color& pixel : image.pixels)
@@ -32,13 +36,14 @@ void FrameWriter::write(const Frame& frame, Image image, double seconds) const {
       {"Frame", fmt::format("{:04}", frame.number)},
       {"Scene", job_.scene.filename().string()},
       {"RenderTime", fmt::format("{:.3f}", seconds)},
-      {"patchlight:key", frame_key(scene_, energy_.key, job_, camera, frame.number)},
+      {"patchlight:key", frame_key(scene_, energy_.key, job_, frame.camera, frame.number, view_config_)},
       {"patchlight:patches_key", scene_.key},
       {"patchlight:energy_key", energy_.key},
       {"patchlight:job", effective_job(job)},
   };
-  write_png(frame.png, view_(image));
-  write_exr(frame.exr, image);
+  write_png(frame.png, view_(image), job_.output);
+  image.metadata["patchlight:png"] = hash_file(frame.png);
+  write_exr(frame.exr, image, job_.output);
 }
 
 }  // namespace patchlight

@@ -12,7 +12,8 @@ class FrameWriter {
   /// Throws: Error (bad_config, bad_data, missing_input) for a view that cannot be had.
   FrameWriter(const Job& job, const PatchSet& scene, const EnergyField& energy);
 
-  /// Writes the PNG and then the EXR, whose header holds the frame's key: with it a frame is whole.
+  /// Writes the PNG and then the EXR, whose header holds the PNG's hash and the frame's key: with it a frame is
+  /// whole.
   /// Throws: Error (cannot_create, io_error).
   void write(const Frame& frame, Image image, double seconds) const;
 
@@ -21,6 +22,7 @@ class FrameWriter {
   const PatchSet& scene_;
   const EnergyField& energy_;
   ViewTransform view_;
+  std::string view_config_;  ///< Its key.
 };
 
 }  // namespace patchlight

@@ -27,7 +27,7 @@ ocio::ConstConfigRcPtr load_config(std::string& name) {
     return ocio::Config::CreateFromStream(text);
   }
   name = file;
-  if (!std::filesystem::exists(file))
+  if (std::error_code fault; !std::filesystem::is_regular_file(file, fault))
     throw Error(ExitCode::missing_input, "missing OpenColorIO config", name, "set or unset $OCIO");
   return ocio::Config::CreateFromFile(file);
 }

@@ -176,8 +176,9 @@ void VariantRunner::evaluate(Measurement& result, const std::vector<std::string>
   result.frame = job_frames(job, scene).at(0).exr;
   const Image image = read_exr(result.frame);
   result.error = image_error(image, reference_.like(image));
-  if (!reference_.energy_file.empty() && energy_patches_key(reference_.energy_file) == scene.key)
-    result.radiosity_error = radiosity_error(scene, energy, read_energy(reference_.energy_file, scene));
+  if (reference_.energy_file.empty()) return;
+  const EnergyField truth = read_energy(reference_.energy_file);
+  if (truth.patches_key == scene.key) result.radiosity_error = radiosity_error(scene, energy, truth);
 }
 
 }  // namespace patchlight

@@ -49,7 +49,7 @@ int show_info(const InfoCommand& command);
 struct DiffCommand {
   std::string a;
   std::string b;
-  double tolerance = 0.0;
+  std::optional<double> tolerance;  ///< Absent: none, or any beside `max`.
   std::optional<double> max;
 };
 

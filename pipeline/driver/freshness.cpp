@@ -15,10 +15,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
+bool is_file(const fs::path& file) {
+  std::error_code fault;
+  return fs::is_regular_file(file, fault);
+}
+
 /// Reads through `read`; what cannot be read is stale for a reason. A fault of the job itself passes through.
 template <class Read>
 Freshness try_reading(const fs::path& file, Read read) {
-  if (!fs::exists(file)) return {false, false, file.filename().string() + " is missing"};
+  if (std::error_code fault; !fs::exists(file, fault)) return {false, false, file.filename().string() + " is missing"};
   try {
     read();
     return {true, false, ""};
@@ -36,7 +41,7 @@ Freshness patches_freshness(const Job& job, PatchSet& scene) {
   std::vector<SourceFile> sources = scene.sources;
   for (std::size_t i = 0; i < sources.size(); ++i) {
     const fs::path file = i == 0 ? job.scene : job.scene.parent_path() / sources[i].path;
-    if (!fs::exists(file)) return {false, false, file.string() + " is gone"};
+    if (!is_file(file)) return {false, false, file.string() + " is gone"};
     sources[i].hash = hash_file(file);
     if (sources[i].hash != scene.sources[i].hash) return {false, false, file.filename().string() + " has changed"};
   }
@@ -45,27 +50,29 @@ Freshness patches_freshness(const Job& job, PatchSet& scene) {
   return state;
 }
 
-Freshness energy_freshness(const Job& job, const PatchSet& scene, std::string& key) {
+Freshness energy_freshness(const Job& job, const PatchSet& scene) {
   EnergyField energy;
-  Freshness state = try_reading(job.energy_file(), [&] {
-    energy.patches_key = energy_patches_key(job.energy_file());
-    if (energy.patches_key == scene.key) energy = read_energy(job.energy_file(), scene);
-  });
+  Freshness state = try_reading(job.energy_file(), [&] { energy = read_energy(job.energy_file()); });
   if (!state.fresh) return state;
   if (energy.patches_key != scene.key) return {false, false, "the patches have changed"};
   if (energy.key != energy_key(scene.key, job.solve)) return {false, false, "settings of `solve` have changed"};
-  key = energy.key;
   return state;
 }
 
-Freshness frames_freshness(const Job& job, const PatchSet& scene, const std::string& energy_key) {
+Freshness frames_freshness(const Job& job, const PatchSet& scene) {
+  const std::string energy = energy_key(scene.key, job.solve), view_config = view_config_key();
   for (const Frame& frame : job_frames(job, scene)) {
-    std::string key;
-    Freshness state = try_reading(frame.exr, [&] { key = read_exr(frame.exr).metadata["patchlight:key"]; });
+    const std::string name = frame.exr.filename().string(), png = frame.png.filename().string();
+    Image header;
+    Freshness state = try_reading(frame.exr, [&] { header = read_exr_header(frame.exr); });
     if (!state.fresh) return state;
-    if (!fs::exists(frame.png)) return {false, false, frame.png.filename().string() + " is missing"};
-    if (key != frame_key(scene, energy_key, job, scene.cameras[frame.camera].name, frame.number))
-      return {false, false, frame.exr.filename().string() + " was made from something else"};
+    if (header.metadata["patchlight:key"] != frame_key(scene, energy, job, frame.camera, frame.number, view_config) ||
+        header.width != job.trace.resolution[0] || header.height != job.trace.resolution[1])
+      return {false, false, name + " was made from something else"};
+    if (!is_file(frame.png)) return {false, false, png + " is missing"};
+    if (header.metadata["patchlight:png"] != hash_file(frame.png)) return {false, true, png + " is damaged"};
+    state = try_reading(frame.exr, [&] { read_exr(frame.exr); });
+    if (!state.fresh) return state;
   }
   return {true, false, ""};
 }

@@ -16,10 +16,10 @@ struct Freshness {
 /// Of patches.h5. Reads it into `scene` if it is whole.
 Freshness patches_freshness(const Job& job, PatchSet& scene);
 
-/// Of energy.h5, for the patches in `scene`. Puts its key into `energy_key`.
-Freshness energy_freshness(const Job& job, const PatchSet& scene, std::string& energy_key);
+/// Of energy.h5, for the patches in `scene`.
+Freshness energy_freshness(const Job& job, const PatchSet& scene);
 
-/// Of all frames of the job.
-Freshness frames_freshness(const Job& job, const PatchSet& scene, const std::string& energy_key);
+/// Of all frames of the job, from a solution that is fresh.
+Freshness frames_freshness(const Job& job, const PatchSet& scene);
 
 }  // namespace patchlight

@@ -40,6 +40,7 @@ int show_info(const InfoCommand& command) {
       show_frame(command.file);
       break;
     case FileKind::scene:
+      Progress::catch_signals();
       return run_stage_program("import", {"--info", command.file}).exit_code;
   }
   return 0;

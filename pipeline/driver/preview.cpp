@@ -10,10 +10,12 @@ int draw_preview(const PreviewCommand& command) {
   std::string name = command.kind + of + at + ".png";
   for (char& c : name)
     if (c == '/') c = '_';
-  std::vector<std::string> arguments = stage_arguments(command.job_file, command.common);
-  arguments.insert(arguments.end(), {"--preview", (job.output / "preview" / name).string(), "--kind", command.kind});
-  if (!command.camera.empty()) arguments.insert(arguments.end(), {"--camera", command.camera});
-  if (!command.patch.empty()) arguments.insert(arguments.end(), {"--patch", command.patch});
+  std::vector<std::string> arguments{"--preview=" + (job.output / "preview" / name).string(), "--kind=" + command.kind};
+  if (!command.camera.empty()) arguments.push_back("--camera=" + command.camera);
+  if (!command.patch.empty()) arguments.push_back("--patch=" + command.patch);
+  const std::vector<std::string> common = stage_arguments(command.job_file, command.common);
+  arguments.insert(arguments.end(), common.begin(), common.end());
+  Progress::catch_signals();
   return run_stage_program("solve", arguments).exit_code;
 }
 

@@ -24,12 +24,6 @@ namespace patchlight {
 
 namespace {
 
-volatile std::sig_atomic_t running_child = 0;
-
-extern "C" void pass_on(int signal) {
-  if (running_child > 0) kill(pid_t(running_child), signal);
-}
-
 /// Largest resident set of a running process so far, bytes; 0 once it has ended.
 std::int64_t peak_so_far(pid_t process) {
   std::ifstream status("/proc/" + std::to_string(process) + "/status");
@@ -47,6 +41,10 @@ int wait_for(pid_t child, rusage& usage, std::int64_t& peak) {
   constexpr int kInterval = 5;  // ms
   while (ended.fd >= 0 && poll(&ended, 1, kInterval) <= 0) peak = std::max(peak, peak_so_far(child));
   close(ended.fd);
+  siginfo_t gone{};  // until it is reaped below, its number is its own
+  while (waitid(P_PID, id_t(child), &gone, WEXITED | WNOWAIT) < 0 && errno == EINTR) {
+  }
+  Progress::pass_signals_to(0);
   int status = 0;
   while (wait4(child, &status, 0, &usage) < 0 && errno == EINTR) {
   }
@@ -71,37 +69,30 @@ ProgramRun run_program(const std::string& program, const std::vector<std::string
   for (const auto& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
   argv.push_back(nullptr);
 
-  struct sigaction action {
-  }, old_int, old_term;
-  action.sa_handler = pass_on;
-  sigaction(SIGINT, &action, &old_int);
-  sigaction(SIGTERM, &action, &old_term);
   const auto start = std::chrono::steady_clock::now();
   pid_t child = 0;
   if (const int fault = posix_spawnp(&child, program.c_str(), nullptr, nullptr, argv.data(), environ))
     throw Error(ExitCode::unavailable, std::string("cannot start the program: ") + std::strerror(fault), program,
                 "build all programs into one folder");
-  running_child = child;
+  Progress::pass_signals_to(child);
   rusage usage{};
   std::int64_t peak = 0;
   const int status = wait_for(child, usage, peak);
-  running_child = 0;
-  sigaction(SIGINT, &old_int, nullptr);
-  sigaction(SIGTERM, &old_term, nullptr);
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
   return {exit_code_of(status), seconds(usage.ru_utime) + seconds(usage.ru_stime), wall.count(), peak};
 }
 
 std::vector<std::string> stage_arguments(const std::string& job_file, const CommonOptions& options) {
-  std::vector<std::string> arguments{job_file};
+  std::vector<std::string> arguments;
   const auto add = [&](const std::string& option, const std::string& value) {
-    if (!value.empty()) arguments.insert(arguments.end(), {option, value});
+    if (!value.empty()) arguments.push_back(option + "=" + value);
   };
   for (const auto& set : options.sets) add("--set", set);
   add("--output", options.output);
   add("--threads", options.threads > 0 ? std::to_string(options.threads) : "");
   add("--log-json", options.log_json);
   if (options.quiet) arguments.push_back("--quiet");
+  arguments.insert(arguments.end(), {"--", job_file});
   return arguments;
 }
 

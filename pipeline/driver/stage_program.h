@@ -15,7 +15,8 @@ struct ProgramRun {
   std::int64_t peak_bytes = 0;  ///< Largest resident set.
 };
 
-/// Runs a program, looked up in $PATH unless it is a path, and waits for it. SIGINT and SIGTERM are passed on to it.
+/// Runs a program, looked up in $PATH unless it is a path, and waits for it. SIGINT and SIGTERM are passed on to it
+/// once Progress catches them.
 /// Throws: Error (unavailable) if it cannot be started.
 ProgramRun run_program(const std::string& program, const std::vector<std::string>& arguments);
 

@@ -28,10 +28,11 @@ SweepGrid read_grid(const Node& map) {
   SweepGrid grid;
   for (const auto& entry : map) {
     SweepAxis axis{key_text(entry.first), {}};
-    if (entry.second.IsSequence())
-      for (const Node& value : entry.second) axis.values.push_back(flow_text(value));
-    else
-      axis.values.push_back(flow_text(entry.second));
+    const Node values = entry.second.IsSequence() ? entry.second : Node(std::vector<Node>{entry.second});
+    for (const Node& value : values) {
+      check_setting(axis.key, value, entry.first.Mark());
+      axis.values.push_back(flow_text(value));
+    }
     if (axis.values.empty()) throw "expected at least one value of " + axis.key;
     grid.push_back(std::move(axis));
   }
@@ -97,7 +98,10 @@ Node reference_node(const BenchConfig& bench) {
 
 void read_reference_settings(const Node& node, std::map<std::string, std::string>& settings) {
   if (!node.IsMap()) throw std::string("expected a map such as {solve.rays: 16384}");
-  for (const auto& entry : node) settings[key_text(entry.first)] = flow_text(entry.second);
+  for (const auto& entry : node) {
+    check_setting(key_text(entry.first), entry.second, entry.first.Mark());
+    settings[key_text(entry.first)] = flow_text(entry.second);
+  }
 }
 
 Node reference_settings_node(const std::map<std::string, std::string>& settings) {

@@ -9,8 +9,6 @@ namespace patchlight {
 
 namespace {
 
-constexpr int kVersion = 1;
-
 void write_colors(H5Writer& writer, const std::string& name, const std::vector<Color>& colors) {
   std::vector<float> values;
   values.reserve(3 * colors.size());
@@ -55,7 +53,7 @@ void write_energy(const std::filesystem::path& file, const PatchSet& scene, cons
     write_colors(writer, "/groups/" + group.name + "/indirect", group.indirect);
   }
   writer.attribute("format", kEnergyFormat);
-  writer.attribute("version", std::int64_t(kVersion));
+  writer.attribute("version", std::int64_t(kEnergyVersion));
   writer.attribute("key", energy.key);
   writer.attribute("patches_key", energy.patches_key);
   writer.attribute("method", energy.method);
@@ -68,7 +66,7 @@ void write_energy(const std::filesystem::path& file, const PatchSet& scene, cons
 }
 
 EnergyField read_energy(const std::filesystem::path& file, const PatchSet& scene) {
-  const H5Reader reader(file, kEnergyFormat, kVersion);
+  const H5Reader reader(file, kEnergyFormat, kEnergyVersion);
   if (reader.text("patches_key") != scene.key)
     throw Error(ExitCode::bad_data, "the solution belongs to another patch file", file.string(),
                 "solve again: patchlight-solve JOB.yaml");
@@ -76,12 +74,8 @@ EnergyField read_energy(const std::filesystem::path& file, const PatchSet& scene
 }
 
 EnergyField read_energy(const std::filesystem::path& file) {
-  const H5Reader reader(file, kEnergyFormat, kVersion);
+  const H5Reader reader(file, kEnergyFormat, kEnergyVersion);
   return read_fields(reader, reader.children("/groups"), -1);
-}
-
-std::string energy_patches_key(const std::filesystem::path& file) {
-  return H5Reader(file, kEnergyFormat, kVersion).text("patches_key");
 }
 
 }  // namespace patchlight

@@ -6,6 +6,7 @@
 namespace patchlight {
 
 constexpr const char* kEnergyFormat = "patchlight-energy";
+constexpr int kEnergyVersion = 1;
 
 /// Writes energy.h5.
 /// Throws: Error (cannot_create, io_error).
@@ -18,8 +19,5 @@ EnergyField read_energy(const std::filesystem::path& file, const PatchSet& scene
 /// Reads energy.h5 whatever scene it belongs to: its own groups, in the order of their names.
 /// Throws: Error (missing_input, bad_data).
 EnergyField read_energy(const std::filesystem::path& file);
-
-/// The key of the patch file that an energy.h5 was solved from. Throws: Error (missing_input, bad_data).
-std::string energy_patches_key(const std::filesystem::path& file);
 
 }  // namespace patchlight

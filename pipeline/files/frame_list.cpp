@@ -13,18 +13,36 @@ namespace patchlight {
 
 namespace {
 
-/// A file name for each camera: other characters than letters, digits, `.`, `_` and `-` become `_`; clashes get `_2`,
-/// ...
+constexpr std::size_t kLongestFileName = 255;
+constexpr std::size_t kLongestSuffix = 9;  // .0001.exr
+
+/// One `_` for each character other than letters, digits, `.`, `_` and `-`; in UTF-8 a character may be several bytes.
+std::string plain_name(const std::string& name) {
+  std::string plain;
+  int rest = 0;  // bytes of the present character that are still to come
+  for (const char c : name) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (rest > 0 && (byte & 0xc0) == 0x80) {
+      --rest;
+      continue;
+    }
+    rest = byte >= 0xf0 ? 3 : byte >= 0xe0 ? 2 : byte >= 0xc0 ? 1 : 0;
+    const bool kept = byte < 0x80 && (std::isalnum(byte) || c == '.' || c == '_' || c == '-');
+    plain += kept ? c : '_';
+  }
+  return plain;
+}
+
+/// A file name for each camera, without its suffix; clashes get `_2`, ...
 std::vector<std::string> file_names(const std::vector<Camera>& cameras) {
   std::vector<std::string> names;
   std::set<std::string> taken;
   for (const Camera& camera : cameras) {
-    std::string name = camera.name.substr(0, 200);
-    for (char& c : name)
-      if (!std::isalnum(static_cast<unsigned char>(c)) && c != '.' && c != '_' && c != '-') c = '_';
-    std::string unique = name;
-    for (int k = 2; !taken.insert(unique).second; ++k) unique = fmt::format("{}_{}", name, k);
-    names.push_back(unique);
+    const std::string name = plain_name(camera.name);
+    std::string ending;
+    const auto unique = [&] { return name.substr(0, kLongestFileName - kLongestSuffix - ending.size()) + ending; };
+    for (int k = 2; !taken.insert(unique()).second; ++k) ending = fmt::format("_{}", k);
+    names.push_back(unique());
   }
   return names;
 }

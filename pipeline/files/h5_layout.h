@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace patchlight {
@@ -13,6 +14,12 @@ namespace patchlight {
 constexpr const char* kH5HashAttribute = "xxh3";
 constexpr const char* kH5DigestAttribute = "digest";
 constexpr std::size_t kH5MaxString = 1024;
+constexpr std::size_t kH5MaxText = std::size_t(1) << 24;
+
+/// Behind the HDF5 file, which ends by its own account, stand this word and a hash of all bytes before it. HDF5 keeps
+/// text attributes in a heap without checksums that its library reads with trust, so the hash is checked before.
+constexpr std::string_view kH5TrailerWord = "patchlight-xxh3:";
+constexpr std::size_t kH5TrailerSize = kH5TrailerWord.size() + 32;
 
 inline std::size_t h5_values_per_row(int columns, int planes) {
   return columns > 0 ? std::size_t(columns) * planes : 1;

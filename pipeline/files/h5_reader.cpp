@@ -1,6 +1,9 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <fstream>
 
 #include "pipeline/files/h5_handle.h"
 #include "pipeline/files/h5_layout.h"
@@ -19,10 +22,31 @@ H5Handle open_type(hid_t attribute) {
   return {H5Aget_type(attribute), H5Tclose};
 }
 
-std::string read_text(hid_t attribute, hid_t type) {
+/// Whether the file ends in a hash of what stands before. Throws: Error (io_error).
+bool ends_in_its_hash(const std::filesystem::path& file) {
+  std::error_code fault;
+  const std::uintmax_t size =
+      std::filesystem::is_regular_file(file, fault) ? std::filesystem::file_size(file, fault) : 0;
+  if (fault || size < kH5TrailerSize) return false;
+  std::string trailer(kH5TrailerSize, '\0');
+  std::ifstream stream(file, std::ios::binary);
+  stream.seekg(std::streamoff(size - kH5TrailerSize));
+  if (!stream.read(trailer.data(), std::streamsize(trailer.size())) || !trailer.starts_with(kH5TrailerWord))
+    return false;
+  return hash_file(file, size - kH5TrailerSize) == trailer.substr(kH5TrailerWord.size());
+}
+
+std::string read_variable_text(hid_t attribute, hid_t type) {
+  char* text = nullptr;
+  if (H5Aread(attribute, type, &text) < 0 || !text) return {};
+  const std::string value(text, strnlen(text, kH5MaxText));
+  H5free_memory(text);
+  return value;
+}
+
+std::string read_fixed_text(hid_t attribute, hid_t type) {
   const std::size_t size = H5Tget_size(type);
-  if (H5Tis_variable_str(type) > 0 || size > (std::size_t(1) << 24) || H5Aget_storage_size(attribute) != size)
-    return {};
+  if (size > kH5MaxText || H5Aget_storage_size(attribute) != size) return {};
   std::string value(size, '\0');
   if (H5Aread(attribute, type, value.data()) < 0) return {};
   value.resize(std::min(value.size(), value.find('\0')));
@@ -33,6 +57,7 @@ std::string read_text(hid_t attribute, hid_t type) {
 
 struct H5Reader::State {
   std::filesystem::path path;
+  bool whole = false;  ///< Checked before the library reads what it trusts.
   H5Handle file;
   std::map<std::string, std::string> attributes;
   std::map<std::string, std::string> hashes;
@@ -41,6 +66,7 @@ struct H5Reader::State {
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
     if (std::error_code fault; !std::filesystem::exists(path, fault))
       throw Error(ExitCode::missing_input, "missing file", path.string(), "run the stage that writes it first");
+    whole = ends_in_its_hash(path);
     file = H5Handle(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
     if (!file.valid()) refuse("not a readable HDF5 file", "");
     read_attributes();
@@ -61,7 +87,9 @@ struct H5Reader::State {
       H5Handle space(H5Aget_space(attribute), H5Sclose);
       if (H5Sget_simple_extent_npoints(space) != 1) return -1;
       if (H5Tget_class(type) == H5T_STRING) {
-        self.attributes[name] = read_text(attribute, type);
+        const bool variable = H5Tis_variable_str(type) > 0;
+        if (variable && !self.whole) return -1;
+        self.attributes[name] = variable ? read_variable_text(attribute, type) : read_fixed_text(attribute, type);
       } else if (H5Tequal(type, H5T_NATIVE_INT64) > 0) {
         std::int64_t value = 0;
         if (H5Aread(attribute, type, &value) < 0) return -1;
@@ -88,8 +116,8 @@ struct H5Reader::State {
       H5Handle attribute(H5Aopen(object, kH5HashAttribute, H5P_DEFAULT), H5Aclose);
       if (!attribute.valid()) return -1;
       const H5Handle type = open_type(attribute);
-      if (H5Tget_class(type) != H5T_STRING) return -1;
-      self.hashes["/" + std::string(name)] = read_text(attribute, type);
+      if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) > 0) return -1;
+      self.hashes["/" + std::string(name)] = read_fixed_text(attribute, type);
       return 0;
     };
     if (H5Lvisit(file, H5_INDEX_NAME, H5_ITER_INC, visit, this) < 0) refuse("unreadable datasets", "");
@@ -209,6 +237,49 @@ std::vector<std::string> H5Reader::strings(const std::string& name, std::int64_t
 
 bool H5Reader::has(const std::string& name) const {
   return state_->hashes.contains(name);
+}
+
+H5Reader::Values H5Reader::values(const std::string& name) const {
+  std::vector<hsize_t> shape;
+  hid_t kind = -1;
+  {
+    const H5Handle dataset = state_->open(name);
+    H5Handle type(H5Dget_type(dataset), H5Tclose);
+    H5Handle space(H5Dget_space(dataset), H5Sclose);
+    const int dimensions = H5Sget_simple_extent_ndims(space);
+    if (dimensions < 1 || dimensions > 3) refuse("wrong number of dimensions", name);
+    shape.resize(std::size_t(dimensions));
+    H5Sget_simple_extent_dims(space, shape.data(), nullptr);
+    for (const hid_t known : {H5T_NATIVE_DOUBLE, H5T_NATIVE_FLOAT, H5T_NATIVE_INT32, H5T_NATIVE_INT64})
+      if (H5Tequal(type, known) > 0) kind = known;
+  }
+  Values result;
+  result.shape = fmt::format("{}", fmt::join(shape, " x "));
+  const auto read = [&]<class T>() {
+    constexpr hsize_t kWidest = 1 << 20;
+    for (std::size_t i = 1; i < shape.size(); ++i)
+      if (shape[i] == 0 || shape[i] > kWidest) refuse("wrong shape", name);
+    const int columns = shape.size() > 1 ? int(shape.back()) : 0, planes = shape.size() > 2 ? int(shape[1]) : 1;
+    const std::vector<T> all = dataset<T>(name, -1, columns, planes);
+    result.numbers.assign(all.begin(), all.end());
+  };
+  if (kind == H5T_NATIVE_DOUBLE)
+    read.operator()<double>();
+  else if (kind == H5T_NATIVE_FLOAT)
+    read.operator()<float>();
+  else if (kind == H5T_NATIVE_INT32)
+    read.operator()<std::int32_t>();
+  else if (kind == H5T_NATIVE_INT64)
+    read.operator()<std::int64_t>();
+  else
+    result.texts = strings(name, -1);
+  return result;
+}
+
+std::vector<std::string> H5Reader::datasets() const {
+  std::vector<std::string> names;
+  for (const auto& [name, hash] : state_->hashes) names.push_back(name);
+  return names;
 }
 
 std::vector<std::string> H5Reader::children(const std::string& group) const {

@@ -13,7 +13,7 @@ namespace patchlight {
 ///
 /// Datasets are chunked with fletcher32 checksums, and each carries the XXH3 hash of its bytes as attribute `xxh3`
 /// (fletcher32 cannot tell a word of zeros from a word of ones). The root attribute `digest` covers all names, hashes
-/// and other root attributes.
+/// and other root attributes. A hash of the whole file follows the HDF5 data.
 /// Throws everywhere: Error (cannot_create, io_error).
 class H5Writer {
  public:
@@ -62,6 +62,17 @@ class H5Reader {
   std::vector<std::string> strings(const std::string& name, std::int64_t rows) const;
 
   bool has(const std::string& name) const;
+
+  /// Any dataset, for those who only look.
+  struct Values {
+    std::string shape;  ///< As in `4 x 3`.
+    std::vector<double> numbers;
+    std::vector<std::string> texts;  ///< Instead of numbers.
+  };
+  Values values(const std::string& name) const;
+
+  /// Names of all datasets, in order.
+  std::vector<std::string> datasets() const;
 
   /// Names right below a group, in order; none without the group.
   std::vector<std::string> children(const std::string& group) const;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <fstream>
 
 #include "pipeline/files/h5_handle.h"
 #include "pipeline/files/h5_layout.h"
@@ -11,6 +12,18 @@
 #include "pipeline/model/error.h"
 
 namespace patchlight {
+
+namespace {
+
+H5Handle text_type(std::size_t size) {
+  H5Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
+  H5Tset_size(type, size);
+  if (size != H5T_VARIABLE) H5Tset_strpad(type, H5T_STR_NULLPAD);
+  H5Tset_cset(type, H5T_CSET_UTF8);
+  return type;
+}
+
+}  // namespace
 
 struct H5Writer::State {
   explicit State(const std::filesystem::path& target) : file_name(target) {}
@@ -28,21 +41,28 @@ struct H5Writer::State {
     return status;
   }
 
-  void write_text(hid_t object, const std::string& name, const std::string& value) const {
-    H5Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
-    H5Tset_size(type, std::max<std::size_t>(value.size(), 1));
-    H5Tset_strpad(type, H5T_STR_NULLPAD);
-    H5Tset_cset(type, H5T_CSET_UTF8);
+  void write_scalar(hid_t object, const std::string& name, hid_t type, const void* value) const {
     H5Handle space(H5Screate(H5S_SCALAR), H5Sclose);
     H5Handle attribute(H5Acreate2(object, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
-    const std::string padded = value.empty() ? std::string(1, '\0') : value;
-    check(attribute.valid() ? H5Awrite(attribute, type, padded.data()) : -1, "attribute " + name);
+    check(attribute.valid() ? H5Awrite(attribute, type, value) : -1, "attribute " + name);
   }
 
-  void write_scalar(const std::string& name, hid_t type, const void* value) const {
-    H5Handle space(H5Screate(H5S_SCALAR), H5Sclose);
-    H5Handle attribute(H5Acreate2(file, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
-    check(attribute.valid() ? H5Awrite(attribute, type, value) : -1, "attribute " + name);
+  /// Of variable length, which readers in other languages take as text and not as bytes.
+  void write_text(const std::string& name, const std::string& value) const {
+    const H5Handle type = text_type(H5T_VARIABLE);
+    const char* text = value.c_str();
+    write_scalar(file, name, type, &text);
+  }
+
+  void write_hash(hid_t object, const std::string& hash) const {
+    write_scalar(object, kH5HashAttribute, text_type(hash.size()), hash.data());
+  }
+
+  void append_trailer() const {
+    const std::string trailer = std::string(kH5TrailerWord) + hash_file(file_name.path());
+    std::ofstream stream(file_name.path(), std::ios::binary | std::ios::app);
+    stream << trailer << std::flush;
+    check(stream ? 0 : -1, "the file");
   }
 
   void write(const std::string& name, hid_t type, const void* data, const std::vector<hsize_t>& shape, bool compress) {
@@ -62,7 +82,7 @@ struct H5Writer::State {
     check(dataset.valid() ? 0 : -1, name);
     if (shape[0] > 0) check(H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data), name);
     const std::string hash = hash_bytes(data, row_bytes * shape[0]);
-    write_text(dataset, kH5HashAttribute, hash);
+    write_hash(dataset, hash);
     hashes[name] = hash;
   }
 };
@@ -80,17 +100,17 @@ H5Writer::H5Writer(const std::filesystem::path& file) : state_(std::make_unique<
 H5Writer::~H5Writer() = default;
 
 void H5Writer::attribute(const std::string& name, const std::string& value) {
-  state_->write_text(state_->file, name, value);
+  state_->write_text(name, value);
   state_->attributes[name] = value;
 }
 
 void H5Writer::attribute(const std::string& name, std::int64_t value) {
-  state_->write_scalar(name, H5T_NATIVE_INT64, &value);
+  state_->write_scalar(state_->file, name, H5T_NATIVE_INT64, &value);
   state_->attributes[name] = h5_attribute_text(value);
 }
 
 void H5Writer::attribute(const std::string& name, double value) {
-  state_->write_scalar(name, H5T_NATIVE_DOUBLE, &value);
+  state_->write_scalar(state_->file, name, H5T_NATIVE_DOUBLE, &value);
   state_->attributes[name] = h5_attribute_text(value);
 }
 
@@ -111,11 +131,7 @@ void H5Writer::strings(const std::string& name, const std::vector<std::string>& 
   std::string packed(width * values.size(), '\0');
   for (std::size_t i = 0; i < values.size(); ++i)
     std::memcpy(packed.data() + i * width, values[i].data(), std::min(values[i].size(), width));
-  H5Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
-  H5Tset_size(type, width);
-  H5Tset_strpad(type, H5T_STR_NULLPAD);
-  H5Tset_cset(type, H5T_CSET_UTF8);
-  state_->write(name, type, packed.data(), {values.size()}, true);
+  state_->write(name, text_type(width), packed.data(), {values.size()}, true);
 }
 
 std::string H5Writer::key_of(const std::vector<std::string>& prefixes) const {
@@ -127,9 +143,10 @@ std::string H5Writer::key_of(const std::vector<std::string>& prefixes) const {
 }
 
 void H5Writer::commit() {
-  state_->write_text(state_->file, kH5DigestAttribute, h5_digest(state_->attributes, state_->hashes));
+  state_->write_text(kH5DigestAttribute, h5_digest(state_->attributes, state_->hashes));
   state_->check(H5Fflush(state_->file, H5F_SCOPE_GLOBAL), "the file");
   state_->check(state_->file.reset() ? 0 : -1, "the file");
+  state_->append_trailer();
   state_->file_name.commit();
 }
 

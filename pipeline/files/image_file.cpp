@@ -2,6 +2,9 @@
 
 #include <OpenImageIO/imageio.h>
 
+#include <array>
+#include <fstream>
+
 #include "pipeline/files/temporary_file.h"
 #include "pipeline/model/error.h"
 
@@ -13,8 +16,9 @@ namespace fs = std::filesystem;
 
 constexpr int kMaxSide = 65536;
 
-void write_image(const fs::path& file, const Image& image, const OIIO::ImageSpec& spec) {
-  TemporaryFile temporary(file);
+void write_image(const fs::path& file, const Image& image, const OIIO::ImageSpec& spec,
+                 const fs::path& temporary_folder) {
+  TemporaryFile temporary(file, temporary_folder);
   auto output = OIIO::ImageOutput::create(temporary.path().string());
   if (!output || !output->open(temporary.path().string(), spec))
     throw Error(ExitCode::cannot_create, "cannot create the image: " + (output ? output->geterror() : OIIO::geterror()),
@@ -25,15 +29,23 @@ void write_image(const fs::path& file, const Image& image, const OIIO::ImageSpec
   temporary.commit();
 }
 
+bool begins_as_exr(const fs::path& file) {
+  std::error_code fault;
+  if (!fs::is_regular_file(file, fault)) return false;
+  std::array<char, 4> magic{};
+  std::ifstream(file, std::ios::binary).read(magic.data(), magic.size());
+  return magic == std::array<char, 4>{0x76, 0x2f, 0x31, 0x01};
+}
+
 std::unique_ptr<OIIO::ImageInput> open_exr(const fs::path& file) {
   if (std::error_code fault; !fs::exists(file, fault))
     throw Error(ExitCode::missing_input, "missing image", file.string(), "check the path");
-  auto input = OIIO::ImageInput::open(file.string());
-  if (!input || std::string(input->format_name()) != "openexr") {
-    const std::string reason = input ? std::string("it is ") + input->format_name() : OIIO::geterror();
-    throw Error(ExitCode::bad_data, "not a readable EXR: " + reason, file.string(), "render it again");
-  }
-  const OIIO::ImageSpec& spec = input->spec();
+  if (!begins_as_exr(file)) throw Error(ExitCode::bad_data, "not an EXR", file.string(), "render it again");
+  auto input = OIIO::ImageInput::create("openexr");
+  OIIO::ImageSpec spec;
+  if (!input || !input->open(file.string(), spec))
+    throw Error(ExitCode::bad_data, "not a readable EXR: " + (input ? input->geterror() : OIIO::geterror()),
+                file.string(), "render it again");
   if (spec.width < 1 || spec.height < 1 || spec.width > kMaxSide || spec.height > kMaxSide || spec.deep)
     throw Error(ExitCode::bad_data, "an EXR of unexpected size", file.string(), "render it again");
   return input;
@@ -48,19 +60,24 @@ std::map<std::string, std::string> text_attributes(const OIIO::ImageSpec& spec) 
 
 }  // namespace
 
-void write_exr(const fs::path& file, const Image& image) {
+void write_exr(const fs::path& file, const Image& image, const fs::path& temporary_folder) {
   OIIO::ImageSpec spec(image.width, image.height, 3, OIIO::TypeDesc::HALF);
   spec.channelnames = {"R", "G", "B"};
   spec.attribute("compression", "zip");
   spec.attribute("oiio:ColorSpace", "Linear");
   for (const auto& [name, value] : image.metadata) spec.attribute(name, value);
-  write_image(file, image, spec);
+  write_image(file, image, spec, temporary_folder);
 }
 
-void write_png(const fs::path& file, const Image& image) {
+void write_png(const fs::path& file, const Image& image, const fs::path& temporary_folder) {
   OIIO::ImageSpec spec(image.width, image.height, 3, OIIO::TypeDesc::UINT8);
   spec.attribute("png:compressionLevel", 6);
-  write_image(file, image, spec);
+  write_image(file, image, spec, temporary_folder);
+}
+
+Image read_exr_header(const fs::path& file) {
+  const OIIO::ImageSpec spec = open_exr(file)->spec();
+  return {spec.width, spec.height, {}, text_attributes(spec)};
 }
 
 Image read_exr(const fs::path& file) {

@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <fstream>
-#include <numeric>
 #include <set>
 #include <sstream>
 
 #include "pipeline/files/job_override.h"
 #include "pipeline/files/job_schema.h"
+#include "pipeline/files/nearest_word.h"
 #include "pipeline/model/error.h"
 
 namespace patchlight {
@@ -19,30 +19,27 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uintmax_t kMaxJobBytes = 1 << 20;
+constexpr std::size_t kMaxEntries = 1 << 20;  // aliases can make far more of few bytes
+constexpr int kJobLevels = 3;
+constexpr std::int64_t kMaxPixels = 1 << 28;
 
 [[noreturn]] void refuse(const fs::path& file, const YAML::Mark& mark, const std::string& what,
                          const std::string& mend) {
   throw Error(ExitCode::bad_config, what, fmt::format("{}, line {}", file.string(), mark.line + 1), mend);
 }
 
-std::size_t edit_distance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t(0));
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = row[0]++;
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t above = row[j + 1];
-      row[j + 1] = std::min({above + 1, row[j] + 1, diagonal + (a[i] != b[j])});
-      diagonal = above;
-    }
+/// Refuses keys that stand twice in one map: of which the later would hide the earlier from its reader. Deeper than
+/// jobs reach nothing is looked at.
+void refuse_duplicates(const fs::path& file, const YAML::Node& map, int levels, std::size_t& budget) {
+  if (levels == 0 || !map.IsMap()) return;
+  std::set<std::string> names;
+  for (const auto& entry : map) {
+    if (budget-- == 0) refuse(file, map.Mark(), "more entries than a job can have", "is it a job file?");
+    if (entry.first.IsScalar() && !names.insert(entry.first.Scalar()).second)
+      refuse(file, entry.first.Mark(), "the key `" + entry.first.Scalar().substr(0, 100) + "` stands twice",
+             "keep one of them");
+    refuse_duplicates(file, entry.second, levels - 1, budget);
   }
-  return row.back();
-}
-
-const JobKey& nearest_key(const std::vector<JobKey>& keys, const std::string& path) {
-  return *std::min_element(keys.begin(), keys.end(), [&](const JobKey& a, const JobKey& b) {
-    return edit_distance(a.path, path) < edit_distance(b.path, path);
-  });
 }
 
 YAML::Node load_yaml(const fs::path& file) {
@@ -59,102 +56,80 @@ YAML::Node load_yaml(const fs::path& file) {
     YAML::Node root = YAML::Load(text.str());
     if (root.IsNull()) root = YAML::Node(YAML::NodeType::Map);
     if (!root.IsMap()) refuse(file, root.Mark(), "not a map of keys", "begin with `scene: FILE.glb`");
+    std::size_t budget = kMaxEntries;
+    refuse_duplicates(file, root, kJobLevels, budget);
     return root;
   } catch (const YAML::Exception& error) {
     refuse(file, error.mark, "not valid YAML: " + error.msg, "mend the syntax");
   }
 }
 
-/// Reads a whole job: of each key it knows whether the file or an override says it.
+/// Reads a job from its file and then from one override after the other, so that each fault has a place of its own.
 class JobReader {
  public:
-  JobReader(const fs::path& file, YAML::Node root, Job& job) : file_(file), keys_(job_keys(job)), root_(root) {}
+  JobReader(const fs::path& file, Job& job) : file_(file), keys_(job_keys(job)) {}
+
+  void read_file() { read_section(load_yaml(file_), ""); }
 
   void apply(const std::string& set) {
-    std::string path;
-    for (const auto& part : apply_override(root_, set)) overridden_.insert(path += (path.empty() ? "" : ".") + part);
-  }
-
-  void read() const {
-    read_section(root_, "");
-    const YAML::Node bench = root_["bench"];
-    if (!bench.IsDefined() || !bench.IsMap()) return;
-    if (const YAML::Node sweep = bench["sweep"]; sweep.IsDefined() && sweep.IsSequence())
-      for (const auto& grid : sweep) check_settings("bench.sweep", grid, true);
-    else if (sweep.IsDefined())
-      check_settings("bench.sweep", sweep, true);
-    if (const YAML::Node settings = bench["reference_settings"]; settings.IsDefined())
-      check_settings("bench.reference_settings", settings, false);
+    const Override change(set);
+    set_ = &set;
+    const auto key = std::find_if(keys_.begin(), keys_.end(),
+                                  [&](const JobKey& k) { return k.path == change.path[0] && k.read_some; });
+    if (key == keys_.end() || change.path.size() == 1)
+      read_section(change.nested(0), "");
+    else
+      read_value(key->path, key->read_some, YAML::Node(), change.nested(1));
+    set_ = nullptr;
   }
 
  private:
-  /// Where a key stands, for people.
-  std::string place_of(const std::string& path, const YAML::Node& name) const {
-    if (!place_.empty()) return place_;
-    if (name.Mark().is_null() || overridden_.contains(path)) return file_.string() + ", --set";
-    return fmt::format("{}, line {}", file_.string(), name.Mark().line + 1);
-  }
-
-  [[noreturn]] void refuse_entry(const std::string& path, const YAML::Node& name, const std::string& what,
-                                 const std::string& mend) const {
-    throw Error(ExitCode::bad_config, what, place_of(path, name), mend);
-  }
-
-  /// Refuses settings, of key to value or to a list of values, that a job would not take.
-  void check_settings(const std::string& path, const YAML::Node& settings, bool lists) const {
-    for (const auto& setting : settings) {
-      const std::vector<std::string> key = split_key(setting.first.Scalar());
-      if (key.empty() || key[0] == "bench" || key[0] == "output")
-        refuse_entry(path, setting.first, "`" + setting.first.Scalar() + "` cannot stand in `" + path + "`",
-                     "name a key of a stage, as in `solve.rays`");
-      Job scratch;
-      JobReader reader(file_, YAML::Node(YAML::NodeType::Map), scratch);
-      reader.place_ = place_of(path, setting.first);
-      const auto check = [&](const YAML::Node& value) {
-        put_key(reader.root_, key, value);
-        reader.read_section(reader.root_, "");
-      };
-      if (lists && setting.second.IsSequence())
-        for (const auto& value : setting.second) check(value);
-      else
-        check(setting.second);
-    }
+  [[noreturn]] void refuse_entry(const YAML::Mark& mark, const std::string& what, const std::string& mend) const {
+    if (set_) throw Error(ExitCode::bad_config, what, file_.string() + ", --set " + *set_, mend);
+    refuse(file_, mark, what, mend);
   }
 
   void read_section(const YAML::Node& map, const std::string& prefix) const {
     for (const auto& entry : map) {
-      if (!entry.first.IsScalar()) refuse(file_, entry.first.Mark(), "a key that is not a word", "write `key: value`");
+      const YAML::Mark mark = entry.first.Mark();
+      if (!entry.first.IsScalar()) refuse_entry(mark, "a key that is not a word", "write `key: value`");
       const std::string path = prefix + entry.first.Scalar().substr(0, 100);
       const auto key = std::find_if(keys_.begin(), keys_.end(), [&](const JobKey& k) { return k.path == path; });
       const bool section = prefix.empty() && std::any_of(keys_.begin(), keys_.end(), [&](const JobKey& k) {
                              return k.path.starts_with(path + ".");
                            });
       if (key == keys_.end() && !section)
-        refuse_entry(path, entry.first, "unknown key `" + path + "`",
-                     "did you mean `" + nearest_key(keys_, path).path + "`?");
+        refuse_entry(mark, "unknown key `" + path + "`", "did you mean `" + nearest_key(path) + "`?");
       if (entry.second.IsNull()) continue;  // `key:` without a value keeps the default
       if (section && !entry.second.IsMap())
-        refuse_entry(path, entry.first, "bad value of `" + path + "`", "expected a map of settings");
+        refuse_entry(mark, "bad value of `" + path + "`", "expected a map of settings");
       if (section)
         read_section(entry.second, path + ".");
       else
-        read_value(*key, entry.first, entry.second);
+        read_value(path, key->read, entry.first, entry.second);
     }
   }
 
-  void read_value(const JobKey& key, const YAML::Node& name, const YAML::Node& value) const {
+  void read_value(const std::string& path, const JobKey::Read& read, const YAML::Node& name,
+                  const YAML::Node& value) const {
     try {
-      key.read(value);
+      read(value);
     } catch (const std::string& expected) {
-      refuse_entry(key.path, name, "bad value of `" + key.path + "`", expected);
+      refuse_entry(name.Mark(), "bad value of `" + path + "`", expected);
+    } catch (const EntryFault& fault) {
+      refuse_entry(fault.mark, fault.what, fault.mend);
     }
+  }
+
+  std::string nearest_key(const std::string& path) const {
+    std::vector<std::string> paths;
+    for (const JobKey& key : keys_) paths.push_back(key.path);
+    return nearest_word(paths, path);
   }
 
   const fs::path& file_;
   std::vector<JobKey> keys_;
-  YAML::Node root_;
-  std::set<std::string> overridden_;
-  std::string place_;  ///< Of all keys; empty: each has its own.
+  const std::string* set_ = nullptr;  ///< The override that is being read; null: the file.
 };
 
 }  // namespace
@@ -162,16 +137,20 @@ class JobReader {
 Job read_job(const fs::path& file, const std::vector<std::string>& sets, const fs::path& output) {
   Job job;
   job.file = file;
-  JobReader reader(file, load_yaml(file), job);
+  JobReader reader(file, job);
+  reader.read_file();
   for (const auto& set : sets) reader.apply(set);
-  reader.read();
   if (job.scene.empty()) throw Error(ExitCode::bad_config, "no `scene`", file.string(), "add `scene: FILE.glb`");
   if (!output.empty()) job.output = fs::absolute(output);
   if (job.output.empty()) throw Error(ExitCode::bad_config, "no `output`", file.string(), "add `output: FOLDER`");
   const fs::path folder = fs::absolute(file).parent_path();
-  job.scene = (folder / job.scene).lexically_normal();
-  job.output = (folder / job.output).lexically_normal();
-  if (!job.bench.reference.empty()) job.bench.reference = (folder / job.bench.reference).lexically_normal();
+  // As they stand: `link/..` is not the folder that holds the link.
+  job.scene = folder / job.scene;
+  job.output = folder / job.output;
+  if (!job.bench.reference.empty()) job.bench.reference = folder / job.bench.reference;
+  if (std::int64_t(job.trace.resolution[0]) * job.trace.resolution[1] > kMaxPixels)
+    throw Error(ExitCode::over_limit, fmt::format("a frame of more than {} pixels", kMaxPixels),
+                file.string() + ", trace.resolution", "lower it");
   return job;
 }
 
@@ -179,7 +158,7 @@ std::string effective_job(const Job& job) {
   const fs::path folder = fs::absolute(job.file).parent_path();
   Job copy = job;
   for (fs::path* path : {&copy.scene, &copy.output, &copy.bench.reference})
-    if (!path->empty()) *path = path->lexically_relative(folder);
+    if (path->string().starts_with(folder.string() + "/")) *path = path->string().substr(folder.string().size() + 1);
   YAML::Node root(YAML::NodeType::Map);
   for (const JobKey& key : job_keys(copy)) {
     if (job.bench.sweep.empty() && key.path.starts_with("bench.")) continue;

@@ -82,7 +82,7 @@ struct Job {
   std::vector<MaterialOverride> materials;
   std::vector<Shader> shaders;
   SolveConfig solve;
-  std::map<std::string, LightSetting> lights;  ///< By light group.
+  std::map<std::string, LightSetting> lights;  ///< By light group, as files name it.
   TraceConfig trace;
   BenchConfig bench;
 
@@ -95,12 +95,12 @@ struct Job {
 /// `output`, unless empty, replaces the job's, relative to the working directory. `sets` are `key.path=value`
 /// overrides; a key that holds dots stands in double quotes. Throws: Error (missing_input) without the file; (usage)
 /// for a malformed override; (bad_config), with key and line, for broken YAML, an unknown key or a value that is not
-/// allowed.
+/// allowed; (over_limit) for frames too large.
 Job read_job(const std::filesystem::path& file, const std::vector<std::string>& sets = {},
              const std::filesystem::path& output = {});
 
-/// The whole effective job as YAML, every default filled in; its paths relative to the job file's folder, and absent if
-/// empty; `bench` only if it sweeps something.
+/// The whole effective job as YAML, every default filled in; its paths relative to the job file's folder where the job
+/// has them so, and absent if empty; `bench` only if it sweeps something.
 std::string effective_job(const Job& job);
 
 /// One line for each key of a job file: name, default, meaning.

@@ -6,14 +6,20 @@
 
 namespace patchlight {
 
-/// Splits a key such as `a."b.c".d` at its dots into {a, b.c, d}; empty if it is malformed.
+/// Splits a key such as `a."b.c".d` at its dots into {a, b.c, d}; empty if it is malformed. Inside quotes, a backslash
+/// keeps a quote or backslash.
 std::vector<std::string> split_key(const std::string& key);
 
-/// Puts a value into a map of maps, made where they are missing.
-void put_key(YAML::Node root, const std::vector<std::string>& path, const YAML::Node& value);
+/// One `--set key.path=value`: its path and its value as YAML.
+struct Override {
+  /// Throws: Error (usage) if it is malformed.
+  explicit Override(const std::string& set);
 
-/// Applies `key=value`, the value being YAML, to a job's root. Returns the key's path.
-/// Throws: Error (usage) if it is malformed.
-std::vector<std::string> apply_override(YAML::Node root, const std::string& set);
+  /// The value in a map for each part of the path from the `depth`th on.
+  YAML::Node nested(std::size_t depth) const;
+
+  std::vector<std::string> path;
+  YAML::Node value;
+};
 
 }  // namespace patchlight

@@ -3,10 +3,14 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <regex>
 
+#include "pipeline/files/job_override.h"
 #include "pipeline/files/job_shaders.h"
+#include "pipeline/files/light_group_name.h"
+#include "pipeline/files/nearest_word.h"
 
 namespace patchlight {
 
@@ -59,34 +63,53 @@ Node color_node(const Color& color) {
   return node;
 }
 
-template <class Each>
-void for_each_entry(const Node& map, const std::string& entries, Each each) {
-  if (!map.IsMap()) throw "expected a map of " + entries;
+/// As `--set` takes it.
+std::string quoted_if_dotted(const std::string& name) {
+  return name.find('.') == std::string::npos ? name : '"' + name + '"';
+}
+
+/// Settings of one name below `materials` or `lights`, each with its reader.
+using EntryReader = std::map<std::string, std::function<void(const Node&)>>;
+
+/// Reads a map of names with the settings of each. `entry_reader` makes or finds what a name stands for.
+template <class EntryReaderOf>
+void read_entries(const std::string& section, const Node& map, EntryReaderOf entry_reader) {
+  if (!map.IsMap()) throw std::string("expected a map of names");
   for (const auto& entry : map) {
-    if (!entry.second.IsMap()) throw "expected a map of settings for each of the " + entries;
+    const YAML::Mark mark = entry.first.Mark();
+    if (!entry.first.IsScalar()) throw EntryFault{"a name that is not a word below `" + section + "`", "", mark};
+    const std::string name = entry.first.Scalar();
+    const std::string path = section + "." + quoted_if_dotted(name.substr(0, 100));
+    if (!entry.second.IsMap()) throw EntryFault{"bad value of `" + path + "`", "expected a map of settings", mark};
+    const EntryReader readers = entry_reader(name);
     for (const auto& setting : entry.second) {
-      const std::string name = parse<std::string>(entry.first, "a name");
-      const std::string key = parse<std::string>(setting.first, "a name");
-      if (!each(name, key, setting.second)) throw fmt::format("unknown key `{}` of `{}`", key, name);
+      const std::string key = setting.first.IsScalar() ? setting.first.Scalar().substr(0, 100) : "";
+      const auto reader = readers.find(key);
+      if (reader == readers.end()) {
+        std::vector<std::string> known;
+        for (const auto& [word, unused] : readers) known.push_back(word);
+        throw EntryFault{"unknown key `" + path + "." + key + "`",
+                         "did you mean `" + path + "." + nearest_word(known, key) + "`?", setting.first.Mark()};
+      }
+      try {
+        reader->second(setting.second);
+      } catch (const std::string& expected) {
+        throw EntryFault{"bad value of `" + path + "." + key + "`", expected, setting.first.Mark()};
+      }
     }
   }
 }
 
 void read_materials(const Node& map, std::vector<MaterialOverride>& materials) {
-  materials.clear();
-  constexpr double kInfinity = std::numeric_limits<float>::max();
-  for_each_entry(map, "materials", [&](const std::string& name, const std::string& key, const Node& value) {
-    if (materials.empty() || materials.back().pattern != name) materials.push_back({name, {}, {}, {}});
-    MaterialOverride& material = materials.back();
-    if (key == "reflectance")
-      material.reflectance = parse_color(value, 1);
-    else if (key == "emission")
-      material.emission = parse_color(value, kInfinity);
-    else if (key == "mirror")
-      material.mirror = parse_color(value, 1);
-    else
-      return false;
-    return true;
+  read_entries("materials", map, [&](const std::string& name) -> EntryReader {
+    std::size_t at = 0;
+    while (at < materials.size() && materials[at].pattern != name) ++at;
+    if (at == materials.size()) materials.push_back({name, {}, {}, {}});
+    MaterialOverride& material = materials[at];
+    constexpr double kBrightest = std::numeric_limits<float>::max();
+    return {{"reflectance", [&](const Node& n) { material.reflectance = parse_color(n, 1); }},
+            {"emission", [&](const Node& n) { material.emission = parse_color(n, kBrightest); }},
+            {"mirror", [&](const Node& n) { material.mirror = parse_color(n, 1); }}};
   });
 }
 
@@ -101,16 +124,10 @@ Node materials_node(const std::vector<MaterialOverride>& materials) {
 }
 
 void read_lights(const Node& map, std::map<std::string, LightSetting>& lights) {
-  lights.clear();
-  for_each_entry(map, "light groups", [&](const std::string& name, const std::string& key, const Node& value) {
-    LightSetting& light = lights[name];
-    if (key == "scale")
-      light.scale = parse_number(value, 0, 1e30);
-    else if (key == "color")
-      light.color = parse_color(value, 1e30);
-    else
-      return false;
-    return true;
+  read_entries("lights", map, [&](const std::string& name) -> EntryReader {
+    LightSetting& light = lights[light_group_name(name)];
+    return {{"scale", [&](const Node& n) { light.scale = parse_number(n, 0, 1e30); }},
+            {"color", [&](const Node& n) { light.color = parse_color(n, 1e30); }}};
   });
 }
 
@@ -178,6 +195,9 @@ JobKey frames_key(std::string& frames) {
             const std::string text = parse<std::string>(n, "a range of frames");
             static const std::regex range("[0-9]{1,7}(-[0-9]{1,7})?");
             if (!std::regex_match(text, range)) throw std::string("expected a range of frames such as 1-120");
+            const std::size_t dash = text.find('-');
+            if (dash != std::string::npos && std::stoi(text) > std::stoi(text.substr(dash + 1)))
+              throw std::string("expected a range of frames that begins before it ends");
             frames = text;
           },
           [&frames] { return Node(frames); }};
@@ -219,7 +239,11 @@ std::vector<JobKey> job_keys(Job& job) {
        "by name (globs): reflectance [r,g,b]; emission [r,g,b], radiant exitance in W/m2; mirror [r,g,b], reflectance "
        "of "
        "a perfect mirror",
-       [&job](const Node& n) { read_materials(n, job.materials); }, [&job] { return materials_node(job.materials); }},
+       [&job](const Node& n) {
+         job.materials.clear();
+         read_materials(n, job.materials);
+       },
+       [&job] { return materials_node(job.materials); }, [&job](const Node& n) { read_materials(n, job.materials); }},
       {"shaders",
        "by material or node name (globs): reflectance and emission as expressions [r,g,b] of u, v, x, y, z, nx, ny, nz",
        [&job](const Node& n) { read_shaders(n, job.shaders); }, [&job] { return shaders_node(job.shaders); }},
@@ -234,7 +258,11 @@ std::vector<JobKey> job_keys(Job& job) {
                   "stop after so many shots for each patch, on average"),
       integer_key("solve.seed", solve.seed, 0, most, "of the random numbers"),
       {"lights", "by light group: scale, and color [r,g,b], of its light in frames",
-       [&job](const Node& n) { read_lights(n, job.lights); }, [&job] { return lights_node(job.lights); }},
+       [&job](const Node& n) {
+         job.lights.clear();
+         read_lights(n, job.lights);
+       },
+       [&job] { return lights_node(job.lights); }, [&job](const Node& n) { read_lights(n, job.lights); }},
       cameras_key(trace.cameras),
       frames_key(trace.frames),
       number_key("trace.fps", trace.fps, 1e-3, 1e6, "frames a second of animated cameras"),
@@ -246,6 +274,35 @@ std::vector<JobKey> job_keys(Job& job) {
   };
   for (JobKey& key : bench_keys(job.bench)) keys.push_back(std::move(key));
   return keys;
+}
+
+void check_setting(const std::string& text, const YAML::Node& value, const YAML::Mark& mark) {
+  Job scratch;
+  const std::vector<JobKey> keys = job_keys(scratch);
+  const std::vector<std::string> path = split_key(text);
+  if (path.empty() || path[0] == "bench" || path[0] == "output")
+    throw EntryFault{"`" + text + "` cannot be tried by a bench", "name a key of a stage, as in `solve.rays`", mark};
+  const std::string joined = fmt::format("{}", fmt::join(path, "."));
+  std::vector<std::string> known;
+  for (const JobKey& key : keys) {
+    known.push_back(key.path);
+    const bool inside = path.size() > 1 && key.path == path[0];  // a map of names
+    if (key.path != joined && !inside) continue;
+    YAML::Node node = value;
+    for (std::size_t i = path.size(); inside && i > 1; --i) {
+      YAML::Node map(YAML::NodeType::Map);
+      map[path[i - 1]] = node;
+      node.reset(map);
+    }
+    try {
+      return key.read(node);
+    } catch (const std::string& expected) {
+      throw EntryFault{"bad value of `" + text + "`", expected, mark};
+    } catch (const EntryFault& fault) {
+      throw EntryFault{fault.what, fault.mend, mark};
+    }
+  }
+  throw EntryFault{"unknown key `" + text + "`", "did you mean `" + nearest_word(known, joined) + "`?", mark};
 }
 
 }  // namespace patchlight

@@ -12,13 +12,26 @@ namespace patchlight {
 /// One key of a job file, bound to its place in a Job. The only list of keys: reading, help and the effective job are
 /// made from it.
 struct JobKey {
+  using Read = std::function<void(const YAML::Node&)>;
+
   std::string path;  ///< `section.name`, or a name alone.
   std::string help;
-  std::function<void(const YAML::Node&)> read;  ///< Throws: std::string, what is wrong and which values are allowed.
-  std::function<YAML::Node()> write;            ///< The present value.
+  Read read;                          ///< Throws: std::string, which values are allowed; EntryFault.
+  std::function<YAML::Node()> write;  ///< The present value.
+  Read read_some{};                   ///< Of a map of names: reads some settings and leaves the others as they are.
+};
+
+/// What is wrong below a key that is a map of names, and where.
+struct EntryFault {
+  std::string what;
+  std::string mend;
+  YAML::Mark mark;
 };
 
 std::vector<JobKey> job_keys(Job& job);
+
+/// Refuses a setting, in the notation of `--set`, that a job would not take. Throws: EntryFault, at `mark`.
+void check_setting(const std::string& key, const YAML::Node& value, const YAML::Mark& mark);
 
 /// Those of the section `bench`, which job_keys() ends with.
 std::vector<JobKey> bench_keys(BenchConfig& bench);

@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 #include <xxhash.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdio>
+#include <cstdlib>
 #include <memory>
 
 #include "pipeline/model/error.h"
@@ -67,14 +69,17 @@ std::string hash_bytes(const void* data, std::size_t size) {
   return to_hex(XXH3_128bits(data, size));
 }
 
-std::string hash_file(const std::filesystem::path& file) {
+std::string hash_file(const std::filesystem::path& file, std::uintmax_t size) {
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(file.c_str(), "rb"), std::fclose);
   if (!stream) throw Error(ExitCode::missing_input, "cannot open the file", file.string(), "check the path");
   std::unique_ptr<XXH3_state_t, XXH_errorcode (*)(XXH3_state_t*)> state(XXH3_createState(), XXH3_freeState);
   XXH3_128bits_reset(state.get());
   std::array<char, 1 << 16> buffer;
-  while (const std::size_t count = std::fread(buffer.data(), 1, buffer.size(), stream.get()))
+  while (const std::size_t count =
+             std::fread(buffer.data(), 1, std::size_t(std::min<std::uintmax_t>(size, buffer.size())), stream.get())) {
     XXH3_128bits_update(state.get(), buffer.data(), count);
+    size -= count;
+  }
   if (std::ferror(stream.get()))
     throw Error(ExitCode::io_error, "cannot read the file", file.string(), "check the disk and the path");
   return to_hex(XXH3_128bits_digest(state.get()));
@@ -114,12 +119,24 @@ std::string energy_key(const std::string& patches_key, const SolveConfig& solve)
       .hex();
 }
 
-std::string frame_key(const PatchSet& scene, const std::string& energy_key, const Job& job, const std::string& camera,
-                      int frame) {
+std::string view_config_key() {
+  const char* file = std::getenv("OCIO");
+  if (!file || !*file) return "shipped";
+  std::error_code fault;
+  if (!std::filesystem::is_regular_file(file, fault))
+    throw Error(ExitCode::missing_input, "missing OpenColorIO config", file, "set or unset $OCIO");
+  return hash_file(file);
+}
+
+std::string frame_key(const PatchSet& scene, const std::string& energy_key, const Job& job, std::size_t camera,
+                      int frame, const std::string& view_config) {
   const TraceConfig& trace = job.trace;
+  const Camera& seen_by = scene.cameras[camera];
   KeyHasher hasher;
   hasher.add("trace").add(kTraceVersion).add(scene.key).add(scene.frames_key).add(energy_key);
-  hasher.add(camera).add(frame).add(trace.resolution[0]).add(trace.resolution[1]).add(trace.samples);
+  hasher.add(seen_by.name).add(int(seen_by.projection)).add(seen_by.vertical);
+  for (int k = 0; k < 16; ++k) hasher.add(seen_by.to_world.x[k / 4][k % 4]);
+  hasher.add(frame).add(trace.resolution[0]).add(trace.resolution[1]).add(trace.samples).add(view_config);
   hasher.add(trace.cull_backfaces).add(trace.view).add(trace.exposure);
   for (const auto& [name, light] : job.lights) {
     if (light.scale == 1.0 && light.color == Color(1.0f)) continue;

@@ -31,8 +31,8 @@ class KeyHasher {
 /// Hash of raw bytes, 32 hex digits.
 std::string hash_bytes(const void* data, std::size_t size);
 
-/// Hash of a file's content. Throws: Error (missing_input, io_error).
-std::string hash_file(const std::filesystem::path& file);
+/// Hash of a file's content, or of its first `size` bytes. Throws: Error (missing_input, io_error).
+std::string hash_file(const std::filesystem::path& file, std::uintmax_t size = UINTMAX_MAX);
 
 /// Key of what an import reads: the source files' content and the settings that can change patches.h5.
 std::string import_inputs_key(const std::vector<SourceFile>& sources, const Job& job);
@@ -40,8 +40,13 @@ std::string import_inputs_key(const std::vector<SourceFile>& sources, const Job&
 /// Key of energy.h5 for a patch file's key and the settings of solving.
 std::string energy_key(const std::string& patches_key, const SolveConfig& solve);
 
-/// Key of one frame: solution, camera, lights and the settings of tracing.
-std::string frame_key(const PatchSet& scene, const std::string& energy_key, const Job& job, const std::string& camera,
-                      int frame);
+/// Key of the OpenColorIO config that frames are viewed through: that of $OCIO, or the one that Patchlight ships.
+/// Throws: Error (missing_input, io_error).
+std::string view_config_key();
+
+/// Key of one frame: solution, camera, lights, the settings of tracing and the `view_config_key`.
+/// `camera`: index into the scene's.
+std::string frame_key(const PatchSet& scene, const std::string& energy_key, const Job& job, std::size_t camera,
+                      int frame, const std::string& view_config);
 
 }  // namespace patchlight

@@ -1,6 +1,8 @@
 #include "pipeline/files/patch_check.h"
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "pipeline/files/expression.h"
 
@@ -23,13 +25,35 @@ bool index_of(std::int64_t index, std::size_t size) {
   return index >= 0 && index < std::int64_t(size);
 }
 
+constexpr double kFarthest = 1e12;  // m; what is farther has no useful digits left and overflows areas
+
+bool near(const Vec3d& v) {
+  return std::abs(v.x) <= kFarthest && std::abs(v.y) <= kFarthest && std::abs(v.z) <= kFarthest;  // NaN is not
+}
+
+/// Only a triangle's last edge may have no length, and no surface may have no area.
+bool has_extent(const Primitive& quad) {
+  const auto& c = quad.corners;
+  const double area = ((c[2] - c[0]) % (c[3] - c[1])).length();
+  return c[0] != c[1] && c[1] != c[2] && c[3] != c[0] && area > 0 && std::isfinite(area);
+}
+
+bool smooth_vertices_fit(const Primitive& p) {
+  const auto& ids = p.smooth_vertices;
+  const bool none = std::all_of(ids.begin(), ids.end(), [](std::int32_t id) { return id == -1; });
+  if (none || p.shape == Primitive::Shape::sphere) return none;
+  return std::all_of(ids.begin(), ids.end(), [](std::int32_t id) { return id >= 0; }) &&
+         (!p.is_triangle() || ids[2] == ids[3]);
+}
+
 PatchFault primitive_fault(const PatchSet& scene, std::size_t i) {
   const Primitive& p = scene.primitives[i];
   for (const auto& corner : p.corners)
-    if (!finite(corner)) return {"a corner that is not finite", "/primitives/corners"};
+    if (!near(corner)) return {"a corner that is not finite or too far away", "/primitives/corners"};
   const bool sphere = p.shape == Primitive::Shape::sphere;
-  if (!finite(p.sphere_center) || !std::isfinite(p.sphere_radius) || sphere != (p.sphere_radius != 0))
+  if (!near(p.sphere_center) || !(std::abs(p.sphere_radius) <= kFarthest) || sphere != (p.sphere_radius != 0))
     return {"a sphere without a centre or radius", "/primitives/sphere"};
+  if (!sphere && !has_extent(p)) return {"a quad without extent", "/primitives/corners"};
   if (!index_of(p.material, scene.materials.size())) return {"an index out of range", "/primitives/material"};
   if (!index_of(p.node, scene.nodes.size())) return {"an index out of range", "/primitives/node"};
   if (p.light_group != -1 && !index_of(p.light_group, scene.light_groups.size()))
@@ -37,8 +61,7 @@ PatchFault primitive_fault(const PatchSet& scene, std::size_t i) {
   if (p.back != -1 && (!index_of(p.back, scene.primitives.size()) || p.back == std::int32_t(i) ||
                        scene.primitives[p.back].back != std::int32_t(i) || scene.primitives[p.back].shape != p.shape))
     return {"two sides that do not name each other", "/primitives/back"};
-  for (const std::int32_t vertex : p.smooth_vertices)
-    if (vertex < -1) return {"a negative index", "/primitives/smooth_vertices"};
+  if (!smooth_vertices_fit(p)) return {"indices that do not fit the surface", "/primitives/smooth_vertices"};
   return {};
 }
 
@@ -86,26 +109,57 @@ PatchFault patch_fault(const PatchSet& scene, const Patch& patch) {
   return {};
 }
 
-/// Patches of a primitive are rows that tile the unit square.
+/// Whether a float is boundary `i` of `count` equal parts of [0,1], but for rounding.
+bool is_boundary(float x, std::size_t i, std::size_t count) {
+  constexpr double kRounding = 1.0 / (1 << 24);
+  return std::abs(double(x) - double(i) / double(count)) <= kRounding;
+}
+
+/// Numbers of patches in the rows that tile primitive `index`, from patch `next` on, which is set behind them; none if
+/// they do not tile it.
+std::vector<std::size_t> rows_of(const PatchSet& scene, std::size_t index, std::size_t& next) {
+  std::vector<std::size_t> rows;
+  for (float v = 0; v != 1;) {
+    float u = 0;
+    const float v1 = next < scene.patches.size() ? scene.patches[next].v1 : 0;
+    if (!(v1 > v && v1 <= 1)) return {};
+    rows.push_back(0);
+    for (; u != 1; ++next, ++rows.back()) {
+      if (next == scene.patches.size()) return {};
+      const Patch& patch = scene.patches[next];
+      if (patch.primitive != std::int32_t(index) || patch.u0 != u || patch.v0 != v || patch.v1 != v1) return {};
+      if (!(patch.u1 > u && patch.u1 <= 1)) return {};
+      u = patch.u1;
+    }
+    v = v1;
+  }
+  return rows;
+}
+
+/// Rows are of equal height, the patches of a row of equal width, and all rows of a quad have as many.
+bool is_even(const PatchSet& scene, const Primitive& primitive, const std::vector<std::size_t>& rows,
+             std::size_t patch) {
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    if (primitive.shape == Primitive::Shape::quad && rows[row] != rows[0]) return false;
+    for (std::size_t i = 0; i < rows[row]; ++i, ++patch)
+      if (!is_boundary(scene.patches[patch].u1, i + 1, rows[row]) ||
+          !is_boundary(scene.patches[patch].v1, row + 1, rows.size()))
+        return false;
+  }
+  return true;
+}
+
+/// Patches of a primitive are rows that tile the unit square evenly.
 PatchFault order_fault(const PatchSet& scene) {
-  const PatchFault fault{"patches that do not tile their primitive", "/patches/uv"};
   std::size_t next = 0;
   for (std::size_t i = 0; i < scene.primitives.size(); ++i) {
-    for (float v = 0; v != 1;) {
-      float u = 0;
-      const float v1 = next < scene.patches.size() ? scene.patches[next].v1 : 0;
-      if (!(v1 > v && v1 <= 1)) return fault;
-      for (; u != 1; ++next) {
-        if (next == scene.patches.size()) return fault;
-        const Patch& patch = scene.patches[next];
-        if (patch.primitive != std::int32_t(i) || patch.u0 != u || patch.v0 != v || patch.v1 != v1) return fault;
-        if (!(patch.u1 > u && patch.u1 <= 1)) return fault;
-        u = patch.u1;
-      }
-      v = v1;
-    }
+    const std::size_t first = next;
+    const std::vector<std::size_t> rows = rows_of(scene, i, next);
+    if (rows.empty()) return {"patches that do not tile their primitive", "/patches/uv"};
+    if (!is_even(scene, scene.primitives[i], rows, first)) return {"patches of uneven size", "/patches/uv"};
   }
-  return next == scene.patches.size() ? PatchFault{} : fault;
+  if (next != scene.patches.size()) return {"patches that do not tile their primitive", "/patches/uv"};
+  return {};
 }
 
 }  // namespace

@@ -11,8 +11,6 @@ namespace patchlight {
 
 namespace {
 
-constexpr int kVersion = 1;
-
 template <class T, class Items, class Fill>
 void write_rows(H5Writer& writer, const std::string& name, const Items& items, int columns, Fill fill, int planes = 1) {
   const std::size_t width = columns > 0 ? std::size_t(columns) * planes : 1;
@@ -194,12 +192,11 @@ void write_patches(const std::filesystem::path& file, PatchSet& scene) {
   write_shader_datasets(writer, scene);
 
   scene.key = writer.key_of({"/patches/", "/primitives/type", "/primitives/corners", "/primitives/sphere",
-                             "/primitives/back", "/primitives/light_group", "/light_groups/", "/materials/specular",
-                             "/materials/roughness", "/primitives/material"});
-  scene.frames_key = writer.key_of(
-      {"/cameras/", "/primitives/smooth_vertices", "/shaders/", "/primitives/shader", "/primitives/texcoord"});
+                             "/primitives/back", "/primitives/light_group", "/light_groups/"});
+  scene.frames_key = writer.key_of({"/primitives/smooth_vertices", "/primitives/material", "/materials/specular",
+                                    "/materials/roughness", "/shaders/", "/primitives/shader", "/primitives/texcoord"});
   writer.attribute("format", kPatchFormat);
-  writer.attribute("version", std::int64_t(kVersion));
+  writer.attribute("version", std::int64_t(kPatchVersion));
   writer.attribute("key", scene.key);
   writer.attribute("frames_key", scene.frames_key);
   writer.attribute("inputs_key", scene.inputs_key);
@@ -207,7 +204,7 @@ void write_patches(const std::filesystem::path& file, PatchSet& scene) {
 }
 
 PatchSet read_patches(const std::filesystem::path& file) {
-  const H5Reader reader(file, kPatchFormat, kVersion);
+  const H5Reader reader(file, kPatchFormat, kPatchVersion);
   PatchSet scene;
   scene.key = reader.text("key");
   scene.frames_key = reader.text("frames_key");

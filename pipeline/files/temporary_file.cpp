@@ -1,6 +1,14 @@
 #include "pipeline/files/temporary_file.h"
 
+#include <sys/stat.h>
 #include <unistd.h>
+
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
+#include <string>
 
 #include "pipeline/model/error.h"
 
@@ -8,17 +16,56 @@ namespace patchlight {
 
 namespace fs = std::filesystem;
 
-TemporaryFile::TemporaryFile(fs::path target) : target_(std::move(target)) {
+namespace {
+
+/// Names of temporaries are .patchlight-HOST.PID.NUMBER and the target's extension.
+std::string temporary_prefix() {
+  std::array<char, 256> host{};
+  if (::gethostname(host.data(), host.size() - 1) != 0) host[0] = '\0';
+  return ".patchlight-" + std::string(host.data()).substr(0, 64) + ".";
+}
+
+void remove_leftovers(const fs::path& folder) {
+  const std::string prefix = temporary_prefix();
   std::error_code fault;
-  fs::create_directories(target_.parent_path(), fault);
+  for (fs::directory_iterator entry(folder, fault), end; !fault && entry != end; entry.increment(fault)) {
+    const std::string name = entry->path().filename().string();
+    if (!name.starts_with(prefix)) continue;
+    const long process = std::strtol(name.c_str() + prefix.size(), nullptr, 10);
+    if (process <= 0 || ::kill(pid_t(process), 0) == 0 || errno != ESRCH) continue;
+    std::error_code ignored;
+    fs::remove(entry->path(), ignored);
+  }
+}
+
+bool same_file_system(const fs::path& a, const fs::path& b) {
+  struct stat first, second;
+  return ::stat(a.c_str(), &first) == 0 && ::stat(b.c_str(), &second) == 0 && first.st_dev == second.st_dev;
+}
+
+void make_folder(const fs::path& folder) {
+  std::error_code fault;
+  fs::create_directories(folder, fault);
   if (fault)
-    throw Error(ExitCode::cannot_create, "cannot make the output folder: " + fault.message(),
-                target_.parent_path().string(), "choose another with --output");
+    throw Error(ExitCode::cannot_create, "cannot make the output folder: " + fault.message(), folder.string(),
+                "choose another with --output");
+}
+
+}  // namespace
+
+TemporaryFile::TemporaryFile(fs::path target, const fs::path& folder) : target_(std::move(target)) {
+  const fs::path beside = target_.parent_path();
+  make_folder(beside);
+  if (!folder.empty()) make_folder(folder);
+  std::error_code fault;
   if (fs::is_directory(target_, fault))
     throw Error(ExitCode::cannot_create, "cannot write the file: a folder has its name", target_.string(),
                 "move the folder away");
-  path_ = target_.parent_path() /
-          ("." + target_.stem().string() + "." + std::to_string(::getpid()) + target_.extension().string());
+  const fs::path& place = !folder.empty() && same_file_system(folder, beside) ? folder : beside;
+  remove_leftovers(place);
+  static std::atomic<int> number = 0;
+  path_ = place / (temporary_prefix() + std::to_string(::getpid()) + "." + std::to_string(number++) +
+                   target_.extension().string());
 }
 
 TemporaryFile::~TemporaryFile() {

@@ -3,12 +3,13 @@
 
 namespace patchlight {
 
-/// A name beside `target` to write under until all is well. Makes the folder.
+/// A name to write `target` under until all is well, in `folder` of the same file system, or else beside it. Makes the
+/// folders, and removes from the one what processes of this host left there when they were killed.
 /// Without commit() the destructor removes what was written; `target` is never touched before.
 class TemporaryFile {
  public:
-  /// Throws: Error (cannot_create) if the folder cannot be made.
-  explicit TemporaryFile(std::filesystem::path target);
+  /// Throws: Error (cannot_create) if a folder cannot be made.
+  explicit TemporaryFile(std::filesystem::path target, const std::filesystem::path& folder = {});
   ~TemporaryFile();
   TemporaryFile(const TemporaryFile&) = delete;
   TemporaryFile& operator=(const TemporaryFile&) = delete;

@@ -76,7 +76,7 @@ struct PatchSet {
 
   std::string inputs_key;  ///< Scene files and import settings that this was made from.
   std::string key;         ///< What solving reads. Set by the file layer.
-  std::string frames_key;  ///< What only frames read. Set by the file layer.
+  std::string frames_key;  ///< What only frames read, cameras apart. Set by the file layer.
 };
 
 }  // namespace patchlight

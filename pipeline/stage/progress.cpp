@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cmath>
 #include <csignal>
 #include <nlohmann/json.hpp>
 
@@ -12,7 +14,13 @@ namespace patchlight {
 
 namespace {
 
-volatile std::sig_atomic_t stop_requested = 0;
+volatile std::sig_atomic_t stop_requested = 0;  ///< The signal that did.
+volatile std::sig_atomic_t informed_process = 0;
+
+extern "C" void request_stop(int signal) {
+  stop_requested = signal;
+  if (informed_process > 0) kill(pid_t(informed_process), signal);
+}
 
 double seconds(std::chrono::steady_clock::duration span) {
   return std::chrono::duration<double>(span).count();
@@ -56,6 +64,7 @@ void Progress::error(const std::string& message, int exit_code) {
 
 void Progress::update(double fraction, const std::string& detail) {
   check_interrupted();
+  fraction = fraction >= 0 ? std::min(fraction, 1.0) : 0.0;  // NaN is not at least zero
   const Clock::time_point now = Clock::now();
   const double interval = terminal_ ? 0.1 : 5.0;
   if (seconds(now - std::max(last_shown_, start_)) < interval) return;
@@ -79,9 +88,14 @@ void Progress::check_interrupted() {
 
 void Progress::catch_signals() {
   struct sigaction action {};
-  action.sa_handler = [](int) { stop_requested = 1; };
+  action.sa_handler = request_stop;
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
+}
+
+void Progress::pass_signals_to(int process) {
+  informed_process = process;
+  if (process > 0 && stop_requested) kill(pid_t(process), stop_requested);
 }
 
 void Progress::write_json(const char* level, const std::string& message, double fraction, int exit_code) {

@@ -26,7 +26,7 @@ class Progress {
   void warning(const std::string& message);
   void error(const std::string& message, int exit_code);
 
-  /// Reports how much of the stage is done, in [0,1], and in the user's words what of it. Cheap: call it often.
+  /// Reports how much of the stage is done, clamped to [0,1], and in the user's words what of it. Cheap: call it often.
   /// Throws: Error (interrupted) after SIGINT or SIGTERM.
   void update(double fraction, const std::string& detail);
 
@@ -35,6 +35,9 @@ class Progress {
 
   /// From now on SIGINT and SIGTERM only ask the stage to stop.
   static void catch_signals();
+
+  /// From now on passes them on to a process as well, and at once what came before; 0: to none.
+  static void pass_signals_to(int process);
 
  private:
   using Clock = std::chrono::steady_clock;

@@ -17,7 +17,8 @@ std::string patchlight_version() {
 
 void add_common_options(CLI::App& app, CommonOptions& options) {
   app.add_option("--set", options.sets, "Override a key of the job: key.path=value")->allow_extra_args(false);
-  app.add_option("--output", options.output, "Folder for outputs, instead of the job's");
+  app.add_option("--output", options.output, "Folder for outputs, instead of the job's")
+      ->check([](const std::string& folder) { return folder.empty() ? std::string("an empty name") : std::string(); });
   app.add_option("--threads", options.threads, "Number of threads; absent: all")->check(CLI::Range(1, 4096));
   app.add_flag("--quiet", options.quiet, "Print warnings and errors alone");
   app.add_option("--log-json", options.log_json, "Append one JSON object a line to this file");
@@ -40,7 +41,7 @@ std::optional<int> parse_options(CLI::App& app, const std::string& name, int arg
 
 namespace {
 
-int report_errors(Progress& progress, const std::function<void()>& body) {
+int report_errors(const std::string& stage, Progress& progress, const std::function<void()>& body) {
   const auto fail = [&](ExitCode code, const std::string& message) {
     progress.error(message, int(code));
     return int(code);
@@ -51,7 +52,9 @@ int report_errors(Progress& progress, const std::function<void()>& body) {
   } catch (const Error& error) {
     return fail(error.code(), error.what());
   } catch (const std::bad_alloc&) {
-    return fail(ExitCode::over_limit, "out of memory: use a larger import.patch_area, or a machine with more memory");
+    return fail(ExitCode::over_limit, std::string("out of memory: use a ") +
+                                          (stage == "trace" ? "smaller trace.resolution" : "larger import.patch_area") +
+                                          ", or a machine with more memory");
   } catch (const std::exception& error) {
     return fail(ExitCode::internal, fmt::format("internal fault ({}): please report it", error.what()));
   }
@@ -67,7 +70,7 @@ int with_progress(const std::string& stage, const CommonOptions& options, const 
     fmt::print(stderr, "patchlight-{}: error: {}\n", stage, error.what());
     return int(error.code());
   }
-  return report_errors(*progress, [&] { body(*progress); });
+  return report_errors(stage, *progress, [&] { body(*progress); });
 }
 
 int run_stage(const std::string& stage, int argc, char** argv, const std::function<void(const Job&, Progress&)>& body,

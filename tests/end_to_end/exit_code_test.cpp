@@ -1,8 +1,4 @@
 #include <gmock/gmock.h>
-#include <signal.h>
-
-#include <chrono>
-#include <thread>
 
 #include "tests/end_to_end/program.h"
 
@@ -15,6 +11,9 @@ using test::small_job;
 using test::TemporaryFolder;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
+
+/// Runs what follows, and after a second sends a signal to it, but not to its children.
+constexpr const char* kInASecond = "timeout --foreground --preserve-status -s TERM 1";
 
 class ExitCode : public ::testing::Test {
  protected:
@@ -54,6 +53,7 @@ TEST_F(ExitCode, Is64ForWrongUsage) {
   expect(64, import({"job.yaml", "--colour"}), "--colour");
   expect(64, import({"job.yaml", "--set", "solve.rays"}), "--set");
   expect(64, import({"job.yaml", "--threads", "0"}), "--threads");
+  expect(64, import({"job.yaml", "--output", ""}), "--output");
   expect(64, run_program(folder_, "patchlight", {"fly"}), "fly");
 }
 
@@ -117,9 +117,32 @@ TEST_F(ExitCode, Is75AfterASignalAndKeepsThePreviousFile) {
   ASSERT_EQ(run_program(folder_, "patchlight", {"run", "job.yaml"}).code, 0);
   const std::string before = test::read_text(folder_ / "out/energy.h5");
   const Outcome outcome =
-      run_program(folder_, "patchlight-solve", {"job.yaml", "--set", "solve.rays=1000000"}, "timeout -s TERM 1");
-  expect(75, {75, outcome.out, outcome.err}, "interrupted");
+      run_program(folder_, "patchlight-solve", {"job.yaml", "--set", "solve.rays=1000000"}, kInASecond);
+  expect(75, outcome, "interrupted");
   EXPECT_EQ(test::read_text(folder_ / "out/energy.h5"), before);
+  // The signal reaches the driver alone, which passes it on.
+  expect(75, run_program(folder_, "patchlight", {"run", "job.yaml", "--set", "solve.rays=1000000"}, kInASecond),
+         "patchlight-solve: error: interrupted");
+  EXPECT_EQ(test::read_text(folder_ / "out/energy.h5"), before);
+}
+
+// A stage that is just ending may not heed the signal.
+TEST_F(ExitCode, Is75AfterASignalThatTheStageIgnored) {
+  small_job(folder_);
+  ASSERT_EQ(import({"job.yaml"}).code, 0);
+  std::filesystem::rename(folder_ / "out/patches.h5", folder_ / "patches.h5");
+  std::filesystem::create_directory(folder_ / "bin");
+  std::filesystem::copy(std::string(PATCHLIGHT_PROGRAMS) + "/patchlight", folder_ / "bin/patchlight");
+  for (const auto& [stage, script] :
+       {std::pair("import", "trap '' TERM; kill -TERM $PPID; sleep 0.2; cp patches.h5 out/patches.h5"),
+        std::pair("solve", "touch solve_started"), std::pair("trace", "touch trace_started")}) {
+    const auto file = folder_.write(std::string("bin/patchlight-") + stage, std::string("#!/bin/sh\n") + script + "\n");
+    std::filesystem::permissions(file, std::filesystem::perms::owner_all);
+  }
+  expect(75, run_program(folder_, (folder_ / "bin/patchlight").string(), {"run", "job.yaml"}),
+         "patchlight-run: error: interrupted");
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "out/patches.h5"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "solve_started"));
 }
 
 TEST_F(ExitCode, Is77OverTheLimitOfPatches) {

@@ -26,7 +26,7 @@ inline std::string quoted(const std::string& text) {
 inline Outcome run_program(const TemporaryFolder& folder, const std::string& program,
                            const std::vector<std::string>& arguments, const std::string& environment = "") {
   std::string command = "cd " + quoted(folder.path().string()) + " && " + environment + " " +
-                        quoted(std::string(PATCHLIGHT_PROGRAMS) + "/" + program);
+                        quoted((std::filesystem::path(PATCHLIGHT_PROGRAMS) / program).string());
   for (const auto& argument : arguments) command += " " + quoted(argument);
   command += " >stdout.txt 2>stderr.txt </dev/null";
   const int status = std::system(command.c_str());

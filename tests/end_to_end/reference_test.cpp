@@ -31,7 +31,7 @@ class Reference : public ::testing::Test {
 TEST_F(Reference, CornellMatchesThePathTracerAtTheDefaults) {
   run("cornell", "trace: {resolution: [256, 256]}\n");
   const Image frame = read_exr(folder_ / "out/frames/camera.0001.exr");
-  EXPECT_LT(image_error(frame, read_exr(kScenes + "/reference/cornell.exr")).block, 0.05);
+  EXPECT_LT(image_error(frame, read_exr(kScenes + "/reference/cornell.exr")).block, 0.02);
 }
 
 struct Furnace {

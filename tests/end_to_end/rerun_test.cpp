@@ -1,7 +1,9 @@
 #include <gmock/gmock.h>
+#include <sys/stat.h>
 
 #include <regex>
 
+#include "pipeline/files/image_file.h"
 #include "tests/end_to_end/program.h"
 
 namespace patchlight {
@@ -103,6 +105,46 @@ TEST_F(Rerun, RebuildsADamagedFileWithAWarning) {
   }
 }
 
+TEST_F(Rerun, RefusesWhatAFreshRunWouldRefuse) {
+  for (const char* set : {"trace.cameras=[nobody]", "lights.nobody.scale=1", "trace.view=Sepia", "solve.method=matrix",
+                          "solve.display=true"}) {
+    const Outcome outcome = run({"--set", set});
+    EXPECT_EQ(outcome.code, 78) << set << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr("error: ")) << set;
+  }
+}
+
+TEST_F(Rerun, TracesAgainForADamagedPngOrAnotherViewConfig) {
+  const std::string whole = test::read_text(folder_ / "out/frames/camera.0001.png");
+  folder_.write("out/frames/camera.0001.png", "");
+  const Outcome outcome = run({});
+  EXPECT_EQ(stages(outcome), "trace") << outcome.err;
+  EXPECT_EQ(test::read_text(folder_ / "out/frames/camera.0001.png"), whole);
+  std::filesystem::copy_file(std::string(PATCHLIGHT_SOURCE) + "/configs/config.ocio", folder_ / "config.ocio");
+  EXPECT_EQ(stages(run_program(folder_, "patchlight", {"run", "job.yaml"}, "OCIO=config.ocio")), "trace");
+}
+
+TEST_F(Rerun, TakesOtherThingsInThePlaceOfFilesForStale) {
+  const auto exr = folder_ / "out/frames/camera.0001.exr";
+  std::filesystem::remove(exr);
+  ASSERT_EQ(mkfifo(exr.c_str(), 0600), 0);
+  EXPECT_EQ(stages(run({})), "trace");
+  EXPECT_EQ(run({"--output", std::string(300, 'x')}).code, 73);
+  std::filesystem::remove(folder_ / "box.glb");
+  std::filesystem::create_directory(folder_ / "box.glb");
+  EXPECT_THAT(run({}).err, HasSubstr("import runs: "));
+}
+
+TEST_F(Rerun, TakesAForeignImageInThePlaceOfAFrameForStale) {
+  write_exr(folder_ / "out/frames/camera.0001.exr", {16, 16, std::vector<Color>(256, Color(1.0f)), {}});
+  EXPECT_EQ(stages(run({})), "trace");
+}
+
+TEST_F(Rerun, TakesJobsWithAnyName) {
+  folder_.write("-job.yaml", test::read_text(folder_ / "job.yaml"));
+  EXPECT_EQ(run_program(folder_, "patchlight", {"run", "--output", "dash", "--quiet", "--", "-job.yaml"}).code, 0);
+}
+
 TEST_F(Rerun, ForceRunsEverything) {
   EXPECT_EQ(stages(run({"--force"})), "import solve trace");
 }
@@ -134,7 +176,26 @@ TEST_F(Rerun, DiffTellsWhatDiffersAndByHowMuch) {
   EXPECT_THAT(diff({}).out, HasSubstr("/groups/lights.ceiling/direct"));
   EXPECT_EQ(diff({"--tolerance", "0.5"}).code, 0);
   EXPECT_EQ(diff({"--tolerance", "0.5", "--max", "1e-6"}).code, 1);
+  EXPECT_EQ(diff({"--max", "0.9", "--quiet"}).code, 0);
+  EXPECT_EQ(diff({"--max", "1e-6"}).code, 1);
+  EXPECT_THAT(diff({}).out, HasSubstr("/radiosity"));
   EXPECT_EQ(run_program(folder_, "patchlight", {"diff", "out/energy.h5", "out/patches.h5"}).code, 65);
+}
+
+TEST_F(Rerun, DiffComparesEveryDatasetOfPatches) {
+  std::string glb = test::read_text(folder_ / "box.glb");
+  const std::size_t at = glb.find("\"yfov\":0.6");
+  ASSERT_NE(at, std::string::npos);
+  glb[at + 9] = '7';
+  folder_.write("box.glb", glb);
+  ASSERT_EQ(run_program(folder_, "patchlight-import", {"job.yaml", "--output", "other"}).code, 0);
+  const auto diff = [&](const std::string& more) {
+    return run_program(folder_, "patchlight", {"diff", "out/patches.h5", "other/patches.h5", "--tolerance", more});
+  };
+  EXPECT_EQ(diff("0").code, 1);
+  EXPECT_THAT(diff("0").out, HasSubstr("/cameras/lens"));
+  EXPECT_THAT(diff("0").out, Not(HasSubstr("/patches/")));
+  EXPECT_EQ(diff("0.5").code, 0);
 }
 
 TEST_F(Rerun, InfoShowsWhatIsInEveryKindOfFile) {

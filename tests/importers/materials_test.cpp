@@ -82,6 +82,18 @@ TEST(Materials, LightGroupIsTheNodesElseTheMaterialsElseItsName) {
   EXPECT_EQ(imported(plain).scene.primitives[0].light_group, 0);
 }
 
+TEST(Materials, LightGroupsOfAnyNameFitIntoFiles) {
+  const auto group = [](const std::string& name) {
+    return imported({{"name", "lamp"}, {"emissiveFactor", {1, 1, 1}}, {"extras", {{"light_group", name}}}})
+        .scene.light_groups[0];
+  };
+  EXPECT_EQ(group("."), "_");
+  EXPECT_EQ(group(".."), "..");
+  EXPECT_EQ(group("a\tb"), "a\tb");
+  EXPECT_EQ(group(std::string(1024, 'x')).size(), 1024u);
+  EXPECT_ERROR(group(std::string(1025, 'x')), ExitCode::bad_data, "node ");
+}
+
 TEST(Materials, WhatDoesNotEmitHasNoLightGroup) {
   const Imported wall = imported({{"name", "wall"}}, {{"extras", {{"light_group", "hall"}}}});
   EXPECT_TRUE(wall.scene.light_groups.empty());

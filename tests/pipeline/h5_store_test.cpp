@@ -1,6 +1,7 @@
 #include "pipeline/files/h5_store.h"
 
 #include <gtest/gtest.h>
+#include <hdf5.h>
 
 #include "tests/expect_error.h"
 #include "tests/temporary_folder.h"
@@ -65,6 +66,23 @@ TEST(H5Store, RefusesEveryDamagedByteThatItReads) {
     }
   }
   EXPECT_GT(refused, 100);
+}
+
+TEST(H5Store, WritesAttributesAsTextThatOtherLanguagesReadAsText) {
+  const TemporaryFolder folder;
+  write_sample(folder / "a.h5");
+  const hid_t file = H5Fopen((folder / "a.h5").c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  const hid_t attribute = H5Aopen(file, "format", H5P_DEFAULT), type = H5Aget_type(attribute);
+  EXPECT_GT(H5Tis_variable_str(type), 0);
+  EXPECT_EQ(H5Tget_cset(type), H5T_CSET_UTF8);
+  H5Tclose(type);
+  H5Aclose(attribute);
+  H5Fclose(file);
+}
+
+TEST(H5Store, ReadsFilesWithTextAttributesOfFixedLength) {
+  const H5Reader reader(std::string(PATCHLIGHT_SOURCE) + "/tests/pipeline/fixed_length_text.h5", "sample", 1);
+  EXPECT_EQ(reader.strings("/names", 3), (std::vector<std::string>{"one", "", "three"}));
 }
 
 TEST(H5Store, RefusesTruncatedFiles) {

@@ -56,6 +56,46 @@ TEST_F(JobFile, NamesAnUnknownKeyItsLineAndTheNearest) {
   EXPECT_ERROR(read("scene: a.glb\noutput: out\nsolver: {}\n"), ExitCode::bad_config, "line 3");
 }
 
+TEST_F(JobFile, NamesUnknownKeysBelowMaterialsAndLightsWithTheirLines) {
+  EXPECT_ERROR(
+      read("scene: a.glb\noutput: out\nmaterials:\n  red: {reflectance: [1, 0, 0]}\n  lamp:\n    emision: [1, 1, 1]\n"),
+      ExitCode::bad_config,
+      "unknown key `materials.lamp.emision` (" + (folder_ / "job.yaml").string() +
+          ", line 6): did you mean `materials.lamp.emission`?");
+  EXPECT_ERROR(read(std::string(kMinimal) + "lights:\n  l.a:\n    scale: -1\n"), ExitCode::bad_config, "line 5");
+  EXPECT_ERROR(read(kMinimal, {"lights.\"l.a\".scael=2"}), ExitCode::bad_config,
+               ", --set lights.\"l.a\".scael=2): did you mean `lights.\"l.a\".scale`?");
+}
+
+TEST_F(JobFile, RefusesAKeyThatStandsTwice) {
+  EXPECT_ERROR(read("scene: a.glb\noutput: out\nsolve: {rays: 1}\nsolve: {rays: 2}\n"), ExitCode::bad_config, "line 4");
+  EXPECT_ERROR(read("scene: a.glb\noutput: out\nsolve:\n  rays: 1\n  rays: 2\n"), ExitCode::bad_config,
+               "the key `rays` stands twice");
+  EXPECT_ERROR(read(std::string(kMinimal) + "lights:\n  a: {scale: 1}\n  a: {scale: 2}\n"), ExitCode::bad_config,
+               "line 5");
+}
+
+TEST_F(JobFile, KnowsLightGroupsByTheNamesThatFilesGiveThem) {
+  const Job job = read(std::string(kMinimal) + "lights: {hall/lamp: {scale: 2}, .: {scale: 3}, ..: {scale: 4}}\n");
+  EXPECT_EQ(job.lights.at("hall_lamp").scale, 2);
+  EXPECT_EQ(job.lights.at("_").scale, 3);
+  EXPECT_EQ(job.lights.at("..").scale, 4);
+}
+
+TEST_F(JobFile, TellsFaultsOfTheFileFromThoseOfSets) {
+  EXPECT_ERROR(read("scene: a.glb\noutput: out\nsolve:\n  rayz: 1\n", {"solve.rays=3"}), ExitCode::bad_config,
+               "line 4");
+  EXPECT_ERROR(read(std::string(kMinimal) + "solve:\n  rays: 1\n", {"solve.rayz=3"}), ExitCode::bad_config, "--set");
+}
+
+TEST_F(JobFile, SetsLeaveOtherAliasesAlone) {
+  const Job job =
+      read(std::string(kMinimal) + "lights: {a: &x {scale: 3, color: [1, 0, 0]}, b: *x}\n", {"lights.a.scale=5"});
+  EXPECT_EQ(job.lights.at("a").scale, 5);
+  EXPECT_EQ(job.lights.at("a").color, Color(1, 0, 0));
+  EXPECT_EQ(job.lights.at("b").scale, 3);
+}
+
 TEST_F(JobFile, RefusesValuesThatAreNotAllowed) {
   EXPECT_ERROR(read(std::string(kMinimal) + "import: {patch_area: -1}"), ExitCode::bad_config, "import.patch_area");
   EXPECT_ERROR(read(std::string(kMinimal) + "import: {patch_area: .nan}"), ExitCode::bad_config, "patch_area");
@@ -63,6 +103,7 @@ TEST_F(JobFile, RefusesValuesThatAreNotAllowed) {
   EXPECT_ERROR(read(std::string(kMinimal) + "solve: {rays: 2.5}"), ExitCode::bad_config, "whole number");
   EXPECT_ERROR(read(std::string(kMinimal) + "trace: {resolution: [0, 5]}"), ExitCode::bad_config, "resolution");
   EXPECT_ERROR(read(std::string(kMinimal) + "trace: {frames: 1-x}"), ExitCode::bad_config, "1-120");
+  EXPECT_ERROR(read(kMinimal, {"trace.frames=5-3"}), ExitCode::bad_config, "begins before it ends");
   EXPECT_ERROR(read(std::string(kMinimal) + "materials: {a: {reflectance: [1, 2, 0]}}"), ExitCode::bad_config,
                "0 to 1");
   EXPECT_ERROR(read(std::string(kMinimal) + "materials: {a: {colour: 1}}"), ExitCode::bad_config, "colour");
@@ -104,8 +145,24 @@ TEST_F(JobFile, SurvivesHostileYaml) {
   EXPECT_ERROR(read_job(folder_ / "none.yaml"), ExitCode::missing_input, "none.yaml");
 }
 
+TEST_F(JobFile, TakesPathsAsTheyStand) {
+  const Job job = read("scene: link/../a.glb\noutput: link/../out\n");
+  EXPECT_EQ(job.scene, folder_.path() / "link/../a.glb");
+  EXPECT_EQ(job.output, folder_.path() / "link/../out");
+  EXPECT_THAT(effective_job(job), ::testing::HasSubstr("scene: link/../a.glb"));
+  EXPECT_THAT(effective_job(read("scene: /b/a.glb\noutput: out\n")), ::testing::HasSubstr("scene: /b/a.glb"));
+}
+
+TEST_F(JobFile, LimitsTheSizeOfFrames) {
+  EXPECT_EQ(read(kMinimal, {"trace.resolution=[16384, 16384]"}).trace.resolution[0], 16384);
+  EXPECT_ERROR(read(kMinimal, {"trace.resolution=[16384, 16385]"}), ExitCode::over_limit, "trace.resolution");
+}
+
 TEST_F(JobFile, IsOverriddenBySets) {
-  const Job job = read(kMinimal, {"solve.rays=32", "lights.\"lights.lamp\".scale=2", "trace.cameras=[a, b]"});
+  const Job job = read(kMinimal, {"solve.rays=32", "lights.\"lights.lamp\".scale=2", "trace.cameras=[a, b]",
+                                  R"(lights."an \"old\" \\ lamp".scale=4)", "solve={seed: 7}"});
+  EXPECT_EQ(job.lights.at(R"(an "old" \ lamp)").scale, 4.0);
+  EXPECT_EQ(job.solve.seed, 7);
   EXPECT_EQ(job.solve.rays, 32);
   EXPECT_EQ(job.lights.at("lights.lamp").scale, 2.0);
   EXPECT_EQ(job.trace.cameras, (std::vector<std::string>{"a", "b"}));
@@ -145,7 +202,7 @@ TEST_F(JobFile, NamesTheLineOfABadSweptKeyOrValue) {
                "line 6): did you mean `solve.rays`?");
   EXPECT_ERROR(bench("  sweep:\n    solve.tolerance: [0.1]\n    solve.rays: [64, few]\n"), ExitCode::bad_config,
                "line 6): expected a whole number");
-  EXPECT_ERROR(bench("  sweep: [{output: [a, b]}]\n"), ExitCode::bad_config, "`output` cannot stand in");
+  EXPECT_ERROR(bench("  sweep: [{output: [a, b]}]\n"), ExitCode::bad_config, "`output` cannot be tried");
   EXPECT_ERROR(bench("  sweep: [{solve..rays: 1}]\n"), ExitCode::bad_config, "line 4");
   EXPECT_ERROR(bench("  sweep: [{solve.rays: []}]\n"), ExitCode::bad_config, "at least one value");
   EXPECT_ERROR(bench("  sweep: 3\n"), ExitCode::bad_config, "line 4");

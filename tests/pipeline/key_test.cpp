@@ -2,6 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+
+#include "tests/expect_error.h"
+#include "tests/temporary_folder.h"
+
 namespace patchlight {
 namespace {
 
@@ -35,11 +40,34 @@ TEST(Key, OfAnImportHoldsEveryExpression) {
 
 TEST(Key, OfAFrameIgnoresLightsAtTheirOwnStrength) {
   PatchSet scene;
+  scene.cameras.resize(1);
   Job plain, lit;
   lit.lights["lamp"];
-  EXPECT_EQ(frame_key(scene, "e", plain, "c", 1), frame_key(scene, "e", lit, "c", 1));
+  EXPECT_EQ(frame_key(scene, "e", plain, 0, 1, "v"), frame_key(scene, "e", lit, 0, 1, "v"));
   lit.lights["lamp"].scale = 2;
-  EXPECT_NE(frame_key(scene, "e", plain, "c", 1), frame_key(scene, "e", lit, "c", 1));
+  EXPECT_NE(frame_key(scene, "e", plain, 0, 1, "v"), frame_key(scene, "e", lit, 0, 1, "v"));
+}
+
+TEST(Key, OfAFrameCoversItsOwnCameraAlone) {
+  PatchSet scene;
+  scene.cameras.resize(2);
+  PatchSet moved = scene;
+  moved.cameras[1].to_world.translate(Vec3d(0, 1, 0));
+  EXPECT_EQ(frame_key(scene, "e", {}, 0, 1, "v"), frame_key(moved, "e", {}, 0, 1, "v"));
+  EXPECT_NE(frame_key(scene, "e", {}, 1, 1, "v"), frame_key(moved, "e", {}, 1, 1, "v"));
+}
+
+TEST(Key, OfAFrameCoversTheContentOfTheViewsConfig) {
+  const test::TemporaryFolder folder;
+  unsetenv("OCIO");
+  EXPECT_EQ(view_config_key(), "shipped");
+  setenv("OCIO", folder.write("config.ocio", "a").c_str(), 1);
+  const std::string key = view_config_key();
+  folder.write("config.ocio", "b");
+  EXPECT_NE(view_config_key(), key);
+  setenv("OCIO", folder.path().c_str(), 1);
+  EXPECT_ERROR(view_config_key(), ExitCode::missing_input, "$OCIO");
+  unsetenv("OCIO");
 }
 
 TEST(Key, IgnoresTheBench) {
@@ -47,7 +75,9 @@ TEST(Key, IgnoresTheBench) {
   bench.bench.sweep = {{{"solve.rays", {"1", "2"}}}};
   bench.bench.camera = "c";
   EXPECT_EQ(import_inputs_key({{"a.glb", "hash"}}, plain), import_inputs_key({{"a.glb", "hash"}}, bench));
-  EXPECT_EQ(frame_key(PatchSet(), "e", plain, "c", 1), frame_key(PatchSet(), "e", bench, "c", 1));
+  PatchSet scene;
+  scene.cameras.emplace_back().name = "c";
+  EXPECT_EQ(frame_key(scene, "e", plain, 0, 1, "v"), frame_key(scene, "e", bench, 0, 1, "v"));
 }
 
 }  // namespace

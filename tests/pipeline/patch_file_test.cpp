@@ -52,16 +52,19 @@ TEST(PatchFile, ReadsBackWhatWasWritten) {
   EXPECT_EQ(read.inputs_key, "inputs");
 }
 
-TEST(PatchFile, KeepsItsKeyWhenOnlyACameraMoves) {
+TEST(PatchFile, KeepsItsKeyWhenOnlyWhatFramesReadChanges) {
   const TemporaryFolder folder;
-  PatchSet scene = sample(), moved = sample(), repainted = sample();
+  PatchSet scene = sample(), moved = sample(), repainted = sample(), polished = sample();
   moved.cameras[0].to_world.translate(Vec3d(0, 1, 0));
   repainted.patches[0].reflectance = Color(0.1f);
+  polished.materials[0].roughness = 0.01f;
   write_patches(folder / "a.h5", scene);
   write_patches(folder / "b.h5", moved);
   write_patches(folder / "c.h5", repainted);
+  write_patches(folder / "d.h5", polished);
   EXPECT_EQ(scene.key, moved.key);
-  EXPECT_NE(scene.frames_key, moved.frames_key);
+  EXPECT_EQ(scene.key, polished.key);
+  EXPECT_NE(scene.frames_key, polished.frames_key);
   EXPECT_NE(scene.key, repainted.key);
   EXPECT_EQ(scene.frames_key, repainted.frames_key);
 }
@@ -138,6 +141,38 @@ TEST(PatchFile, RefusesBrokenPromises) {
       {"/primitives/back", [](PatchSet& s) { s.primitives[0].back = 1; }},
       {"/primitives/material", [](PatchSet& s) { s.primitives[0].material = -1; }},
       {"/primitives/sphere", [](PatchSet& s) { s.primitives[2].sphere_radius = 0; }},
+      {"/patches/uv", [](PatchSet& s) { s.patches[0].u1 = s.patches[1].u0 = 0.4f; }},
+      {"/patches/uv",
+       [](PatchSet& s) {
+         for (int i = 0; i < 3; ++i) s.patches[i].v1 = s.patches[i + 3].v0 = 0.4f;
+       }},
+      {"/patches/uv",
+       [](PatchSet& s) {  // three patches in one row and two in the other
+         s.patches[3].u1 = 0.5f;
+         s.patches[5].u0 = 0.5f;
+         s.patches.erase(s.patches.begin() + 4);
+       }},
+      {"/patches/uv", [](PatchSet& s) { s.patches[10].u1 = s.patches[11].u0 = 0.2f; }},
+      {"/primitives/corners", [](PatchSet& s) { s.primitives[0].corners[1] = s.primitives[0].corners[0]; }},
+      {"/primitives/corners",
+       [](PatchSet& s) {
+         s.primitives[0].corners = {Vec3d(0), Vec3d(1), Vec3d(2), Vec3d(3)};
+       }},
+      {"/primitives/corners", [](PatchSet& s) { s.primitives[0].corners[1].x = 2e12; }},
+      {"/primitives/sphere", [](PatchSet& s) { s.primitives[2].sphere_center.x = -2e12; }},
+      {"/primitives/sphere", [](PatchSet& s) { s.primitives[2].sphere_radius = NAN; }},
+      {"/primitives/smooth_vertices",
+       [](PatchSet& s) {
+         s.primitives[0].smooth_vertices = {0, 1, 2, -1};
+       }},
+      {"/primitives/smooth_vertices",
+       [](PatchSet& s) {
+         s.primitives[1].smooth_vertices = {0, 1, 2, 3};
+       }},
+      {"/primitives/smooth_vertices",
+       [](PatchSet& s) {
+         s.primitives[2].smooth_vertices = {0, 1, 2, 3};
+       }},
       {"/cameras", [](PatchSet& s) { s.cameras[0].vertical = 0; }},
       {"/patches/area", [](PatchSet& s) { s.patches.clear(); }},
   };

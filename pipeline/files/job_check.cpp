@@ -1,0 +1,29 @@
+#include "pipeline/files/job_check.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "pipeline/files/frame_list.h"
+#include "pipeline/model/error.h"
+
+namespace patchlight {
+
+void check_available(const SolveConfig& solve) {
+  const auto refuse = [](const std::string& value, const std::string& key, const std::string& mend) {
+    throw Error(ExitCode::bad_config, "`" + value + "` is not available yet", key, mend);
+  };
+  if (solve.method != "progressive") refuse(solve.method, "solve.method", "use `progressive`");
+  if (solve.display) refuse("true", "solve.display", "use `false`");
+}
+
+void check_names(const Job& job, const PatchSet& scene) {
+  const auto& groups = scene.light_groups;
+  for (const auto& [name, light] : job.lights)
+    if (std::find(groups.begin(), groups.end(), name) == groups.end())
+      throw Error(ExitCode::bad_config, "unknown light group `" + name + "`", job.file.string() + ", lights",
+                  fmt::format("the scene has: {}", fmt::join(groups, ", ")));
+  job_frames(job, scene);
+}
+
+}  // namespace patchlight
