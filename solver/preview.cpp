@@ -172,9 +172,4 @@ Image draw_preview(const Job& job, const PatchSet& scene, const PreviewOptions& 
   return image;
 }
 
-void write_preview(const std::filesystem::path& file, const Job& job, const PatchSet& scene,
-                   const PreviewOptions& options) {
-  write_png(file, draw_preview(job, scene, options));
-}
-
 }  // namespace patchlight

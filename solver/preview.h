@@ -1,5 +1,4 @@
 #pragma once
-#include <filesystem>
 #include <optional>
 #include <string>
 
@@ -23,9 +22,5 @@ struct PreviewOptions {
 /// The job's energy.h5 is read for radiosity and irradiance alone.
 /// Throws: Error (bad_config) for an unknown camera or patch; (unavailable) without OpenGL; and what reading throws.
 Image draw_preview(const Job& job, const PatchSet& scene, const PreviewOptions& options);
-
-/// Draws it into a PNG. Throws: also Error (cannot_create, io_error).
-void write_preview(const std::filesystem::path& file, const Job& job, const PatchSet& scene,
-                   const PreviewOptions& options);
 
 }  // namespace patchlight

@@ -153,14 +153,17 @@ std::string script(const Job& job, const std::vector<Series>& series) {
   for (const Point& p : all) points.push_back({p.seconds, p.percent});
   for (const std::size_t i : pareto_front(points)) front.push_back(all[i]);
 
+  const std::size_t height = 600 + 22 * (series.size() + 1);  // the key stands below
   std::string text =
-      "# Made by patchlight bench. Draw it again, in this folder: gnuplot error_against_seconds.gnuplot\n"
-      "set terminal pngcairo size 900,600 noenhanced font \"DejaVu Sans,11\" background \"#ffffff\"\n"
+      "# Made by patchlight bench. Draw it again, in this folder: gnuplot error_against_seconds.gnuplot\n";
+  text += fmt::format("set terminal pngcairo size 900,{} noenhanced font \"DejaVu Sans,11\" background \"#ffffff\"\n",
+                      height);
+  text +=
       "set output \"error_against_seconds.png\"\n"
       "set encoding utf8\nset logscale xy\nset border 3 lc rgb \"#555555\"\nset tics nomirror textcolor rgb "
       "\"#333333\"\n"
       "set grid xtics ytics lt 1 lw 1 lc rgb \"#e8e8e8\"\n"
-      "set key top right Left reverse spacing 1.25 samplen 2\n"
+      "set key below left Left reverse maxcols 1 spacing 1.25 samplen 2\n"
       "set xlabel \"CPU seconds of import, solve and trace\"\n"
       "set ylabel \"mean error of 8 x 8 pixel blocks, %\"\n";
   text += "set title " + quoted(job.file.filename().string() + ": error against time") + "\n";

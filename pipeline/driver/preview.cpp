@@ -10,13 +10,13 @@ int draw_preview(const PreviewCommand& command) {
   std::string name = command.kind + of + at + ".png";
   for (char& c : name)
     if (c == '/') c = '_';
-  std::vector<std::string> arguments{"--preview=" + (job.output / "preview" / name).string(), "--kind=" + command.kind};
+  std::vector<std::string> arguments{"--picture=" + (job.output / "preview" / name).string(), "--kind=" + command.kind};
   if (!command.camera.empty()) arguments.push_back("--camera=" + command.camera);
   if (!command.patch.empty()) arguments.push_back("--patch=" + command.patch);
   const std::vector<std::string> common = stage_arguments(command.job_file, command.common);
   arguments.insert(arguments.end(), common.begin(), common.end());
   Progress::catch_signals();
-  return run_stage_program("solve", arguments).exit_code;
+  return run_stage_program("preview", arguments).exit_code;
 }
 
 }  // namespace patchlight
