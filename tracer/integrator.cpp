@@ -10,6 +10,7 @@
 
 #include "pipeline/model/error.h"
 #include "pipeline/optics/patch_sampling.h"
+#include "pipeline/optics/random.h"
 #include "tracer/camera_rays.h"
 
 namespace patchlight {
@@ -52,11 +53,8 @@ std::vector<Color> lit_irradiance(const EnergyField& energy, std::size_t patches
 
 /// A shift in [0,1)^2 for each pixel.
 Vec2f pixel_shift(std::size_t pixel) {
-  std::uint64_t x = pixel * 0x9e3779b97f4a7c15;
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111eb;
-  x ^= x >> 31;
-  return {float(x >> 40) * 0x1p-24f, float(x & 0xffffff) * 0x1p-24f};
+  const std::uint64_t x = scramble(pixel);
+  return {to_unit(x), to_unit(x << 24)};
 }
 
 /// Sample k of n in the pixel: a rank-1 lattice with the golden ratio's step, which stratifies both axes.

@@ -19,7 +19,7 @@ namespace {
 // Raised whenever a stage computes something else from the same inputs.
 constexpr int kImportVersion = 1;
 constexpr int kSolveVersion = 2;
-constexpr int kTraceVersion = 1;
+constexpr int kTraceVersion = 2;
 
 XXH3_state_t* state_of(void* state) {
   return static_cast<XXH3_state_t*>(state);
