@@ -17,6 +17,15 @@ TEST(Key, DependsOnWhatCanChangeTheSolution) {
   EXPECT_EQ(energy_key("k", usual), energy_key("k", SolveConfig()));
   EXPECT_NE(energy_key("k", usual), energy_key("k", other));
   EXPECT_NE(energy_key("k", usual), energy_key("l", usual));
+  other = usual;
+  other.hemicube_resolution = 64;
+  EXPECT_EQ(energy_key("k", usual), energy_key("k", other));  // rays know no cells
+  SolveConfig hemicube = usual, coarse = other;
+  hemicube.form_factors = coarse.form_factors = "hemicube";
+  EXPECT_NE(energy_key("k", hemicube), energy_key("k", coarse));
+  coarse = hemicube;
+  coarse.rays = 512;
+  EXPECT_EQ(energy_key("k", hemicube), energy_key("k", coarse));
 }
 
 TEST(Key, OfAnImportIgnoresWhereTheSceneStands) {
