@@ -11,6 +11,7 @@ struct RunCommand {
   std::string job_file;
   bool force = false;
   CommonOptions common;
+  std::string last_stage = "trace";
 };
 
 /// Starts the stages whose outputs do not match the job, in order, and says why. Returns the exit code of the first
@@ -25,9 +26,9 @@ struct PreviewCommand {
   CommonOptions common;
 };
 
-/// Draws a picture of a job's patches, radiosity or hemicubes into <output>/preview/. Returns an exit code.
-/// Throws: Error (bad_config, missing_input) for the job.
-int draw_preview(const PreviewCommand& command);
+/// Draws a picture of a job's patches, radiosity or hemicubes into <output>/preview/, after running what is stale of
+/// the stages that it needs. Returns an exit code. Throws: Error (bad_config, missing_input) for the job.
+int draw_preview(const PreviewCommand& command, Progress& progress);
 
 struct BenchCommand {
   std::string job_file;

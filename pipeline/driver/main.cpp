@@ -26,7 +26,7 @@ Command add_run(CLI::App& app) {
 Command add_preview(CLI::App& app) {
   static PreviewCommand preview;
   CLI::App* sub = app.add_subcommand("preview", "Draw a job's patches, radiosity, irradiance or hemicubes");
-  sub->add_option("JOB.yaml", preview.job_file, "The job file; import it, or solve it, first")->required();
+  sub->add_option("JOB.yaml", preview.job_file, "The job file")->required();
   sub->add_option("--kind", preview.kind, "What to draw")
       ->check(CLI::IsMember({"patches", "radiosity", "irradiance", "hemicube"}))
       ->capture_default_str();
@@ -34,7 +34,7 @@ Command add_preview(CLI::App& app) {
   sub->add_option("--patch", preview.patch, "The patch to highlight, or whose hemicube to draw")
       ->check(CLI::NonNegativeNumber);
   add_common_options(*sub, preview.common);
-  return {sub, &preview.common, [](Progress&) { return draw_preview(preview); }};
+  return {sub, &preview.common, [](Progress& progress) { return draw_preview(preview, progress); }};
 }
 
 Command add_bench(CLI::App& app) {

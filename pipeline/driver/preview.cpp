@@ -3,7 +3,11 @@
 
 namespace patchlight {
 
-int draw_preview(const PreviewCommand& command) {
+int draw_preview(const PreviewCommand& command, Progress& progress) {
+  const bool shows_light = command.kind == "radiosity" || command.kind == "irradiance";
+  const RunCommand before{command.job_file, false, command.common, shows_light ? "solve" : "import"};
+  if (const int code = run_job(before, progress)) return code;
+
   const Job job = read_job(command.job_file, command.common.sets, command.common.output);
   const std::string of = !command.camera.empty() ? "." + command.camera : "";
   const std::string at = !command.patch.empty() ? ".patch" + command.patch : "";
@@ -15,7 +19,6 @@ int draw_preview(const PreviewCommand& command) {
   if (!command.patch.empty()) arguments.push_back("--patch=" + command.patch);
   const std::vector<std::string> common = stage_arguments(command.job_file, command.common);
   arguments.insert(arguments.end(), common.begin(), common.end());
-  Progress::catch_signals();
   return run_stage_program("preview", arguments).exit_code;
 }
 

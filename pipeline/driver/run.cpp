@@ -33,7 +33,9 @@ int run_job(const RunCommand& command, Progress& progress) {
   if (const int code = bring_up_to_date("import", patches_freshness(job, scene))) return code;
   scene = read_patches(job.patch_file());
   check_names(job, scene);
+  if (command.last_stage == "import") return 0;
   if (const int code = bring_up_to_date("solve", energy_freshness(job, scene))) return code;
+  if (command.last_stage == "solve") return 0;
   return bring_up_to_date("trace", frames_freshness(job, scene));
 }
 
