@@ -7,6 +7,7 @@
 
 #include "pipeline/files/energy_file.h"
 #include "pipeline/files/frame_list.h"
+#include "pipeline/files/job_check.h"
 #include "pipeline/model/error.h"
 #include "pipeline/optics/random.h"
 #include "solver/false_color.h"
@@ -33,18 +34,6 @@ Color patch_color(std::uint32_t i) {
 float encode_srgb(float x) {
   x = std::clamp(x, 0.0f, 1.0f);
   return x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1 / 2.4f) - 0.055f;
-}
-
-/// Irradiance of each patch, of all groups under the job's lights.
-std::vector<Color> lit(const Job& job, const EnergyField& energy, std::size_t patches) {
-  std::vector<Color> sum(patches, Color(0.0f));
-  for (const auto& group : energy.groups) {
-    const auto setting = job.lights.find(group.name);
-    const Color scale =
-        setting == job.lights.end() ? Color(1.0f) : setting->second.color * float(setting->second.scale);
-    for (std::size_t i = 0; i < patches; ++i) sum[i] += scale * (group.direct[i] + group.indirect[i]);
-  }
-  return sum;
 }
 
 GlView camera_view(const Camera& camera, const PatchIdRenderer& renderer, const PatchSet& scene, int width,
@@ -153,16 +142,17 @@ Image draw_preview(const Job& job, const PatchSet& scene, const PreviewOptions& 
     return finish(paint(ids, width, true, [&](std::uint32_t i) {
       return options.patch && std::int64_t(i) == *options.patch ? kHighlight : patch_color(i);
     }));
-  const std::vector<Color> irradiance = lit(job, read_energy(job.energy_file(), scene), scene.patches.size());
+  const std::vector<Color> received =
+      irradiance(read_energy(job.energy_file(), scene), light_settings(job, scene), scene.patches.size());
   if (options.kind == "radiosity") {
     const float gain = float(std::exp2(job.trace.exposure) / kPi);
     return finish(paint(ids, width, false, [&](std::uint32_t i) {
-      const Color radiance = (scene.patches[i].emission + scene.patches[i].reflectance * irradiance[i]) * gain;
+      const Color radiance = (scene.patches[i].emission + scene.patches[i].reflectance * received[i]) * gain;
       return Color(encode_srgb(radiance.x), encode_srgb(radiance.y), encode_srgb(radiance.z));
     }));
   }
   std::vector<float> sums;
-  for (const Color& h : irradiance) sums.push_back(h.x + h.y + h.z);
+  for (const Color& h : received) sums.push_back(h.x + h.y + h.z);
   std::vector<float> sorted = sums;
   const auto high = sorted.begin() + std::ptrdiff_t(double(sorted.size() - 1) * 0.995);
   std::nth_element(sorted.begin(), high, sorted.end());

@@ -1,14 +1,12 @@
 #include "tracer/integrator.h"
 
-#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 #include <xmmintrin.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 
-#include "pipeline/model/error.h"
+#include "pipeline/files/job_check.h"
 #include "pipeline/optics/patch_sampling.h"
 #include "pipeline/optics/random.h"
 #include "tracer/camera_rays.h"
@@ -22,18 +20,6 @@ constexpr float kLeastThroughput = 1e-3f;
 constexpr int kMostMirrors = 64;
 constexpr int kTile = 16;  // pixels along a tile's edge
 
-std::vector<Color> light_settings(const PatchSet& scene, const Job& job) {
-  std::vector<Color> settings(scene.light_groups.size(), Color(1.0f));
-  for (const auto& [name, light] : job.lights) {
-    const auto found = std::find(scene.light_groups.begin(), scene.light_groups.end(), name);
-    if (found == scene.light_groups.end())
-      throw Error(ExitCode::bad_config, "unknown light group `" + name + "`", job.file.string() + ", lights",
-                  fmt::format("the scene has: {}", fmt::join(scene.light_groups, ", ")));
-    settings[found - scene.light_groups.begin()] = light.color * float(light.scale);
-  }
-  return settings;
-}
-
 std::vector<Color> lit_emission(const PatchSet& scene, const std::vector<Color>& settings) {
   std::vector<Color> emission(scene.patches.size(), Color(0.0f));
   for (std::size_t i = 0; i < emission.size(); ++i) {
@@ -41,14 +27,6 @@ std::vector<Color> lit_emission(const PatchSet& scene, const std::vector<Color>&
     if (group >= 0) emission[i] = scene.patches[i].emission * settings[group];
   }
   return emission;
-}
-
-std::vector<Color> lit_irradiance(const EnergyField& energy, std::size_t patches, const std::vector<Color>& settings) {
-  std::vector<Color> irradiance(patches, Color(0.0f));
-  for (std::size_t g = 0; g < energy.groups.size(); ++g)
-    for (std::size_t i = 0; i < patches; ++i)
-      irradiance[i] += settings[g] * (energy.groups[g].direct[i] + energy.groups[g].indirect[i]);
-  return irradiance;
 }
 
 /// A shift in [0,1)^2 for each pixel.
@@ -75,9 +53,9 @@ Integrator::Integrator(const PatchSet& scene, const EnergyField& energy, const J
       config_(job.trace),
       ray_scene_(scene),
       lookup_(scene),
-      settings_(light_settings(scene, job)),
+      settings_(light_settings(job, scene)),
       emission_(lit_emission(scene, settings_)),
-      irradiance_(lit_irradiance(energy, scene.patches.size(), settings_)),
+      irradiance_(irradiance(energy, settings_, scene.patches.size())),
       irradiance_lookup_(scene, lookup_, irradiance_),
       shaders_([&scene] { return compile_shaders(scene); }) {}
 

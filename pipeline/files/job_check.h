@@ -1,4 +1,6 @@
 #pragma once
+#include <vector>
+
 #include "pipeline/files/job.h"
 #include "pipeline/model/patch_set.h"
 
@@ -6,6 +8,10 @@ namespace patchlight {
 
 /// Throws: Error (bad_config) for settings of `solve` that no solver can follow yet.
 void check_available(const SolveConfig& solve);
+
+/// What the job's lights multiply each group of the scene by. Shape: [light groups].
+/// Throws: Error (bad_config) for a light group that the scene does not have.
+std::vector<Color> light_settings(const Job& job, const PatchSet& scene);
 
 /// Throws: Error (bad_config) for a light group or camera that the scene does not have.
 void check_names(const Job& job, const PatchSet& scene);

@@ -5,6 +5,14 @@
 
 namespace patchlight {
 
+std::vector<Color> irradiance(const EnergyField& energy, const std::vector<Color>& settings, std::size_t patches) {
+  std::vector<Color> sum(patches, Color(0.0f));
+  for (std::size_t g = 0; g < energy.groups.size(); ++g)
+    for (std::size_t i = 0; i < patches; ++i)
+      sum[i] += settings[g] * (energy.groups[g].direct[i] + energy.groups[g].indirect[i]);
+  return sum;
+}
+
 std::vector<Color> radiosity(const PatchSet& scene, const EnergyField& energy) {
   std::vector<Color> result(scene.patches.size());
   for (std::size_t i = 0; i < result.size(); ++i) {

@@ -26,6 +26,9 @@ struct EnergyField {
   double residual = 0.0;  ///< Area-weighted L2 norm of what is left of the linear system over that of its source term.
 };
 
+/// Irradiance of all groups, direct and indirect, each multiplied by its setting, W/m2. Shape: [patches].
+std::vector<Color> irradiance(const EnergyField& energy, const std::vector<Color>& settings, std::size_t patches);
+
 /// Radiosity B = E + rho * (all groups' direct + indirect irradiance), W/m2. Shape: [patches].
 std::vector<Color> radiosity(const PatchSet& scene, const EnergyField& energy);
 
