@@ -37,9 +37,15 @@ EnergyField read_fields(const H5Reader& reader, const std::vector<std::string>& 
   energy.rays = reader.integer("rays");
   energy.seconds = reader.real("seconds");
   energy.residual = reader.real("residual");
-  for (const auto& name : groups)
-    energy.groups.push_back({name, read_colors(reader, "/groups/" + name + "/direct", rows),
-                             read_colors(reader, "/groups/" + name + "/indirect", rows)});
+  for (const auto& name : groups) {
+    const std::string folder = "/groups/" + name + "/";
+    auto& group = energy.groups.emplace_back();
+    group.name = name;
+    group.direct = read_colors(reader, folder + "direct", rows);
+    group.indirect = read_colors(reader, folder + "indirect", rows);
+    if (reader.has(folder + "direct_by_rows"))
+      group.direct_by_rows = read_colors(reader, folder + "direct_by_rows", rows);
+  }
   return energy;
 }
 
@@ -51,6 +57,8 @@ void write_energy(const std::filesystem::path& file, const PatchSet& scene, cons
   for (const auto& group : energy.groups) {
     write_colors(writer, "/groups/" + group.name + "/direct", group.direct);
     write_colors(writer, "/groups/" + group.name + "/indirect", group.indirect);
+    if (!group.direct_by_rows.empty())
+      write_colors(writer, "/groups/" + group.name + "/direct_by_rows", group.direct_by_rows);
   }
   writer.attribute("format", kEnergyFormat);
   writer.attribute("version", std::int64_t(kEnergyVersion));

@@ -13,6 +13,8 @@ struct EnergyField {
     std::string name;
     std::vector<Color> direct;    ///< [n] W/m2, straight from the group's emitters.
     std::vector<Color> indirect;  ///< [n] W/m2, after at least one reflection.
+    /// [n] W/m2, the part of `direct` whose emitters no one samples apart (see DirectLight); empty: none.
+    std::vector<Color> direct_by_rows{};
   };
 
   std::vector<Group> groups;  ///< In the order of PatchSet::light_groups.
