@@ -1,12 +1,39 @@
 #include "pipeline/files/energy_file.h"
+#include "pipeline/files/key.h"
 #include "pipeline/files/patch_file.h"
+#include "pipeline/files/transport_file.h"
+#include "pipeline/model/error.h"
 #include "pipeline/stage/stage.h"
 #include "solver/solve.h"
 
+namespace {
+
+using namespace patchlight;
+
+/// What an earlier solve left, if it is whole and of this scene.
+Transport read_kept(const Job& job, const PatchSet& scene, Progress& progress) {
+  std::error_code fault;
+  if (job.solve.method != "matrix" || !std::filesystem::exists(job.transport_file(), fault)) return {};
+  try {
+    if (read_transport_key(job.transport_file()) != transport_key(scene.geometry_key, job.solve)) return {};
+    Transport kept = read_transport(job.transport_file());
+    if (kept.rows() == std::int64_t(scene.patches.size())) return kept;
+    progress.warning("casts all rays anew: " + job.transport_file().string() + " is of another number of patches");
+    return {};
+  } catch (const Error& error) {
+    progress.warning(std::string("casts all rays anew: ") + error.what());
+    return {};
+  }
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
-  using namespace patchlight;
   return run_stage("solve", argc, argv, [](const Job& job, Progress& progress) {
     const PatchSet scene = read_patches(job.patch_file());
-    write_energy(job.energy_file(), scene, solve(scene, job.solve, progress));
+    Transport transport = read_kept(job, scene, progress);
+    const EnergyField energy = solve(scene, job.solve, transport, progress);
+    if (transport.changed) write_transport(job.transport_file(), transport);
+    write_energy(job.energy_file(), scene, energy);
   });
 }

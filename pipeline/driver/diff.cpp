@@ -10,6 +10,7 @@
 #include "pipeline/files/h5_store.h"
 #include "pipeline/files/image_file.h"
 #include "pipeline/files/patch_file.h"
+#include "pipeline/files/transport_file.h"
 #include "pipeline/model/error.h"
 
 namespace patchlight {
@@ -23,7 +24,8 @@ Columns h5_columns(const std::string& file, const char* format, int version) {
   const H5Reader reader(file, format, version);
   Columns columns;
   for (const auto& name : reader.datasets())
-    if (!name.starts_with("/sources/")) columns[name] = reader.values(name);  // where a scene came from is not in it
+    // Where a scene came from is not in it, nor what a solution believes of itself.
+    if (!name.starts_with("/sources/") && name != "/deviation") columns[name] = reader.values(name);
   return columns;
 }
 
@@ -36,6 +38,7 @@ Columns frame_columns(const std::string& file) {
 
 Columns read_columns(const std::string& file, FileKind kind) {
   if (kind == FileKind::patches) return h5_columns(file, kPatchFormat, kPatchVersion);
+  if (kind == FileKind::transport) return h5_columns(file, kTransportFormat, kTransportVersion);
   if (kind == FileKind::energy) return h5_columns(file, kEnergyFormat, kEnergyVersion);
   return frame_columns(file);
 }
@@ -92,7 +95,7 @@ int compare_files(const DiffCommand& command) {
   const FileKind kind = kind_of(command.a);
   if (kind == FileKind::scene || kind != kind_of(command.b))
     throw Error(ExitCode::bad_data, "not two files of one kind that Patchlight writes", command.a + ", " + command.b,
-                "name two patches.h5, two energy.h5 or two EXR frames");
+                "name two patches.h5, two transport.h5, two energy.h5 or two EXR frames");
   const Columns a = read_columns(command.a, kind), b = read_columns(command.b, kind);
   bool same = true;
   for (const auto& [name, values] : a) {

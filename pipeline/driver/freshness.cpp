@@ -7,6 +7,7 @@
 #include "pipeline/files/image_file.h"
 #include "pipeline/files/key.h"
 #include "pipeline/files/patch_file.h"
+#include "pipeline/files/transport_file.h"
 #include "pipeline/model/error.h"
 
 namespace patchlight {
@@ -56,6 +57,11 @@ Freshness energy_freshness(const Job& job, const PatchSet& scene) {
   if (!state.fresh) return state;
   if (energy.patches_key != scene.key) return {false, false, "the patches have changed"};
   if (energy.key != energy_key(scene.key, job.solve)) return {false, false, "settings of `solve` have changed"};
+  if (job.solve.method != "matrix" || scene.light_groups.empty()) return state;
+  std::string transport;
+  state = try_reading(job.transport_file(), [&] { transport = read_transport_key(job.transport_file()); });
+  if (state.fresh && transport != transport_key(scene.geometry_key, job.solve))
+    return {false, false, "transport.h5 belongs to other geometry or settings"};
   return state;
 }
 

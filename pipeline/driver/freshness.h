@@ -16,7 +16,7 @@ struct Freshness {
 /// Of patches.h5. Reads it into `scene` if it is whole.
 Freshness patches_freshness(const Job& job, PatchSet& scene);
 
-/// Of energy.h5, for the patches in `scene`.
+/// Of energy.h5, and transport.h5 where the method keeps one, for the patches in `scene`.
 Freshness energy_freshness(const Job& job, const PatchSet& scene);
 
 /// Of all frames of the job, from a solution that is fresh.

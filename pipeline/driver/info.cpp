@@ -10,6 +10,7 @@
 #include "pipeline/files/file_kind.h"
 #include "pipeline/files/image_file.h"
 #include "pipeline/files/patch_file.h"
+#include "pipeline/files/transport_file.h"
 
 namespace patchlight {
 
@@ -32,6 +33,9 @@ int show_info(const InfoCommand& command) {
   switch (kind_of(command.file)) {
     case FileKind::patches:
       fmt::print("{}", describe(read_patches(command.file)));
+      break;
+    case FileKind::transport:
+      fmt::print("{}", describe(read_transport(command.file)));
       break;
     case FileKind::energy:
       fmt::print("{}", describe(read_energy(command.file)));

@@ -95,10 +95,23 @@ std::string describe(const PatchSet& scene) {
   return text;
 }
 
+std::string describe(const Transport& transport) {
+  const auto n = double(std::max<std::int64_t>(transport.rows(), 1));
+  std::string text =
+      fmt::format("rows        {}, {:.4g} form factors each\n", transport.rows(), double(transport.ends.size()) / n);
+  if (!transport.mirrored.empty())
+    text += fmt::format("by mirrors  {:.4g} each\n", double(transport.mirrored.size()) / n);
+  text += fmt::format("emitters    {} sampled apart\n", transport.emitters.size());
+  return text;
+}
+
 std::string describe(const EnergyField& energy) {
   std::string text = fmt::format("method      {} over {}\n", energy.method, energy.form_factors);
-  text += fmt::format("solve       {} shots, {} rays, residual {:.3g}, {:.2f} s\n", energy.iterations, energy.rays,
-                      energy.residual, energy.seconds);
+  text += fmt::format("solve       {} {}, {} rays, residual {:.3g}, {:.2f} s\n", energy.iterations,
+                      energy.method == "matrix" ? "iterations" : "shots", energy.rays, energy.residual, energy.seconds);
+  if (const auto& e = energy.estimate)
+    text +=
+        fmt::format("error       {:.2g}%, below {:.2g}% in 19 of 20 solves\n", 100 * e->error, 100 * e->error_bound);
   text += "light groups (largest irradiance, W/m2)\n";
   for (const auto& group : energy.groups) {
     float direct = 0, indirect = 0;

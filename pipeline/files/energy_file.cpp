@@ -37,6 +37,9 @@ EnergyField read_fields(const H5Reader& reader, const std::vector<std::string>& 
   energy.rays = reader.integer("rays");
   energy.seconds = reader.real("seconds");
   energy.residual = reader.real("residual");
+  if (reader.has("/deviation"))
+    energy.estimate = {reader.real("error"), reader.real("error_bound"), reader.real("balance"),
+                       reader.real("reciprocity"), read_colors(reader, "/deviation", rows)};
   for (const auto& name : groups) {
     const std::string folder = "/groups/" + name + "/";
     auto& group = energy.groups.emplace_back();
@@ -70,6 +73,13 @@ void write_energy(const std::filesystem::path& file, const PatchSet& scene, cons
   writer.attribute("rays", energy.rays);
   writer.attribute("seconds", energy.seconds);
   writer.attribute("residual", energy.residual);
+  if (energy.estimate) {
+    write_colors(writer, "/deviation", energy.estimate->deviation);
+    writer.attribute("error", energy.estimate->error);
+    writer.attribute("error_bound", energy.estimate->error_bound);
+    writer.attribute("balance", energy.estimate->balance);
+    writer.attribute("reciprocity", energy.estimate->reciprocity);
+  }
   writer.commit();
 }
 

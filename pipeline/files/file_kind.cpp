@@ -6,6 +6,7 @@
 #include "pipeline/files/energy_file.h"
 #include "pipeline/files/h5_store.h"
 #include "pipeline/files/patch_file.h"
+#include "pipeline/files/transport_file.h"
 #include "pipeline/model/error.h"
 
 namespace patchlight {
@@ -19,6 +20,7 @@ FileKind kind_of(const std::filesystem::path& file) {
   if (magic != std::array<unsigned char, 4>{0x89, 'H', 'D', 'F'}) return FileKind::scene;
   const std::string format = h5_format(file);
   if (format == kPatchFormat) return FileKind::patches;
+  if (format == kTransportFormat) return FileKind::transport;
   if (format == kEnergyFormat) return FileKind::energy;
   throw Error(ExitCode::bad_data, "an HDF5 file of another kind", file.string(), "name a file that Patchlight wrote");
 }

@@ -26,7 +26,7 @@ struct ImportConfig {
 };
 
 struct SolveConfig {
-  std::string method = "progressive";
+  std::string method = "matrix";
   std::string form_factors = "rays";
   int rays = 256;
   bool display = false;
@@ -87,6 +87,7 @@ struct Job {
   BenchConfig bench;
 
   std::filesystem::path patch_file() const { return output / "patches.h5"; }
+  std::filesystem::path transport_file() const { return output / "transport.h5"; }
   std::filesystem::path energy_file() const { return output / "energy.h5"; }
   std::filesystem::path frame_folder() const { return output / "frames"; }
 };

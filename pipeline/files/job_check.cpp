@@ -13,7 +13,6 @@ void check_available(const SolveConfig& solve) {
   const auto refuse = [](const std::string& value, const std::string& key, const std::string& mend) {
     throw Error(ExitCode::bad_config, "`" + value + "` is not available yet", key, mend);
   };
-  if (solve.method != "progressive") refuse(solve.method, "solve.method", "use `progressive`");
   if (solve.display) refuse("true", "solve.display", "use `false`");
 }
 

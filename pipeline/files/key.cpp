@@ -18,7 +18,8 @@ namespace {
 
 // Raised whenever a stage computes something else from the same inputs.
 constexpr int kImportVersion = 1;
-constexpr int kSolveVersion = 2;
+constexpr int kTransportKeyVersion = 1;
+constexpr int kSolveVersion = 3;
 constexpr int kTraceVersion = 2;
 
 XXH3_state_t* state_of(void* state) {
@@ -105,6 +106,18 @@ std::string import_inputs_key(const std::vector<SourceFile>& sources, const Job&
   return hasher.hex();
 }
 
+std::string transport_key(const std::string& geometry_key, const SolveConfig& solve) {
+  return KeyHasher()
+      .add("transport")
+      .add(kTransportKeyVersion)
+      .add(geometry_key)
+      .add(solve.form_factors)
+      .add(solve.form_factors == "hemicube" ? solve.hemicube_resolution : 0)
+      .add(solve.rays)
+      .add(solve.seed)
+      .hex();
+}
+
 std::string energy_key(const std::string& patches_key, const SolveConfig& solve) {
   return KeyHasher()
       .add("solve")
@@ -112,9 +125,10 @@ std::string energy_key(const std::string& patches_key, const SolveConfig& solve)
       .add(patches_key)
       .add(solve.method)
       .add(solve.form_factors)
-      .add(solve.form_factors == "hemicube" ? solve.hemicube_resolution : solve.rays)
+      .add(solve.form_factors == "hemicube" ? solve.hemicube_resolution : 0)
+      .add(solve.form_factors == "hemicube" && solve.method == "progressive" ? 0 : solve.rays)
       .add(solve.tolerance)
-      .add(solve.max_shots)
+      .add(solve.method == "progressive" ? solve.max_shots : 0)
       .add(solve.seed)
       .hex();
 }

@@ -37,6 +37,9 @@ std::string hash_file(const std::filesystem::path& file, std::uintmax_t size = U
 /// Key of what an import reads: the source files' content and the settings that can change patches.h5.
 std::string import_inputs_key(const std::vector<SourceFile>& sources, const Job& job);
 
+/// Key of transport.h5 for a patch file's geometry_key and the settings that form factors depend on.
+std::string transport_key(const std::string& geometry_key, const SolveConfig& solve);
+
 /// Key of energy.h5 for a patch file's key and the settings of solving.
 std::string energy_key(const std::string& patches_key, const SolveConfig& solve);
 

@@ -192,12 +192,17 @@ void write_patches(const std::filesystem::path& file, PatchSet& scene) {
   write_shader_datasets(writer, scene);
 
   scene.key = writer.key_of({"/patches/", "/primitives/type", "/primitives/corners", "/primitives/sphere",
-                             "/primitives/back", "/primitives/light_group", "/light_groups/"});
-  scene.frames_key = writer.key_of({"/primitives/smooth_vertices", "/primitives/material", "/materials/specular",
-                                    "/materials/roughness", "/shaders/", "/primitives/shader", "/primitives/texcoord"});
+                             "/primitives/back", "/primitives/light_group", "/light_groups/", "/primitives/material",
+                             "/materials/specular", "/materials/roughness"});
+  scene.geometry_key = writer.key_of({"/patches/center", "/patches/primitive", "/patches/uv", "/primitives/type",
+                                      "/primitives/corners", "/primitives/sphere", "/primitives/back",
+                                      "/primitives/material", "/materials/specular", "/materials/roughness"});
+  scene.frames_key =
+      writer.key_of({"/primitives/smooth_vertices", "/shaders/", "/primitives/shader", "/primitives/texcoord"});
   writer.attribute("format", kPatchFormat);
   writer.attribute("version", std::int64_t(kPatchVersion));
   writer.attribute("key", scene.key);
+  writer.attribute("geometry_key", scene.geometry_key);
   writer.attribute("frames_key", scene.frames_key);
   writer.attribute("inputs_key", scene.inputs_key);
   writer.commit();
@@ -207,6 +212,7 @@ PatchSet read_patches(const std::filesystem::path& file) {
   const H5Reader reader(file, kPatchFormat, kPatchVersion);
   PatchSet scene;
   scene.key = reader.text("key");
+  scene.geometry_key = reader.text("geometry_key");
   scene.frames_key = reader.text("frames_key");
   scene.inputs_key = reader.text("inputs_key");
   read_patch_rows(reader, scene.patches);

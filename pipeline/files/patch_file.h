@@ -7,7 +7,7 @@
 namespace patchlight {
 
 constexpr const char* kPatchFormat = "patchlight-patches";
-constexpr int kPatchVersion = 1;
+constexpr int kPatchVersion = 2;
 
 /// Writes patches.h5 and sets `key` and `frames_key` in `scene`.
 /// Throws: Error (cannot_create, io_error).

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,15 @@ struct EnergyField {
     std::vector<Color> direct_by_rows{};
   };
 
+  /// What a solve says of its own error.
+  struct Estimate {
+    double error = 0.0;        ///< Expected radiosity_error() against the true solution on the same patches.
+    double error_bound = 0.0;  ///< What it stays below in 19 of 20 solves.
+    double balance = 0.0;      ///< Emitted power that is neither absorbed by patches nor escaped, over emitted power.
+    double reciprocity = 0.0;  ///< Area-weighted relative L2 of column sums, A_i F_ij summed over i, against A_j.
+    std::vector<Color> deviation;  ///< [n] W/m2, standard error of the radiosity. Rough: two halves tell it.
+  };
+
   std::vector<Group> groups;  ///< In the order of PatchSet::light_groups.
   std::string key;
   std::string patches_key;  ///< Key of the patch file that was solved.
@@ -26,6 +36,7 @@ struct EnergyField {
   std::int64_t rays = 0;  ///< Cast by this solve.
   double seconds = 0.0;   ///< Wall time of the solve.
   double residual = 0.0;  ///< Area-weighted L2 norm of what is left of the linear system over that of its source term.
+  std::optional<Estimate> estimate;
 };
 
 /// Irradiance of all groups, direct and indirect, each multiplied by its setting, W/m2. Shape: [patches].

@@ -74,9 +74,10 @@ struct PatchSet {
   std::vector<Shader> shaders;
   std::vector<Texcoords> texcoords;  ///< By primitive; empty where every shader sees the primitive's own (u,v).
 
-  std::string inputs_key;  ///< Scene files and import settings that this was made from.
-  std::string key;         ///< What solving reads. Set by the file layer.
-  std::string frames_key;  ///< What only frames read, cameras apart. Set by the file layer.
+  std::string inputs_key;    ///< Scene files and import settings that this was made from.
+  std::string key;           ///< What solving reads. Set by the file layer.
+  std::string geometry_key;  ///< What form factors depend on: shapes and mirrors. Set by the file layer.
+  std::string frames_key;    ///< What only frames read, cameras apart. Set by the file layer.
 };
 
 }  // namespace patchlight

@@ -23,4 +23,17 @@ inline Vec2f kronecker2(std::uint64_t k, std::uint64_t shift) {
   return {to_unit(shift + k * 0xc13fa9a902a6328f), to_unit(scramble(shift) + k * 0x91e10da5c79e7b1d)};
 }
 
+/// The bits of k in the opposite order, as a number in [0,1): van der Corput's sequence.
+inline float radical_inverse(std::uint32_t k) {
+  std::uint32_t reversed = 0;
+  for (int bit = 0; bit < 32; ++bit) reversed |= (k >> bit & 1u) << (31 - bit);
+  return float(reversed >> 8) * 0x1p-24f;
+}
+
+/// x + shift in [0,1), for both in it.
+inline float shifted(float x, float shift) {
+  const float sum = x + shift;
+  return sum - float(sum >= 1.0f);
+}
+
 }  // namespace patchlight

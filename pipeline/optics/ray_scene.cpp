@@ -45,6 +45,21 @@ void RayPacket::clear() {
   valid.fill(0);
 }
 
+void RayPacket::start() {
+  auto& r = rays.ray;
+  for (int lane = 0; lane < kSize; ++lane) {
+    r.tnear[lane] = 0.0f;
+    r.tfar[lane] = std::numeric_limits<float>::infinity();
+    r.time[lane] = 0.0f;
+    r.mask[lane] = ~0u;
+    r.id[lane] = 0;
+    r.flags[lane] = 0;
+    rays.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
+    rays.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
+    valid[lane] = -1;
+  }
+}
+
 void RayPacket::set(int lane, const Vec3f& origin, const Vec3f& direction, float t_near) {
   auto& r = rays.ray;
   r.org_x[lane] = origin.x;
@@ -62,6 +77,11 @@ void RayPacket::set(int lane, const Vec3f& origin, const Vec3f& direction, float
   rays.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
   rays.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
   valid[lane] = -1;
+}
+
+void RayPacket::set_shadow(int lane, const Vec3f& origin, const Vec3f& direction, float distance) {
+  set(lane, origin, direction);
+  rays.ray.tfar[lane] = distance;
 }
 
 RayScene::RayScene(const PatchSet& scene) {
@@ -145,6 +165,16 @@ void RayScene::intersect(RayPacket& packet, bool coherent) const {
   rtcInitIntersectContext(&context);
   context.flags = coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
   rtcIntersect16(packet.valid.data(), scene_, &context, &packet.rays);
+}
+
+std::uint32_t RayScene::occluded(RayPacket& packet) const {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcOccluded16(packet.valid.data(), scene_, &context, &packet.rays.ray);
+  std::uint32_t blocked = 0;
+  for (int lane = 0; lane < RayPacket::kSize; ++lane)
+    blocked |= std::uint32_t(packet.valid[lane] != 0 && packet.rays.ray.tfar[lane] < 0) << lane;
+  return blocked;
 }
 
 SurfaceHit RayScene::hit(const RayPacket& packet, int lane) const {

@@ -17,10 +17,14 @@ struct alignas(64) RayPacket {
   RTCRayHit16 rays;
   alignas(64) std::array<int, kSize> valid{};  ///< -1: cast this lane; 0: leave it out.
 
+  /// Sets all lanes to go on for ever, from an origin and along a direction that the caller fills in.
+  void start();
   /// Starts all lanes empty.
   void clear();
   /// Sets a lane to go from `origin` along `direction` (any length), from `t_near` on.
   void set(int lane, const Vec3f& origin, const Vec3f& direction, float t_near = 0.0f);
+  /// Sets a lane to ask occluded() whether anything stands within `distance` along `direction`.
+  void set_shadow(int lane, const Vec3f& origin, const Vec3f& direction, float distance);
   Vec3f origin(int lane) const { return {rays.ray.org_x[lane], rays.ray.org_y[lane], rays.ray.org_z[lane]}; }
   Vec3f direction(int lane) const { return {rays.ray.dir_x[lane], rays.ray.dir_y[lane], rays.ray.dir_z[lane]}; }
 };
@@ -50,6 +54,9 @@ class RayScene {
   float offset(std::int32_t i) const { return offsets_[i]; }
 
   void intersect(RayPacket& packet, bool coherent) const;
+
+  /// The lanes in whose way something stands, as bits.
+  std::uint32_t occluded(RayPacket& packet) const;
 
   SurfaceHit hit(const RayPacket& packet, int lane) const;
 

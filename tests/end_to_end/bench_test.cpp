@@ -98,7 +98,8 @@ TEST_F(Bench, FindsTheClosedFormOfAFurnace) {
   const std::string scene = std::string(PATCHLIGHT_SCENES) + "/blender/furnace_r050.glb";
   if (!std::filesystem::exists(scene)) GTEST_SKIP() << "no scene at " << scene;
   folder_.write("furnace.yaml", "scene: " + scene + "\noutput: out\ntrace: {resolution: [32, 32]}\n" +
-                                    "bench: {sweep: [{solve.rays: [16, 256]}], reference: {radiance: [2, 1, 0.5]}}\n");
+                                    "bench: {sweep: [{solve.method: [progressive], solve.rays: [16, 256]}], reference: "
+                                    "{radiance: [2, 1, 0.5]}}\n");
   const Outcome outcome = test::run_program(folder_, "patchlight", {"bench", "furnace.yaml"});
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   const json rows = report()["variants"];

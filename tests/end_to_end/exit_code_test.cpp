@@ -157,7 +157,6 @@ TEST_F(ExitCode, Is78ForABadJob) {
   const auto solve = [&](const char* set) {
     return run_program(folder_, "patchlight-solve", {"job.yaml", "--set", set});
   };
-  expect(78, solve("solve.method=matrix"), "not available");
   expect(78, solve("solve.display=true"), "not available");
   ASSERT_EQ(solve("solve.rays=16").code, 0);
   const auto trace = [&](const char* set) {

@@ -106,8 +106,8 @@ TEST_F(Rerun, RebuildsADamagedFileWithAWarning) {
 }
 
 TEST_F(Rerun, RefusesWhatAFreshRunWouldRefuse) {
-  for (const char* set : {"trace.cameras=[nobody]", "lights.nobody.scale=1", "trace.view=Sepia", "solve.method=matrix",
-                          "solve.display=true"}) {
+  for (const char* set :
+       {"trace.cameras=[nobody]", "lights.nobody.scale=1", "trace.view=Sepia", "solve.display=true"}) {
     const Outcome outcome = run({"--set", set});
     EXPECT_EQ(outcome.code, 78) << set << outcome.err;
     EXPECT_THAT(outcome.err, HasSubstr("error: ")) << set;
@@ -202,7 +202,8 @@ TEST_F(Rerun, InfoShowsWhatIsInEveryKindOfFile) {
   const auto info = [&](const std::string& file) { return run_program(folder_, "patchlight", {"info", file}).out; };
   EXPECT_THAT(info("box.glb"), HasSubstr("lights.ceiling"));
   EXPECT_THAT(info("out/patches.h5"), HasSubstr("lights.ceiling"));
-  EXPECT_THAT(info("out/energy.h5"), HasSubstr("progressive over rays"));
+  EXPECT_THAT(info("out/energy.h5"), HasSubstr("matrix over rays"));
+  EXPECT_THAT(info("out/transport.h5"), HasSubstr("1 sampled apart"));
   EXPECT_THAT(info("out/frames/camera.0001.exr"), HasSubstr("32 x 32"));
 }
 

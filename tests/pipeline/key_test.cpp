@@ -25,7 +25,23 @@ TEST(Key, DependsOnWhatCanChangeTheSolution) {
   EXPECT_NE(energy_key("k", hemicube), energy_key("k", coarse));
   coarse = hemicube;
   coarse.rays = 512;
+  EXPECT_NE(energy_key("k", hemicube), energy_key("k", coarse));  // they see the emitters
+  hemicube.method = coarse.method = "progressive";
   EXPECT_EQ(energy_key("k", hemicube), energy_key("k", coarse));
+}
+
+TEST(Key, OfATransportDependsOnWhatRowsAreMadeFrom) {
+  const SolveConfig usual;
+  SolveConfig other = usual;
+  other.tolerance = 0.5;
+  other.hemicube_resolution = 64;
+  EXPECT_EQ(transport_key("g", usual), transport_key("g", other));
+  EXPECT_NE(transport_key("g", usual), transport_key("h", usual));
+  other.form_factors = "hemicube";
+  EXPECT_NE(transport_key("g", usual), transport_key("g", other));
+  other = usual;
+  other.seed = 2;
+  EXPECT_NE(transport_key("g", usual), transport_key("g", other));
 }
 
 TEST(Key, OfAnImportIgnoresWhereTheSceneStands) {

@@ -52,19 +52,24 @@ TEST(PatchFile, ReadsBackWhatWasWritten) {
   EXPECT_EQ(read.inputs_key, "inputs");
 }
 
-TEST(PatchFile, KeepsItsKeyWhenOnlyWhatFramesReadChanges) {
+TEST(PatchFile, KeepsTheKeysOfWhatDidNotChange) {
   const TemporaryFolder folder;
-  PatchSet scene = sample(), moved = sample(), repainted = sample(), polished = sample();
+  PatchSet scene = sample(), moved = sample(), repainted = sample(), polished = sample(), smoothed = sample();
   moved.cameras[0].to_world.translate(Vec3d(0, 1, 0));
   repainted.patches[0].reflectance = Color(0.1f);
   polished.materials[0].roughness = 0.01f;
+  smoothed.primitives[0].smooth_vertices[0] = 7;
   write_patches(folder / "a.h5", scene);
   write_patches(folder / "b.h5", moved);
   write_patches(folder / "c.h5", repainted);
   write_patches(folder / "d.h5", polished);
+  write_patches(folder / "e.h5", smoothed);
   EXPECT_EQ(scene.key, moved.key);
-  EXPECT_EQ(scene.key, polished.key);
-  EXPECT_NE(scene.frames_key, polished.frames_key);
+  EXPECT_EQ(scene.key, smoothed.key);
+  EXPECT_NE(scene.frames_key, smoothed.frames_key);
+  EXPECT_NE(scene.key, polished.key);
+  EXPECT_NE(scene.geometry_key, polished.geometry_key);  // its mirrors send light elsewhere
+  EXPECT_EQ(scene.geometry_key, repainted.geometry_key);
   EXPECT_NE(scene.key, repainted.key);
   EXPECT_EQ(scene.frames_key, repainted.frames_key);
 }

@@ -1,0 +1,21 @@
+#pragma once
+#include <filesystem>
+
+#include "pipeline/model/transport.h"
+
+namespace patchlight {
+
+constexpr const char* kTransportFormat = "patchlight-transport";
+constexpr int kTransportVersion = 1;
+
+/// Writes transport.h5. Throws: Error (cannot_create, io_error).
+void write_transport(const std::filesystem::path& file, const Transport& transport);
+
+/// Reads transport.h5 and checks that all in it is within the bounds of its own number of patches.
+/// Throws: Error (missing_input, bad_data).
+Transport read_transport(const std::filesystem::path& file);
+
+/// Key of a transport.h5, the file's hash checked. Throws: Error (missing_input, bad_data).
+std::string read_transport_key(const std::filesystem::path& file);
+
+}  // namespace patchlight

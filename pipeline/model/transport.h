@@ -1,0 +1,42 @@
+#pragma once
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "pipeline/model/math.h"
+
+namespace patchlight {
+
+/// The content of transport.h5: who sees whom. It depends on geometry and mirrors alone, so that other colours and
+/// other lamps need no ray.
+///
+/// Every row of form factors is the mean of two independent halves: their difference tells how good it is.
+struct Transport {
+  /// Light that reaches a row's patch from `patch` by way of mirrors. A row's sum of these is of its whole.
+  struct Mirrored {
+    std::int32_t row = 0;
+    std::int32_t half = 0;  ///< 0 or 1.
+    std::int32_t patch = 0;
+    Color weight{0.0f};  ///< Form factor of this one, times what the mirrors reflect.
+  };
+
+  /// Form factors to an emitter that is sampled apart from the rows.
+  struct Emitter {
+    std::int32_t first_patch = 0;
+    std::int32_t patches = 0;    ///< They emit equally.
+    std::vector<float> factors;  ///< [2 * n]: of both halves of each row.
+  };
+
+  std::vector<std::uint64_t> starts;  ///< [2 n + 1]: where each row's halves begin in `ends`.
+  std::vector<std::int32_t> ends;     ///< The patch that a row sees; n: none, or an unlit back.
+  std::vector<float> weights;         ///< Form factor of each of `ends` within its half; empty: all of a half equal.
+  std::vector<Mirrored> mirrored;     ///< By growing row, and half.
+  std::vector<Emitter> emitters;      ///< By growing first patch.
+  std::string key;
+  bool changed = false;  ///< Since it was read from a file.
+
+  std::int64_t rows() const { return starts.empty() ? 0 : std::int64_t(starts.size() / 2); }
+};
+
+}  // namespace patchlight

@@ -1,0 +1,59 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "pipeline/model/patch_set.h"
+#include "pipeline/optics/ray_scene.h"
+
+namespace patchlight {
+
+/// A surface whose light is sampled apart from everything else: a primitive that emits alike all over, or a patch.
+struct Emitter {
+  std::int32_t primitive = 0;
+  std::int32_t first_patch = 0;
+  std::int32_t patches = 0;
+  double area = 0.0;  ///< m2.
+};
+
+/// The emitters of a scene that are worth sampling one by one: planes and spheres lit outside, each whole where it
+/// emits alike all over, planes patch by patch where not; the largest primitives first, as long as they make 64 at
+/// most. By growing first patch. The rest is found by chance, as anything else is.
+std::vector<Emitter> emitters_apart(const PatchSet& scene);
+
+/// The light of one emitter at a point: how much of it would arrive if nothing stood between, and where to look.
+class DirectLight {
+ public:
+  /// A direction to a point of the emitter.
+  struct Sample {
+    Vec3f direction;        ///< Unit length.
+    float distance = 0.0f;  ///< To just short of the emitter, m.
+    float weight = 0.0f;    ///< Its mean over the unit square is the form factor; 0: below a horizon.
+  };
+
+  DirectLight(const PatchSet& scene, const RayScene& ray_scene, const Emitter& emitter);
+
+  /// Form factor from a surface element to the whole emitter if nothing hides it, cut at the element's horizon.
+  /// Polygons: Lambert's formula (Baum, Rushmeier and Winget 1989, eq. 5); spheres: Snyder 1996.
+  double form_factor(const Vec3d& point, const Vec3f& normal) const;
+
+  /// A point of the emitter for (x,y) of the unit square: uniform in solid angle, or in area where that is the same.
+  Sample sample(const Vec3d& point, const Vec3f& normal, float x, float y) const;
+
+ private:
+  double polygon_form_factor(const Vec3d& point, const Vec3d& normal) const;
+  double sphere_form_factor(const Vec3d& point, const Vec3d& normal) const;
+  Sample sample_polygon(const Vec3d& point, const Vec3d& normal, double x, double y) const;
+  Sample sample_sphere(const Vec3d& point, const Vec3d& normal, double x, double y) const;
+
+  bool sphere_;
+  double gap_;                    ///< How far from the emitter a ray must end so as not to meet it, m.
+  Vec3d center_;                  ///< Of the sphere, or the mean of the corners.
+  double radius_;                 ///< Of the sphere, or about all corners.
+  int count_ = 0;                 ///< Corners.
+  std::array<Vec3d, 4> corners_;  ///< Counter-clockwise as seen from the lit side.
+  Vec3d normal_;
+  std::array<double, 2> areas_{0, 0};  ///< Of the triangles 0 1 2 and 0 2 3.
+};
+
+}  // namespace patchlight

@@ -1,0 +1,55 @@
+#include "solver/consistency.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace patchlight {
+
+namespace {
+
+/// What each patch sees of all others: 1 in a closed scene without mirrors.
+SpectrumField seen_by(const FormFactorRows& rows, std::size_t patches) {
+  SpectrumField ones(patches + 1, Spectrum(1.0)), seen(patches);
+  ones.back() = Spectrum();
+  rows.receive(ones, seen);
+  return seen;
+}
+
+}  // namespace
+
+double reciprocity_error(const Transport& transport, const FormFactorRows& rows, const std::vector<double>& areas) {
+  const std::size_t n = areas.size();
+  std::vector<double> seen_of(n + 1);
+  for (std::size_t k = 0; k + 1 < transport.starts.size(); ++k) {
+    const std::uint64_t begin = transport.starts[k], end = transport.starts[k + 1];
+    const double share = 0.5 * areas[k / 2] / (transport.weights.empty() ? double(end - begin) : 1.0);
+    for (std::uint64_t at = begin; at < end; ++at)
+      seen_of[transport.ends[at]] += share * (transport.weights.empty() ? 1.0 : double(transport.weights[at]));
+  }
+  for (const auto& m : transport.mirrored) seen_of[m.patch] += 0.5 * areas[m.row] * Spectrum(m.weight).sum() / 3;
+  const SpectrumField seen = seen_by(rows, n);
+  double square = 0, norm = 0;
+  for (std::size_t j = 0; j < n; ++j) {
+    const double sees = areas[j] * seen[j].sum() / 3;
+    square += (seen_of[j] - sees) * (seen_of[j] - sees) / areas[j];
+    norm += sees * sees / areas[j];
+  }
+  return norm > 0 ? std::sqrt(square / norm) : 0.0;
+}
+
+double balance_error(const FormFactorRows& rows, const std::vector<double>& areas, const SpectrumField& reflectance,
+                     const SpectrumField& emission, const SpectrumField& irradiance) {
+  const SpectrumField seen = seen_by(rows, areas.size());
+  Spectrum emitted, left;
+  for (std::size_t i = 0; i < areas.size(); ++i) {
+    const Spectrum area(areas[i]), reflected = reflectance[i] * irradiance[i];
+    emitted += emission[i] * area;
+    left += ((emission[i] + reflected) * seen[i] - irradiance[i]) * area;
+  }
+  double worst = 0;
+  for (int k = 0; k < 3; ++k)
+    if (emitted.c[k] > 0) worst = std::max(worst, std::abs(left.c[k]) / emitted.c[k]);
+  return worst;
+}
+
+}  // namespace patchlight

@@ -1,0 +1,42 @@
+#pragma once
+#include "pipeline/model/transport.h"
+#include "pipeline/optics/patch_lookup.h"
+#include "pipeline/optics/ray_scene.h"
+#include "pipeline/stage/progress.h"
+#include "solver/direction_table.h"
+
+namespace patchlight {
+
+/// Rows of form factors by rays: of a patch's rays, leaving it uniformly over its area and with the density cos / pi
+/// over the hemisphere, the part that ends on patch j estimates F_ij without bias (Malley 1988). Both halves of a row
+/// are Hammersley sets, shifted at random for each patch and half (Cranley and Patterson 1976).
+///
+/// A ray that meets a metal goes on, and what it meets then counts by what the metals on its way reflect, after
+/// Russian roulette: extended form factors (Sillion and Puech 1989).
+class RayRows {
+ public:
+  RayRows(const PatchSet& scene, const RayScene& ray_scene, const PatchLookup& lookup, std::uint64_t seed);
+
+  /// Sets starts, ends and mirrored of `transport`, with `rays` a row, rounded up to a multiple of 32. The same for any
+  /// number of threads. Returns how many rays were cast, those behind mirrors included.
+  /// Throws: Error (interrupted).
+  std::int64_t cast(int rays, Transport& transport, Progress& progress) const;
+
+ private:
+  struct Half;
+
+  void start_packet(const Half& half, const DirectionTable& table, int first, RayPacket& packet) const;
+  void cast_half(const Half& half, const DirectionTable& table, std::int32_t* ends,
+                 std::vector<Transport::Mirrored>& mirrored) const;
+  void follow_mirrors(const Half& half, int first, int rays, RayPacket& packet,
+                      std::vector<Transport::Mirrored>& mirrored) const;
+
+  const PatchSet& scene_;
+  const RayScene& ray_scene_;
+  const PatchLookup& lookup_;
+  std::uint64_t seed_;
+  std::vector<char> metallic_;  ///< By primitive.
+  bool has_metals_ = false;
+};
+
+}  // namespace patchlight

@@ -1,0 +1,79 @@
+#include "solver/transport_builder.h"
+
+#include <algorithm>
+
+#include "pipeline/files/key.h"
+#include "solver/direct_factors.h"
+#include "solver/hemicube.h"
+#include "solver/ray_rows.h"
+
+namespace patchlight {
+
+namespace {
+
+/// Two hemicubes a row, one for each half.
+void draw_rows(const PatchSet& scene, const SolveConfig& config, Transport& transport, Progress& progress) {
+  HemicubeFormFactors hemicubes(scene, config.hemicube_resolution, std::uint64_t(config.seed));
+  std::vector<Shot> shots;
+  for (std::size_t k = 0; k < 2 * scene.patches.size(); ++k) shots.push_back({std::int32_t(k / 2), 0, 1 + k % 2});
+  transport.starts.push_back(0);
+  for (std::size_t done = 0; done < shots.size();) {
+    const std::span<const Shot> rest = std::span(shots).subspan(done);
+    const std::span<const Shot> batch = rest.first(hemicubes.batch(rest));
+    for (const std::span<const FormFactor> row : hemicubes.rows(batch)) {
+      for (const FormFactor& f : row) {
+        transport.ends.push_back(f.patch);
+        transport.weights.push_back(f.value);
+      }
+      transport.starts.push_back(transport.ends.size());
+    }
+    done += batch.size();
+    progress.update(double(done) / double(shots.size()), "hemicubes");
+  }
+}
+
+}  // namespace
+
+std::int64_t complete_transport(const PatchSet& scene, const SolveConfig& config, Transport& transport,
+                                Progress& progress) {
+  if (scene.light_groups.empty()) return 0;
+  const std::string key = transport_key(scene.geometry_key, config);
+  std::vector<Emitter> wanted = emitters_apart(scene);
+  std::sort(wanted.begin(), wanted.end(),
+            [](const Emitter& a, const Emitter& b) { return a.first_patch < b.first_patch; });
+  const auto kept = [&](const Emitter& emitter) {
+    return std::find_if(transport.emitters.begin(), transport.emitters.end(), [&](const Transport::Emitter& e) {
+      return e.first_patch == emitter.first_patch && e.patches == emitter.patches;
+    });
+  };
+  const bool same_rows = transport.key == key;
+  if (same_rows && wanted.size() == transport.emitters.size() &&
+      std::all_of(wanted.begin(), wanted.end(), [&](const Emitter& e) { return kept(e) != transport.emitters.end(); }))
+    return 0;
+
+  const std::uint64_t seed = std::uint64_t(config.seed);
+  const RayScene ray_scene(scene);
+  const PatchLookup lookup(scene);
+  std::int64_t cast = 0;
+  if (!same_rows) {
+    transport = {};
+    if (config.form_factors == "hemicube")
+      draw_rows(scene, config, transport, progress);
+    else
+      cast += RayRows(scene, ray_scene, lookup, seed).cast(config.rays, transport, progress);
+    transport.key = key;
+  }
+  std::vector<Transport::Emitter> emitters;
+  const DirectFactors direct(scene, ray_scene, lookup, seed);
+  for (const Emitter& emitter : wanted) {
+    const auto at = kept(emitter);
+    emitters.push_back(at != transport.emitters.end() ? std::move(*at)
+                                                      : direct.sample(emitter, wanted.size(), config.rays, cast));
+    progress.update(double(emitters.size()) / double(wanted.size()), "direct light");
+  }
+  transport.emitters = std::move(emitters);
+  transport.changed = true;
+  return cast;
+}
+
+}  // namespace patchlight
