@@ -34,7 +34,7 @@ class Estimator {
   EnergyField::Estimate operator()() const {
     EnergyField::Estimate estimate;
     const std::size_t n = areas_.size();
-    double norm = 0, local = 0, spread = 0;
+    double norm = 0, local = 0, spread = 0, bias = 0, bias_variance = 0;
     for (std::size_t i = 0; i < n; ++i) {
       const Spectrum& a = solution_.deviation[i];
       const Spectrum& b = solution_.direct_deviation[i];
@@ -44,7 +44,9 @@ class Estimator {
       norm += squared_at(i, solution_.irradiance);
       if (!counts(i)) continue;
       local += areas_[i] * square.sum();
-      spread += areas_[i] * areas_[i] * square.sum() * square.sum();
+      bias += areas_[i] * solution_.filter->bias(i).square;
+      bias_variance += areas_[i] * areas_[i] * solution_.filter->bias(i).variance;
+      spread += areas_[i] * areas_[i] * square.sum() * square.sum() * solution_.filter->correlated(i);
     }
     if (norm == 0) return estimate;
     // Half a row's square is itself as scattered as a square of a normal variate, and so is the true error's.
@@ -62,8 +64,10 @@ class Estimator {
       }
     }
     constexpr double kOneIn20 = 1.645;
+    const double uncertain = std::sqrt(square * square * relative_spread * relative_spread + bias_variance);
+    square += std::max(bias, 0.0);
     estimate.error = std::sqrt(square / norm);
-    estimate.error_bound = std::sqrt(square * (1 + kOneIn20 * relative_spread) / norm) + solution_.residual;
+    estimate.error_bound = std::sqrt((square + kOneIn20 * uncertain) / norm) + solution_.residual;
     return estimate;
   }
 

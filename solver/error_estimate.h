@@ -1,7 +1,7 @@
 #pragma once
 #include "pipeline/model/energy_field.h"
 #include "pipeline/model/patch_set.h"
-#include "solver/linear_system.h"
+#include "solver/irradiance_filter.h"
 
 namespace patchlight {
 
@@ -10,6 +10,7 @@ struct SampledSolution {
   SpectrumField irradiance;        ///< [n] W/m2, direct and indirect.
   SpectrumField deviation;         ///< [n] W/m2, of what rows receive: half the difference of their halves.
   SpectrumField direct_deviation;  ///< [n] W/m2, of emitters that are sampled apart.
+  const IrradianceFilter* filter;  ///< What went over what rows receive.
   double residual = 0.0;           ///< Of the linear system.
 };
 

@@ -86,10 +86,15 @@ void FormFactorRows::receive(const SpectrumField& radiosity, SpectrumField& irra
   });
 }
 
-void FormFactorRows::receive_mirrored(const SpectrumField& radiosity, SpectrumField& irradiance) const {
+void FormFactorRows::receive_mirrored(const SpectrumField& radiosity, SpectrumField& irradiance,
+                                      SpectrumField& deviation) const {
   std::fill(irradiance.begin(), irradiance.end(), Spectrum());
-  for (const auto& m : transport_.mirrored)
-    irradiance[m.row] += radiosity[m.patch] * Spectrum(m.weight) * Spectrum(0.5);
+  std::fill(deviation.begin(), deviation.end(), Spectrum());
+  for (const auto& m : transport_.mirrored) {
+    const Spectrum received = radiosity[m.patch] * Spectrum(m.weight) * Spectrum(0.5);
+    irradiance[m.row] += received;
+    m.half == 0 ? deviation[m.row] += received : deviation[m.row] -= received;
+  }
 }
 
 LinearSolve solve_irradiance(const FormFactorRows& rows, const SpectrumField& reflectance,

@@ -52,7 +52,7 @@ class FormFactorRows {
   void receive(const SpectrumField& radiosity, SpectrumField& irradiance, SpectrumField& deviation) const;
 
   /// What comes by mirrors alone.
-  void receive_mirrored(const SpectrumField& radiosity, SpectrumField& irradiance) const;
+  void receive_mirrored(const SpectrumField& radiosity, SpectrumField& irradiance, SpectrumField& deviation) const;
 
  private:
   Spectrum half(std::int64_t k, const SpectrumField& radiosity) const;

@@ -8,6 +8,7 @@
 #include "pipeline/model/error.h"
 #include "solver/consistency.h"
 #include "solver/error_estimate.h"
+#include "solver/irradiance_filter.h"
 #include "solver/linear_system.h"
 #include "solver/transport_builder.h"
 
@@ -35,8 +36,10 @@ struct System {
 
 /// Irradiance of one light group, and how far half the samples are from it.
 struct GroupSolution {
-  SpectrumField direct, by_rows, indirect;
-  SpectrumField direct_deviation, deviation;
+  SpectrumField apart, by_rows;  ///< Straight from emitters, sampled apart and not.
+  SpectrumField by_mirrors;      ///< From emitters by way of mirrors.
+  SpectrumField reflected;       ///< From what patches reflect.
+  SpectrumField apart_deviation, rows_deviation, reflected_deviation;
   LinearSolve linear;
 };
 
@@ -68,9 +71,29 @@ void add_emitters(const System& system, const Emission& emission, GroupSolution&
     if (exitance.sum() == 0) continue;
     for (std::size_t i = 0; i < n; ++i) {
       const double a = emitter.factors[2 * i], b = emitter.factors[2 * i + 1];
-      solution.direct[i] += exitance * Spectrum(0.5 * (a + b));
-      solution.direct_deviation[i] += exitance * Spectrum(0.5 * (a - b));
+      solution.apart[i] += exitance * Spectrum(0.5 * (a + b));
+      solution.apart_deviation[i] += exitance * Spectrum(0.5 * (a - b));
     }
+  }
+}
+
+/// Light of emitters that comes by the rows: straight, and by way of mirrors that of all.
+void add_rows(const System& system, const Emission& emission, GroupSolution& solution) {
+  const std::size_t n = system.areas.size();
+  if (!is_black(emission.others)) {
+    solution.by_rows.resize(n);
+    system.rows.receive(emission.others, solution.by_rows, solution.rows_deviation);
+  }
+  if (system.transport.mirrored.empty()) return;
+  SpectrumField by_mirrors(n), deviation(n);
+  if (!is_black(emission.others)) {
+    system.rows.receive_mirrored(emission.others, solution.by_mirrors, deviation);
+    for (std::size_t i = 0; i < n; ++i) solution.by_rows[i] -= solution.by_mirrors[i];
+  }
+  system.rows.receive_mirrored(emission.apart, by_mirrors, deviation);
+  for (std::size_t i = 0; i < n; ++i) {
+    solution.by_mirrors[i] += by_mirrors[i];
+    solution.rows_deviation[i] += deviation[i];
   }
 }
 
@@ -78,40 +101,28 @@ GroupSolution solve_group(const System& system, std::int32_t group, double toler
   const std::size_t n = system.areas.size();
   const Emission emission = emission_of(system, group);
   GroupSolution solution;
-  for (auto* field : {&solution.direct, &solution.indirect, &solution.direct_deviation, &solution.deviation})
+  for (auto* field : {&solution.apart, &solution.by_mirrors, &solution.reflected, &solution.apart_deviation,
+                      &solution.rows_deviation, &solution.reflected_deviation})
     field->resize(n);
-  SpectrumField by_mirrors(n), apart_by_mirrors(n);
   add_emitters(system, emission, solution);
-  if (!is_black(emission.others)) {
-    SpectrumField& by_rows = solution.by_rows;
-    by_rows.resize(n);
-    system.rows.receive(emission.others, by_rows);
-    system.rows.receive_mirrored(emission.others, by_mirrors);
-    for (std::size_t i = 0; i < n; ++i) {
-      by_rows[i] -= by_mirrors[i];
-      solution.direct[i] += by_rows[i];
-    }
-  }
-  if (!system.transport.mirrored.empty()) system.rows.receive_mirrored(emission.apart, apart_by_mirrors);
+  add_rows(system, emission, solution);
+  SpectrumField direct = solution.apart;
+  if (!solution.by_rows.empty())
+    for (std::size_t i = 0; i < n; ++i) direct[i] += solution.by_rows[i];
 
-  SpectrumField reflected(n + 1), source(n);
-  for (std::size_t i = 0; i < n; ++i) reflected[i] = system.reflectance[i] * solution.direct[i];
+  SpectrumField reflected(n + 1), source(n), indirect(n);
+  for (std::size_t i = 0; i < n; ++i) reflected[i] = system.reflectance[i] * direct[i];
   system.rows.receive(reflected, source);
-  for (std::size_t i = 0; i < n; ++i) source[i] += by_mirrors[i] + apart_by_mirrors[i];
+  for (std::size_t i = 0; i < n; ++i) source[i] += solution.by_mirrors[i];
   solution.linear = solve_irradiance(system.rows, system.reflectance, system.areas, source, tolerance, kMostIterations,
-                                     solution.indirect, [&](double residual) {
+                                     indirect, [&](double residual) {
                                        progress.update(std::min(0.99, std::log(residual) / std::log(tolerance)),
                                                        fmt::format("residual {:.2g}", residual));
                                      });
 
   // One more pass, whose halves tell their deviation.
-  for (std::size_t i = 0; i < n; ++i)
-    reflected[i] = system.reflectance[i] * (solution.direct[i] + solution.indirect[i]) + emission.others[i];
-  system.rows.receive(reflected, solution.indirect, solution.deviation);
-  for (std::size_t i = 0; i < n; ++i) {
-    solution.indirect[i] += apart_by_mirrors[i];
-    if (!solution.by_rows.empty()) solution.indirect[i] -= solution.by_rows[i];
-  }
+  for (std::size_t i = 0; i < n; ++i) reflected[i] = system.reflectance[i] * (direct[i] + indirect[i]);
+  system.rows.receive(reflected, solution.reflected, solution.reflected_deviation);
   return solution;
 }
 
@@ -132,6 +143,14 @@ std::vector<Color> to_colors(const SpectrumField& field, const std::string& grou
   return colors;
 }
 
+void warn_of_residual(const std::string& group, const LinearSolve& linear, const SolveConfig& config,
+                      Progress& progress) {
+  progress.warning(
+      fmt::format("light group `{}` stopped after {} iterations at a residual of {:.2g}: raise "
+                  "solve.tolerance ({})",
+                  group, linear.iterations, linear.residual, config.tolerance));
+}
+
 }  // namespace
 
 EnergyField solve_matrix(const PatchSet& scene, const SolveConfig& config, Transport& transport, Progress& progress) {
@@ -139,28 +158,37 @@ EnergyField solve_matrix(const PatchSet& scene, const SolveConfig& config, Trans
   energy.rays = complete_transport(scene, config, transport, progress);
   const System system(scene, transport);
   const std::size_t n = system.areas.size();
-  SampledSolution all{SpectrumField(n), SpectrumField(n), SpectrumField(n)};
+  std::vector<GroupSolution> groups;
+  SpectrumField reflected(n), reflected_deviation(n);
   for (std::size_t g = 0; g < scene.light_groups.size(); ++g) {
-    const GroupSolution solution = solve_group(system, std::int32_t(g), config.tolerance, progress);
-    auto& group = energy.groups.emplace_back();
-    group.name = scene.light_groups[g];
-    group.direct = to_colors(solution.direct, group.name);
-    group.indirect = to_colors(solution.indirect, group.name);
-    group.direct_by_rows = to_colors(solution.by_rows, group.name);
-    energy.iterations += solution.linear.iterations;
-    energy.residual = std::max(energy.residual, solution.linear.residual);
+    const GroupSolution& group = groups.emplace_back(solve_group(system, std::int32_t(g), config.tolerance, progress));
+    energy.iterations += group.linear.iterations;
+    energy.residual = std::max(energy.residual, group.linear.residual);
+    if (group.linear.residual > config.tolerance)
+      warn_of_residual(scene.light_groups[g], group.linear, config, progress);
     for (std::size_t i = 0; i < n; ++i) {
-      all.irradiance[i] += solution.direct[i] + solution.indirect[i];
-      all.deviation[i] += solution.deviation[i];
-      all.direct_deviation[i] += solution.direct_deviation[i];
+      reflected[i] += group.reflected[i];
+      reflected_deviation[i] += group.reflected_deviation[i];
     }
-    if (solution.linear.residual > config.tolerance)
-      progress.warning(
-          fmt::format("light group `{}` stopped after {} iterations at a residual of {:.2g}: raise "
-                      "solve.tolerance ({})",
-                      group.name, solution.linear.iterations, solution.linear.residual, config.tolerance));
   }
-  all.residual = energy.residual;
+
+  const PatchLookup lookup(scene);
+  const IrradianceFilter filter(lookup, scene.primitives.size(), reflected, reflected_deviation, system.reflectance);
+  SampledSolution all{SpectrumField(n), filter.apply(reflected_deviation), SpectrumField(n), &filter, energy.residual};
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    GroupSolution& solution = groups[g];
+    SpectrumField direct = solution.apart, indirect = filter.apply(solution.reflected);
+    for (std::size_t i = 0; i < n; ++i) {
+      if (!solution.by_rows.empty()) direct[i] += solution.by_rows[i];
+      indirect[i] += solution.by_mirrors[i];
+      all.irradiance[i] += direct[i] + indirect[i];
+      all.deviation[i] += solution.rows_deviation[i];
+      all.direct_deviation[i] += solution.apart_deviation[i];
+    }
+    const std::string& name = scene.light_groups[g];
+    energy.groups.push_back(
+        {name, to_colors(direct, name), to_colors(indirect, name), to_colors(solution.by_rows, name)});
+  }
   energy.estimate = estimate_error(scene, system.rows, system.reflectance, system.areas, all);
   energy.estimate->reciprocity = reciprocity_error(transport, system.rows, system.areas);
   SpectrumField emission;
