@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "pipeline/optics/patch_sampling.h"
 #include "pipeline/optics/random.h"
@@ -29,10 +28,8 @@ struct Samples {
   }
 };
 
-}  // namespace
-
 /// What the samples of half a row say so far.
-struct DirectFactors::Sums {
+struct Sums {
   int count = 0;
   int visible = 0;
   int hidden = 0;       ///< Neither for what lies behind the emitter or below the horizon.
@@ -43,108 +40,190 @@ struct DirectFactors::Sums {
   double from_hidden(double whole) const { return whole - missed / count; }
 };
 
-Transport::Emitter DirectFactors::sample(const Emitter& emitter, std::size_t emitters, int rays,
-                                         std::int64_t& cast) const {
-  const auto count = std::int32_t(scene_.patches.size());
-  const Samples samples(rays, emitters);
-  const DirectLight light(scene_, ray_scene_, emitter);
-  std::vector<Sums> sums(2 * std::size_t(count));
-  const auto for_each_row = [&](auto act) {
-    tbb::parallel_for(0, (count + kBlock - 1) / kBlock, [&](int block) {
+/// Shadow rays of any rows, cast as soon as they fill a packet.
+class ShadowRays {
+ public:
+  explicit ShadowRays(const RayScene& scene) : scene_(scene) {}
+
+  void add(const Vec3d& start, const DirectLight::Sample& sample, Sums& sums) {
+    packet_.set_shadow(lanes_, scene_.to_local(start), sample.direction, sample.distance);
+    weights_[lanes_] = sample.weight;
+    sums_[lanes_++] = &sums;
+    if (lanes_ == RayPacket::kSize) cast();
+  }
+
+  void cast() {
+    if (lanes_ == 0) return;
+    for (int lane = lanes_; lane < RayPacket::kSize; ++lane) packet_.valid[lane] = 0;
+    const std::uint32_t blocked = scene_.occluded(packet_);
+    for (int lane = 0; lane < lanes_; ++lane) {
+      const bool seen = !(blocked >> lane & 1u);
+      ++(seen ? sums_[lane]->visible : sums_[lane]->hidden);
+      (seen ? sums_[lane]->seen : sums_[lane]->missed) += weights_[lane];
+    }
+    lanes_ = 0;
+  }
+
+ private:
+  const RayScene& scene_;
+  RayPacket packet_;
+  std::array<float, RayPacket::kSize> weights_{};
+  std::array<Sums*, RayPacket::kSize> sums_{};
+  int lanes_ = 0;
+};
+
+}  // namespace
+
+/// All rows of form factors to one emitter.
+class DirectFactors::Run {
+ public:
+  Run(const DirectFactors& from, const Emitter& emitter, Samples samples)
+      : from_(from),
+        emitter_(emitter),
+        light_(from.scene_, from.ray_scene_, emitter),
+        samples_(samples),
+        rows_(std::int32_t(from.scene_.patches.size())),
+        whole_(rows_),
+        pilots_(2 * std::size_t(rows_)),
+        more_(2 * std::size_t(rows_)) {}
+
+  std::vector<float> factors() {
+    for_each_row([&](std::int32_t row, ShadowRays& rays) {
+      if (owned(row)) return;
+      whole_[row] = float(mean_form_factor(row));
+      for (int half = 0; half < 2; ++half) add_samples(row, half, 0, samples_.pilot, pilots_[2 * row + half], rays);
+    });
+    const double typical = typical_of_partial();
+    for_each_row([&](std::int32_t row, ShadowRays& rays) {
+      // In proportion to what there is to lose (Neyman 1934).
+      const double share = typical > 0 ? std::clamp(whole_[row] / typical, 0.125, 4.0) : 1.0;
+      const int total = std::max(8, int(share * samples_.partial));
+      for (int half = 0; half < 2; ++half)
+        if (others(row, half).partial()) add_samples(row, half, 1, total, more_[2 * row + half], rays);
+    });
+    std::vector<float> values(2 * std::size_t(rows_), 0.0f);
+    for (std::int32_t row = 0; row < rows_; ++row)
+      for (int half = 0; half < 2 && !owned(row); ++half) {
+        const std::size_t k = 2 * std::size_t(row) + half;
+        const Sums& best = more_[k].count > 0 ? more_[k] : pilots_[k];
+        values[k] = float(others(row, half).mostly_seen() ? best.from_hidden(whole_[row]) : best.from_seen());
+      }
+    return values;
+  }
+
+  std::int64_t rays() const {
+    std::int64_t count = 0;
+    for (const auto* all : {&pilots_, &more_})
+      for (const Sums& s : *all) count += s.visible + s.hidden;
+    return count;
+  }
+
+ private:
+  /// What the pilots about a row saw, without those of one half of it.
+  struct Others {
+    int visible = 0, hidden = 0;
+
+    bool partial() const { return visible > 0 && hidden > 0; }
+    bool mostly_seen() const { return visible >= hidden; }
+  };
+
+  template <class Act>
+  void for_each_row(Act act) {
+    tbb::parallel_for(0, (rows_ + kBlock - 1) / kBlock, [&](int block) {
       _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree wants denormals flushed
-      for (std::int32_t row = block * kBlock; row < std::min((block + 1) * kBlock, count); ++row) act(row);
+      ShadowRays rays(from_.ray_scene_);
+      for (std::int32_t row = block * kBlock; row < std::min((block + 1) * kBlock, rows_); ++row) act(row, rays);
+      rays.cast();
     });
     Progress::check_interrupted();
-  };
-  const auto owned = [&](std::int32_t row) {
-    return row >= emitter.first_patch && row < emitter.first_patch + emitter.patches;
-  };
-  for_each_row([&](std::int32_t row) {
-    if (owned(row)) return;
-    for (int half = 0; half < 2; ++half) add_samples(light, row, half, 0, samples.pilot, sums[2 * row + half]);
-  });
+  }
 
-  Transport::Emitter result{emitter.first_patch, emitter.patches, std::vector<float>(sums.size(), 0.0f)};
-  std::vector<Sums> more(sums.size());
-  for_each_row([&](std::int32_t row) {
-    if (owned(row)) return;
-    const double whole = mean_form_factor(light, row);
-    int visible = 0, hidden = 0;
-    for (const std::int32_t near : neighbours(row))
-      for (int half = 0; half < 2; ++half) {
-        visible += sums[2 * near + half].visible;
-        hidden += sums[2 * near + half].hidden;
+  bool owned(std::int32_t row) const {
+    return row >= emitter_.first_patch && row < emitter_.first_patch + emitter_.patches;
+  }
+
+  Others others(std::int32_t row, int half) const {
+    Others sum;
+    const auto add = [&](const Sums& s) {
+      sum.visible += s.visible;
+      sum.hidden += s.hidden;
+    };
+    add(pilots_[2 * row + 1 - half]);
+    from_.for_each_neighbour(row, [&](std::int32_t near) {
+      add(pilots_[2 * near]);
+      add(pilots_[2 * near + 1]);
+    });
+    return sum;
+  }
+
+  double typical_of_partial() const {
+    double sum = 0, count = 0;
+    for (std::int32_t row = 0; row < rows_; ++row)
+      if (!owned(row) && others(row, 0).partial()) {
+        sum += double(whole_[row]) * whole_[row];
+        ++count;
       }
-    for (int half = 0; half < 2; ++half) {
-      const Sums& other = sums[2 * row + 1 - half];
-      const int all_visible = visible + other.visible, all_hidden = hidden + other.hidden;
-      Sums& own = more[2 * row + half];
-      if (all_visible > 0 && all_hidden > 0) add_samples(light, row, half, 1, samples.partial, own);
-      const Sums& best = own.count > 0 ? own : sums[2 * row + half];
-      const double value = all_visible >= all_hidden ? best.from_hidden(whole) : best.from_seen();
-      result.factors[2 * row + half] = float(value);
+    return count > 0 ? std::sqrt(sum / count) : 0.0;
+  }
+
+  void add_samples(std::int32_t row, int half, int round, int total, Sums& sums, ShadowRays& rays) const {
+    const Patch& patch = from_.scene_.patches[row];
+    const PatchSampler sampler(from_.scene_.primitives[patch.primitive], patch);
+    const double offset = from_.ray_scene_.offset(patch.primitive);
+    const std::uint64_t random = scramble(from_.seed_ ^ scramble(4 * std::uint64_t(row) + 2 * half + round));
+    for (int k = 0; k < total; ++k) {
+      const Vec2f at = kronecker2(std::uint64_t(k), random);
+      const Vec2f to(shifted((float(k) + 0.5f) / float(total), to_unit(scramble(random + 1))),
+                     shifted(radical_inverse(std::uint32_t(k)), to_unit(scramble(random + 2))));
+      const SurfacePoint point = sampler(at.x, at.y);
+      const Vec3d start = point.position + Vec3d(point.normal) * offset;
+      const DirectLight::Sample sample = light_.sample(start, point.normal, to.x, to.y);
+      ++sums.count;
+      if (sample.weight > 0) rays.add(start, sample, sums);
     }
-  });
-  for (const auto* all : {&sums, &more})
-    for (const Sums& s : *all) cast += s.visible + s.hidden;
+  }
+
+  /// Over a patch, by Gauss and Legendre's rule: of 2 x 2 points, and of 4 x 4 where the emitter is near.
+  double mean_form_factor(std::int32_t row) const {
+    constexpr std::array<float, 2> kTwo{0.2113248654f, 0.7886751346f};
+    constexpr std::array<float, 4> kFour{0.0694318442f, 0.3300094782f, 0.6699905218f, 0.9305681558f};
+    constexpr std::array<double, 2> kTwoWeights{0.5, 0.5};
+    constexpr std::array<double, 4> kFourWeights{0.1739274226, 0.3260725774, 0.3260725774, 0.1739274226};
+    const Patch& patch = from_.scene_.patches[row];
+    const PatchSampler sampler(from_.scene_.primitives[patch.primitive], patch);
+    const auto integrate = [&](const auto& places, const auto& weights) {
+      double sum = 0;
+      for (std::size_t j = 0; j < places.size(); ++j)
+        for (std::size_t i = 0; i < places.size(); ++i) {
+          const SurfacePoint point = sampler(places[i], places[j]);
+          sum += weights[i] * weights[j] * light_.form_factor(point.position, point.normal);
+        }
+      return sum;
+    };
+    return light_.distance(patch.center) < 5 * std::sqrt(patch.area) ? integrate(kFour, kFourWeights)
+                                                                     : integrate(kTwo, kTwoWeights);
+  }
+
+  const DirectFactors& from_;
+  const Emitter& emitter_;
+  const DirectLight light_;
+  const Samples samples_;
+  const std::int32_t rows_;
+  std::vector<float> whole_;  ///< Form factors if nothing hid the emitter.
+  std::vector<Sums> pilots_, more_;
+};
+
+Transport::Emitter DirectFactors::sample(const Emitter& emitter, std::size_t emitters, int rays,
+                                         std::int64_t& cast) const {
+  Run run(*this, emitter, Samples(rays, emitters));
+  Transport::Emitter result{emitter.first_patch, emitter.patches, run.factors()};
+  cast += run.rays();
   return result;
 }
 
-void DirectFactors::add_samples(const DirectLight& light, std::int32_t row, int half, int round, int total,
-                                Sums& sums) const {
-  const Patch& patch = scene_.patches[row];
-  const Primitive& primitive = scene_.primitives[patch.primitive];
-  const PatchSampler sampler(primitive, patch);
-  const float offset = ray_scene_.offset(patch.primitive);
-  const std::uint64_t random = scramble(seed_ ^ scramble(4 * std::uint64_t(row) + 2 * half + round));
-  RayPacket packet;
-  std::array<float, RayPacket::kSize> weights{};
-  int lanes = 0;
-  const auto flush = [&] {
-    if (lanes == 0) return;
-    for (int lane = lanes; lane < RayPacket::kSize; ++lane) packet.valid[lane] = 0;
-    const std::uint32_t blocked = ray_scene_.occluded(packet);
-    for (int lane = 0; lane < lanes; ++lane) {
-      const bool seen = !(blocked >> lane & 1u);
-      ++(seen ? sums.visible : sums.hidden);
-      (seen ? sums.seen : sums.missed) += weights[lane];
-    }
-    lanes = 0;
-  };
-  for (int k = 0; k < total; ++k) {
-    const Vec2f at = kronecker2(std::uint64_t(k), random);
-    const Vec2f to(shifted((float(k) + 0.5f) / float(total), to_unit(scramble(random + 1))),
-                   shifted(radical_inverse(std::uint32_t(k)), to_unit(scramble(random + 2))));
-    const SurfacePoint point = sampler(at.x, at.y);
-    const Vec3d start = point.position + Vec3d(point.normal) * double(offset);
-    const DirectLight::Sample sample = light.sample(start, point.normal, to.x, to.y);
-    ++sums.count;
-    if (sample.weight <= 0) continue;
-    packet.set_shadow(lanes, ray_scene_.to_local(start), sample.direction, sample.distance);
-    weights[lanes++] = sample.weight;
-    if (lanes == RayPacket::kSize) flush();
-  }
-  flush();
-}
-
-/// Over a patch, by Gauss and Legendre's rule of 4 x 4 points.
-double DirectFactors::mean_form_factor(const DirectLight& light, std::int32_t row) const {
-  constexpr std::array<float, 4> at{0.0694318442f, 0.3300094782f, 0.6699905218f, 0.9305681558f};
-  constexpr std::array<double, 4> weight{0.1739274226, 0.3260725774, 0.3260725774, 0.1739274226};
-  const Patch& patch = scene_.patches[row];
-  const PatchSampler sampler(scene_.primitives[patch.primitive], patch);
-  double sum = 0;
-  for (int j = 0; j < 4; ++j)
-    for (int i = 0; i < 4; ++i) {
-      const SurfacePoint point = sampler(at[i], at[j]);
-      sum += weight[i] * weight[j] * light.form_factor(point.position, point.normal);
-    }
-  return sum;
-}
-
-/// The patches about one on its primitive's grid; on a sphere, those of its ring.
-std::vector<std::int32_t> DirectFactors::neighbours(std::int32_t i) const {
-  std::vector<std::int32_t> near;
+/// Calls act(j) for the patches about i on its primitive's grid; on a sphere, on its ring and the next.
+template <class Act>
+void DirectFactors::for_each_neighbour(std::int32_t i, Act act) const {
   const Patch& patch = scene_.patches[i];
   const int rows = lookup_.rows(patch.primitive);
   const int at = PatchLookup::cell(0.5f * (patch.v0 + patch.v1), rows);
@@ -152,9 +231,8 @@ std::vector<std::int32_t> DirectFactors::neighbours(std::int32_t i) const {
     const PatchLookup::Row& row = lookup_.row(patch.primitive, k);
     const int middle = PatchLookup::cell(0.5f * (patch.u0 + patch.u1), row.cells);
     for (int j = std::max(0, middle - 1); j <= std::min(row.cells - 1, middle + 1); ++j)
-      if (row.first + j != i) near.push_back(row.first + j);
+      if (row.first + j != i) act(row.first + j);
   }
-  return near;
 }
 
 }  // namespace patchlight

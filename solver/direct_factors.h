@@ -24,11 +24,10 @@ class DirectFactors {
   Transport::Emitter sample(const Emitter& emitter, std::size_t emitters, int rays, std::int64_t& cast) const;
 
  private:
-  struct Sums;
+  class Run;
 
-  void add_samples(const DirectLight& light, std::int32_t row, int half, int round, int total, Sums& sums) const;
-  double mean_form_factor(const DirectLight& light, std::int32_t row) const;
-  std::vector<std::int32_t> neighbours(std::int32_t patch) const;
+  template <class Act>
+  void for_each_neighbour(std::int32_t i, Act act) const;
 
   const PatchSet& scene_;
   const RayScene& ray_scene_;

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -36,6 +37,9 @@ class DirectLight {
   /// Form factor from a surface element to the whole emitter if nothing hides it, cut at the element's horizon.
   /// Polygons: Lambert's formula (Baum, Rushmeier and Winget 1989, eq. 5); spheres: Snyder 1996.
   double form_factor(const Vec3d& point, const Vec3f& normal) const;
+
+  /// From a point to the sphere about the emitter, or 0 inside it, m.
+  double distance(const Vec3d& point) const { return std::max(0.0, (point - center_).length() - radius_); }
 
   /// A point of the emitter for (x,y) of the unit square: uniform in solid angle, or in area where that is the same.
   Sample sample(const Vec3d& point, const Vec3f& normal, float x, float y) const;
