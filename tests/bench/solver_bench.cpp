@@ -1,4 +1,4 @@
-// Rays per CPU second inside the solver against raw Embree, and error against CPU seconds.
+// Rays per CPU second inside the solver against raw Embree, hemicubes per CPU second, and error against CPU seconds.
 // The scene is configs/cornell_box.glb, or $PATCHLIGHT_BENCH_SCENE; $PATCHLIGHT_BENCH_AREA sets the patch area in m2.
 
 #include <benchmark/benchmark.h>
@@ -10,6 +10,7 @@
 
 #include "importers/import.h"
 #include "pipeline/optics/patch_sampling.h"
+#include "solver/hemicube.h"
 #include "solver/ray_form_factors.h"
 #include "solver/solve.h"
 
@@ -78,6 +79,29 @@ void solver_cast(benchmark::State& state) {
   state.SetItemsProcessed(std::int64_t(state.iterations() * shots.size() * 256));
 }
 BENCHMARK(solver_cast)->Unit(benchmark::kMillisecond)->Repetitions(5)->ReportAggregatesOnly();
+
+/// Rows of 2,000 patches, evenly chosen; CPU seconds of all threads, the rasteriser's too.
+void hemicubes(benchmark::State& state) {
+  HemicubeFormFactors factors(scene(), int(state.range(0)), 1);
+  const std::size_t count = std::min<std::size_t>(2000, scene().patches.size());
+  std::vector<Shot> shots;
+  for (std::size_t k = 0; k < count; ++k) shots.push_back({std::int32_t(k * scene().patches.size() / count), 0, 1});
+  for (auto _ : state) {
+    for (std::span<const Shot> left = shots; !left.empty();) {
+      const std::span<const Shot> batch = left.first(factors.batch(left));
+      benchmark::DoNotOptimize(factors.rows(batch));
+      left = left.subspan(batch.size());
+    }
+  }
+  state.counters["patches"] = double(scene().patches.size());
+  state.SetItemsProcessed(std::int64_t(state.iterations() * count));
+}
+BENCHMARK(hemicubes)
+    ->Arg(128)
+    ->MeasureProcessCPUTime()
+    ->Unit(benchmark::kMillisecond)
+    ->Repetitions(5)
+    ->ReportAggregatesOnly();
 
 SolveConfig config_of(int rays, double tolerance) {
   SolveConfig config;
