@@ -15,20 +15,16 @@ namespace patchlight {
 
 namespace {
 
+struct QuadSide {
+  std::int32_t first = -1, columns = 0, rows = 0;
+};
 struct Vertex {
   Vec3f position;
-  Vec2f st;
-  std::uint32_t quad;
+  Vec2f st, shape;
+  QuadSide front, back;
 };
 
 // As the shaders lay them out (std430).
-struct QuadSide {
-  std::int32_t first = -1, columns = 0, rows = 0, unused = 0;
-};
-struct QuadRecord {
-  QuadSide front, back;
-  std::array<float, 4> shape;
-};
 struct SphereRecord {
   std::array<float, 4> ball;
   std::array<std::int32_t, 4> rings;  ///< First ring and their number, of the outside and of the inside.
@@ -54,7 +50,7 @@ void upload_storage(unsigned binding, const std::vector<T>& values) {
 QuadSide side_of(const PatchLookup& lookup, std::int32_t primitive) {
   if (primitive < 0) return {};
   const PatchLookup::Row& row = lookup.row(primitive, 0);
-  return {row.first, row.cells, lookup.rows(primitive), 0};
+  return {row.first + 1, row.cells, lookup.rows(primitive)};
 }
 
 Vec3d middle_of(const PatchSet& scene) {
@@ -84,7 +80,6 @@ PatchIdRenderer::~PatchIdRenderer() = default;
 
 void PatchIdRenderer::upload_quads(const PatchSet& scene, const PatchLookup& lookup) {
   std::vector<Vertex> vertices;
-  std::vector<QuadRecord> quads;
   for (std::int32_t i = 0; i < std::int32_t(scene.primitives.size()); ++i) {
     const Primitive& p = scene.primitives[i];
     if (p.shape != Primitive::Shape::quad || (p.back >= 0 && p.back < i)) continue;
@@ -92,8 +87,8 @@ void PatchIdRenderer::upload_quads(const PatchSet& scene, const PatchLookup& loo
     const std::array<Vec2f, 4> st{Vec2f(0, 0), Vec2f(1, 0), shape, Vec2f(0, 1)};
     const std::array<int, 6> order{0, 1, 2, 0, 2, 3};
     for (int k = 0; k < (p.is_triangle() ? 3 : 6); ++k)
-      vertices.push_back({to_local(p.corners[order[k]]), st[order[k]], std::uint32_t(quads.size())});
-    quads.push_back({side_of(lookup, i), side_of(lookup, p.back), {shape.x, shape.y, 0, 0}});
+      vertices.push_back(
+          {to_local(p.corners[order[k]]), st[order[k]], shape, side_of(lookup, i), side_of(lookup, p.back)});
   }
   quad_vertices_ = int(vertices.size());
   glGenVertexArrays(1, &quad_array_);
@@ -102,9 +97,10 @@ void PatchIdRenderer::upload_quads(const PatchSet& scene, const PatchLookup& loo
   const auto offset = [](std::size_t bytes) { return reinterpret_cast<const void*>(bytes); };
   glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(Vertex), offset(offsetof(Vertex, position)));
   glVertexAttribPointer(1, 2, GL_FLOAT, GL_FALSE, sizeof(Vertex), offset(offsetof(Vertex, st)));
-  glVertexAttribIPointer(2, 1, GL_UNSIGNED_INT, sizeof(Vertex), offset(offsetof(Vertex, quad)));
-  for (const unsigned attribute : {0u, 1u, 2u}) glEnableVertexAttribArray(attribute);
-  upload_storage(0, quads);
+  glVertexAttribPointer(2, 2, GL_FLOAT, GL_FALSE, sizeof(Vertex), offset(offsetof(Vertex, shape)));
+  glVertexAttribIPointer(3, 3, GL_INT, sizeof(Vertex), offset(offsetof(Vertex, front)));
+  glVertexAttribIPointer(4, 3, GL_INT, sizeof(Vertex), offset(offsetof(Vertex, back)));
+  for (const unsigned attribute : {0u, 1u, 2u, 3u, 4u}) glEnableVertexAttribArray(attribute);
 }
 
 void PatchIdRenderer::upload_spheres(const PatchSet& scene, const PatchLookup& lookup) {

@@ -7,27 +7,30 @@ namespace patchlight {
 inline constexpr const char* kQuadVertexShader = R"(#version 450 core
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec2 st;
-layout(location = 2) in uint quad;
+layout(location = 2) in vec2 shape;
+layout(location = 3) in ivec3 front;
+layout(location = 4) in ivec3 back;
 uniform vec3 eye;
 uniform mat3 axes;        // rows: right / width, up, forward
 uniform vec2 height;      // scale and shift that map heights at distance 1 to [-1, 1]
 uniform float near;
 out vec2 at;
-flat out uint index;
+flat out vec2 corner;
+flat out ivec3 grids[2];
 void main() {
   vec3 p = axes * (position - eye);
   gl_Position = vec4(p.x, height.x * p.y + height.y * p.z, near, p.z);
   at = st;
-  index = quad;
+  corner = shape;
+  grids[0] = back;
+  grids[1] = front;
 }
 )";
 
 inline constexpr const char* kQuadFragmentShader = R"(#version 450 core
-struct Side { int first, columns, rows, unused; };
-struct Quad { Side front, back; vec4 shape; };  // shape: a, b of corner 2 in the frame of the edges
-layout(std430, binding = 0) readonly buffer Quads { Quad quads[]; };
 in vec2 at;
-flat in uint index;
+flat in vec2 corner;     // a, b: corner 2 in the frame of the edges
+flat in ivec3 grids[2];  // back, front: the first patch's id, columns, rows; -1, 0, 0 where unlit
 layout(location = 0) out uint id;
 
 // s = u (1 + v (a - 1)), t = v (1 + u (b - 1))
@@ -40,19 +43,15 @@ vec2 inverse_bilinear(float a, float b, float s, float t) {
 }
 
 void main() {
-  Quad quad = quads[index];
-  vec2 uv = clamp(inverse_bilinear(quad.shape.x, quad.shape.y, at.x, at.y), 0.0, 1.0);
-  Side side = quad.front;
-  if (!gl_FrontFacing) {
-    side = quad.back;
-    uv.x = 1.0 - uv.x;
-  }
-  if (side.first < 0) {
-    id = 0xffffffffu;
-    return;
-  }
-  int column = min(int(uv.x * side.columns), side.columns - 1), row = min(int(uv.y * side.rows), side.rows - 1);
-  id = uint(side.first + row * side.columns + column + 1);
+#ifdef PARALLELOGRAM
+  vec2 uv = at;
+#else
+  vec2 uv = inverse_bilinear(corner.x, corner.y, at.x, at.y);
+#endif
+  ivec3 grid = gl_FrontFacing ? grids[1] : grids[0];
+  if (!gl_FrontFacing) uv.x = 1.0 - uv.x;
+  ivec2 cell = clamp(ivec2(uv * grid.yz), ivec2(0), max(grid.yz - 1, ivec2(0)));
+  id = uint(grid.x + cell.y * grid.y + cell.x);
 }
 )";
 
