@@ -11,8 +11,8 @@ namespace patchlight {
 
 namespace {
 
-// Hemicubes that are drawn before their cells are read back: enough to hide the wait, few enough for the caches.
-constexpr int kImageWidth = 4096;
+// Hemicubes are drawn above each other before their cells are read back: narrow images keep a tile's rows together.
+constexpr int kImageHeight = 3072;
 
 }  // namespace
 
@@ -65,25 +65,30 @@ std::vector<float> hemicube_weights(int resolution) {
 }
 
 HemicubeFormFactors::HemicubeFormFactors(const PatchSet& scene, int resolution, std::uint64_t seed)
-    : scene_(scene), resolution_(resolution), seed_(seed), renderer_(scene), row_(scene.patches.size(), 0.0f) {
+    : scene_(scene), resolution_(resolution), seed_(seed), renderer_(scene), row_(scene.patches.size() + 1, 0.0f) {
   if (resolution % 2 != 0)
     throw Error(ExitCode::bad_config, "an odd number of cells", "solve.hemicube_resolution",
                 "its side faces are halves: take an even number");
-  weights_ = hemicube_weights(resolution);
+  sums_ = hemicube_weights(resolution);
+  for (std::size_t i = 1; i < sums_.size(); ++i)
+    if (i % std::size_t(resolution) != 0) sums_[i] += sums_[i - 1];
+  ends_.resize(std::size_t(resolution));
+  reached_.resize(sums_.size() + 1);
 }
 
 std::size_t HemicubeFormFactors::batch(std::span<const Shot> shots) const {
-  return std::min(shots.size(), std::size_t(std::max(1, kImageWidth / resolution_)));
+  return std::min(shots.size(), std::size_t(std::max(1, kImageHeight / (3 * resolution_))));
 }
 
 std::vector<std::span<const FormFactor>> HemicubeFormFactors::rows(std::span<const Shot> shots) {
-  const int stride = resolution_ * int(shots.size());
-  renderer_.begin(stride, 3 * resolution_);
-  for (std::size_t k = 0; k < shots.size(); ++k) draw(shots[k], int(k) * resolution_);
+  const int height = 3 * resolution_;
+  renderer_.begin(resolution_, height * int(shots.size()));
+  for (std::size_t k = 0; k < shots.size(); ++k) draw(shots[k], height * int(k));
   const std::vector<std::uint32_t>& ids = renderer_.read();
   factors_.clear();
   std::vector<std::size_t> ends;
-  for (std::size_t k = 0; k < shots.size(); ++k) ends.push_back(gather(ids, int(k) * resolution_, stride));
+  for (std::size_t k = 0; k < shots.size(); ++k)
+    ends.push_back(gather(ids.data() + std::size_t(height) * k * resolution_));
   std::vector<std::span<const FormFactor>> result;
   std::size_t begin = 0;
   for (const std::size_t end : ends) {
@@ -93,7 +98,7 @@ std::vector<std::span<const FormFactor>> HemicubeFormFactors::rows(std::span<con
   return result;
 }
 
-void HemicubeFormFactors::draw(const Shot& shot, int column) {
+void HemicubeFormFactors::draw(const Shot& shot, int bottom) {
   const Patch& patch = scene_.patches[shot.patch];
   const Primitive& primitive = scene_.primitives[patch.primitive];
   const std::uint64_t hash = scramble(seed_ ^ scramble(std::uint64_t(shot.patch)));
@@ -107,30 +112,37 @@ void HemicubeFormFactors::draw(const Shot& shot, int column) {
                                            float(std::sqrt(patch.area)), resolution_)) {
     face.view.self = patch.primitive;
     face.view.self_inside = primitive.sphere_radius < 0;
-    renderer_.draw(face.view, column, face.row, resolution_, face.rows);
+    renderer_.draw(face.view, 0, bottom + face.row, resolution_, face.rows);
   }
 }
 
 /// Sums a hemicube's cells by patch behind `factors_`; returns where they end.
-std::size_t HemicubeFormFactors::gather(const std::vector<std::uint32_t>& ids, int column, int stride) {
-  reached_.clear();
-  const float* weight = weights_.data();
+std::size_t HemicubeFormFactors::gather(const std::uint32_t* ids) {
+  // Without branches, which would be mispredicted at every other run of equal cells.
+  std::size_t count = 0;
   for (int j = 0; j < 3 * resolution_; ++j) {
-    const std::uint32_t* id = ids.data() + std::size_t(j) * stride + column;
-    for (int i = 0; i < resolution_;) {
-      // Neighbouring cells mostly show the same patch.
-      const std::uint32_t seen = id[i];
-      float sum = 0;
-      do sum += *weight++;
-      while (++i < resolution_ && id[i] == seen);
-      if (seen == 0 || seen == PatchIdRenderer::kUnlitBack) continue;
-      if (row_[seen - 1] == 0) reached_.push_back(std::int32_t(seen - 1));
-      row_[seen - 1] += sum;
+    const std::uint32_t* id = ids + std::size_t(j) * resolution_;
+    const float* sum = sums_.data() + std::size_t(j) * resolution_;
+    std::size_t runs = 0;
+    for (int i = 0; i + 1 < resolution_; ++i) {
+      ends_[runs] = i;
+      runs += id[i] != id[i + 1];
+    }
+    ends_[runs++] = resolution_ - 1;
+    float before = 0;
+    for (std::size_t k = 0; k < runs; ++k) {
+      const int end = ends_[k];
+      float& f = row_[id[end]];
+      reached_[count] = id[end];
+      count += f == 0.0f;
+      f += sum[end] - before;
+      before = sum[end];
     }
   }
-  for (const std::int32_t j : reached_) {
-    factors_.push_back({j, row_[j]});
-    row_[j] = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    float& f = row_[reached_[k]];
+    if (reached_[k] > 0) factors_.push_back({std::int32_t(reached_[k] - 1), f});
+    f = 0;
   }
   return factors_.size();
 }

@@ -36,16 +36,17 @@ class HemicubeFormFactors : public FormFactorSource {
   std::vector<std::span<const FormFactor>> rows(std::span<const Shot> shots) override;
 
  private:
-  void draw(const Shot& shot, int column);
-  std::size_t gather(const std::vector<std::uint32_t>& ids, int column, int stride);
+  void draw(const Shot& shot, int bottom);
+  std::size_t gather(const std::uint32_t* ids);
 
   const PatchSet& scene_;
   int resolution_;
   std::uint64_t seed_;
   PatchIdRenderer renderer_;
-  std::vector<float> weights_;
-  std::vector<float> row_;             ///< [patches]; zero between rows.
-  std::vector<std::int32_t> reached_;  ///< Patches of the row in the making.
+  std::vector<float> sums_;             ///< Of a cell and those before it in its row of the image.
+  std::vector<int> ends_;               ///< Last cells of the runs of equal ids in a row of the image.
+  std::vector<float> row_;              ///< By id; zero between rows.
+  std::vector<std::uint32_t> reached_;  ///< Ids of the row in the making.
   std::vector<FormFactor> factors_;
 };
 

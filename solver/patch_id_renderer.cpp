@@ -16,7 +16,7 @@ namespace patchlight {
 namespace {
 
 struct QuadSide {
-  std::int32_t first = -1, columns = 0, rows = 0;
+  std::int32_t first = 0, columns = 0, rows = 0;
 };
 struct Vertex {
   Vec3f position;

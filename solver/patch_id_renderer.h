@@ -25,12 +25,10 @@ struct GlView {
 /// Draws the ids of patches with OpenGL: coarse primitives, the patch found from (u,v) in the fragment shader, so that
 /// the cost does not depend on the number of patches; spheres are ray cast in the fragment shader.
 ///
-/// Ids are patch + 1; 0: nothing; kUnlitBack: the back of a single-sided surface. Depth is reversed, with an infinite
+/// Ids are patch + 1; 0: nothing, or the unlit back of a single-sided surface. Depth is reversed, with an infinite
 /// far plane, in floating point: it is as sharp far away as nearby.
 class PatchIdRenderer {
  public:
-  static constexpr std::uint32_t kUnlitBack = 0xffffffff;
-
   /// Throws: Error (unavailable) without OpenGL.
   explicit PatchIdRenderer(const PatchSet& scene);
   ~PatchIdRenderer();

@@ -30,7 +30,7 @@ void main() {
 inline constexpr const char* kQuadFragmentShader = R"(#version 450 core
 in vec2 at;
 flat in vec2 corner;     // a, b: corner 2 in the frame of the edges
-flat in ivec3 grids[2];  // back, front: the first patch's id, columns, rows; -1, 0, 0 where unlit
+flat in ivec3 grids[2];  // back, front: the first patch's id, columns, rows; zeros where unlit
 layout(location = 0) out uint id;
 
 // s = u (1 + v (a - 1)), t = v (1 + u (b - 1))
@@ -110,7 +110,7 @@ void main() {
   vec3 n = from + t * ray;
   ivec2 side = dot(n, ray) < 0.0 ? spheres[index].rings.xy : spheres[index].rings.zw;
   if (side.y == 0) {
-    id = 0xffffffffu;
+    id = 0u;
     return;
   }
   float turn = atan(-n.z, n.x) * 0.15915494;

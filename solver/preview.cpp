@@ -78,7 +78,7 @@ std::vector<Color> paint(const std::vector<std::uint32_t>& ids, int width, bool 
   pixels.reserve(ids.size());
   for (std::size_t i = 0; i < ids.size(); ++i) {
     const std::uint32_t id = ids[i];
-    Color color = id == 0 || id == PatchIdRenderer::kUnlitBack ? Color(0.02f) : color_of(id - 1);
+    Color color = id == 0 ? Color(0.02f) : color_of(id - 1);
     const std::size_t below = i >= std::size_t(width) ? i - width : i, left = i % std::size_t(width) ? i - 1 : i;
     if (edges && (ids[below] != id || ids[left] != id)) color *= 0.35f;
     pixels.push_back(color);
