@@ -119,30 +119,30 @@ void HemicubeFormFactors::draw(const Shot& shot, int bottom) {
 /// Sums a hemicube's cells by patch behind `factors_`; returns where they end.
 std::size_t HemicubeFormFactors::gather(const std::uint32_t* ids) {
   // Without branches, which would be mispredicted at every other run of equal cells.
+  const int n = resolution_;
+  int* const ends = ends_.data();
   std::size_t count = 0;
-  for (int j = 0; j < 3 * resolution_; ++j) {
-    const std::uint32_t* id = ids + std::size_t(j) * resolution_;
-    const float* sum = sums_.data() + std::size_t(j) * resolution_;
-    std::size_t runs = 0;
-    for (int i = 0; i + 1 < resolution_; ++i) {
-      ends_[runs] = i;
+  for (int j = 0; j < 3 * n; ++j) {
+    const std::uint32_t* id = ids + std::size_t(j) * n;
+    const float* sum = sums_.data() + std::size_t(j) * n;
+    int runs = 0;
+    for (int i = 0; i + 1 < n; ++i) {
+      ends[runs] = i;
       runs += id[i] != id[i + 1];
     }
-    ends_[runs++] = resolution_ - 1;
+    ends[runs++] = n - 1;
     float before = 0;
-    for (std::size_t k = 0; k < runs; ++k) {
-      const int end = ends_[k];
-      float& f = row_[id[end]];
-      reached_[count] = id[end];
-      count += f == 0.0f;
-      f += sum[end] - before;
-      before = sum[end];
+    for (int k = 0; k < runs; ++k) {
+      const std::uint32_t seen = id[ends[k]];
+      reached_[count] = seen;
+      count += row_[seen] == 0;
+      row_[seen] += sum[ends[k]] - before;
+      before = sum[ends[k]];
     }
   }
-  for (std::size_t k = 0; k < count; ++k) {
-    float& f = row_[reached_[k]];
-    if (reached_[k] > 0) factors_.push_back({std::int32_t(reached_[k] - 1), f});
-    f = 0;
+  for (const std::uint32_t seen : std::span(reached_).first(count)) {
+    if (seen > 0) factors_.push_back({std::int32_t(seen - 1), row_[seen]});
+    row_[seen] = 0;
   }
   return factors_.size();
 }

@@ -36,18 +36,13 @@ layout(location = 0) out uint id;
 // s = u (1 + v (a - 1)), t = v (1 + u (b - 1))
 vec2 inverse_bilinear(float a, float b, float s, float t) {
   float k = a - 1.0, linear = 1.0 + (b - 1.0) * s - t * k;
-  float v = t / linear;
-  if (k != 0.0) v = 2.0 * t / (linear + sqrt(max(0.0, linear * linear + 4.0 * k * t)));
+  float v = 2.0 * t / (linear + sqrt(max(0.0, linear * linear + 4.0 * k * t)));
   float width = 1.0 + v * k;
   return vec2(width > 0.0 ? s / width : 0.5, v);
 }
 
 void main() {
-#ifdef PARALLELOGRAM
-  vec2 uv = at;
-#else
   vec2 uv = inverse_bilinear(corner.x, corner.y, at.x, at.y);
-#endif
   ivec3 grid = gl_FrontFacing ? grids[1] : grids[0];
   if (!gl_FrontFacing) uv.x = 1.0 - uv.x;
   ivec2 cell = clamp(ivec2(uv * grid.yz), ivec2(0), max(grid.yz - 1, ivec2(0)));
