@@ -44,9 +44,13 @@ class Estimator {
       norm += squared_at(i, solution_.irradiance);
       if (!counts(i)) continue;
       local += areas_[i] * square.sum();
-      bias += areas_[i] * solution_.filter->bias(i).square;
-      bias_variance += areas_[i] * areas_[i] * solution_.filter->bias(i).variance;
-      spread += areas_[i] * areas_[i] * square.sum() * square.sum() * solution_.filter->correlated(i);
+      double correlated = 1;
+      for (const IrradianceFilter* filter : solution_.filters) {
+        bias += areas_[i] * filter->bias(i).square;
+        bias_variance += areas_[i] * areas_[i] * filter->bias(i).variance;
+        correlated = std::max(correlated, filter->correlated(i));
+      }
+      spread += areas_[i] * areas_[i] * square.sum() * square.sum() * correlated;
     }
     if (norm == 0) return estimate;
     // Half a row's square is itself as scattered as a square of a normal variate, and so is the true error's.

@@ -10,8 +10,8 @@ struct SampledSolution {
   SpectrumField irradiance;        ///< [n] W/m2, direct and indirect.
   SpectrumField deviation;         ///< [n] W/m2, of what rows receive: half the difference of their halves.
   SpectrumField direct_deviation;  ///< [n] W/m2, of emitters that are sampled apart.
-  const IrradianceFilter* filter;  ///< What went over what rows receive.
-  double residual = 0.0;           ///< Of the linear system.
+  std::vector<const IrradianceFilter*> filters;  ///< What went over parts of what rows receive.
+  double residual = 0.0;                         ///< Of the linear system.
 };
 
 /// Estimates a solution's error: every patch's deviations, each with a sign of its own at random, are errors as likely

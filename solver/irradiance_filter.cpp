@@ -79,20 +79,24 @@ double weighted_square(const Spectrum& s, const Spectrum& weight) {
 }  // namespace
 
 IrradianceFilter::IrradianceFilter(const PatchLookup& lookup, std::size_t primitives, const SpectrumField& irradiance,
-                                   const SpectrumField& deviation, const SpectrumField& reflectance)
+                                   const SpectrumField& deviation, const SpectrumField& reflectance,
+                                   const SpectrumField& lit)
     : choice_(irradiance.size(), 0), bias_(irradiance.size()) {
   for (std::int32_t p = 0; p < std::int32_t(primitives); ++p) {
     const int nv = lookup.rows(p), nu = nv > 0 ? lookup.row(p, 0).cells : 0;
     bool even = std::max(nu, nv) > 3;
     for (int k = 1; k < nv; ++k) even = even && lookup.row(p, k).cells == nu;
-    if (even) grids_.push_back({lookup.row(p, 0).first, nu, nv});
+    bool seen = false;
+    for (std::int32_t i = 0; even && !seen && i < nu * nv; ++i)
+      seen = irradiance[lookup.row(p, 0).first + i].sum() != 0;
+    if (seen) grids_.push_back({lookup.row(p, 0).first, nu, nv});
   }
   tbb::parallel_for(std::size_t(0), grids_.size(),
-                    [&](std::size_t g) { choose(grids_[g], irradiance, deviation, reflectance); });
+                    [&](std::size_t g) { choose(grids_[g], irradiance, deviation, reflectance, lit); });
 }
 
 void IrradianceFilter::choose(const Grid& grid, const SpectrumField& irradiance, const SpectrumField& deviation,
-                              const SpectrumField& reflectance) {
+                              const SpectrumField& reflectance, const SpectrumField& lit) {
   const auto cut = [&](const SpectrumField& field) {
     return SpectrumField(field.begin() + grid.first, field.begin() + grid.first + grid.patches());
   };
@@ -124,9 +128,8 @@ void IrradianceFilter::choose(const Grid& grid, const SpectrumField& irradiance,
     narrow = std::move(wide);
     narrow_noise = std::move(wide_noise);
   }
-  // What sees no light at all gets none from its neighbours.
-  for (std::size_t i = 0; i < cells; ++i)
-    if (all[i].sum() == 0 && half[i].sum() == 0) choice_[grid.first + i] = 0, bias_[grid.first + i] = {};
+  for (std::int32_t i = grid.first; i < grid.first + grid.patches(); ++i)
+    if (lit[i].sum() == 0) choice_[i] = 0, bias_[i] = {};
 }
 
 SpectrumField IrradianceFilter::apply(const SpectrumField& field) const {

@@ -13,8 +13,9 @@ namespace patchlight {
 class IrradianceFilter {
  public:
   /// Chooses for `irradiance` [n] and its deviation (half the difference of the halves), weighted by `reflectance`.
+  /// Where `lit` [n] is zero nothing is brought in.
   IrradianceFilter(const PatchLookup& lookup, std::size_t primitives, const SpectrumField& irradiance,
-                   const SpectrumField& deviation, const SpectrumField& reflectance);
+                   const SpectrumField& deviation, const SpectrumField& reflectance, const SpectrumField& lit);
 
   /// Any field of the same samples, filtered. Linear. Shape: [n].
   SpectrumField apply(const SpectrumField& field) const;
@@ -38,7 +39,7 @@ class IrradianceFilter {
   };
 
   void choose(const Grid& grid, const SpectrumField& irradiance, const SpectrumField& deviation,
-              const SpectrumField& reflectance);
+              const SpectrumField& reflectance, const SpectrumField& lit);
 
   std::vector<Grid> grids_;
   std::vector<std::uint8_t> choice_;  ///< [n] Index of a window's width; 0: none.

@@ -39,7 +39,7 @@ struct GroupSolution {
   SpectrumField apart, by_rows;  ///< Straight from emitters, sampled apart and not.
   SpectrumField by_mirrors;      ///< From emitters by way of mirrors.
   SpectrumField reflected;       ///< From what patches reflect.
-  SpectrumField apart_deviation, rows_deviation, reflected_deviation;
+  SpectrumField apart_deviation, by_rows_deviation, by_mirrors_deviation, reflected_deviation;
   LinearSolve linear;
 };
 
@@ -82,19 +82,21 @@ void add_rows(const System& system, const Emission& emission, GroupSolution& sol
   const std::size_t n = system.areas.size();
   if (!is_black(emission.others)) {
     solution.by_rows.resize(n);
-    system.rows.receive(emission.others, solution.by_rows, solution.rows_deviation);
+    system.rows.receive(emission.others, solution.by_rows, solution.by_rows_deviation);
   }
   if (system.transport.mirrored.empty()) return;
-  SpectrumField by_mirrors(n), deviation(n);
+  SpectrumField& by_mirrors = solution.by_mirrors;
+  SpectrumField& deviation = solution.by_mirrors_deviation;
   if (!is_black(emission.others)) {
-    system.rows.receive_mirrored(emission.others, solution.by_mirrors, deviation);
-    for (std::size_t i = 0; i < n; ++i) solution.by_rows[i] -= solution.by_mirrors[i];
+    system.rows.receive_mirrored(emission.others, by_mirrors, deviation);
+    for (std::size_t i = 0; i < n; ++i) {
+      solution.by_rows[i] -= by_mirrors[i];
+      solution.by_rows_deviation[i] -= deviation[i];
+    }
   }
-  system.rows.receive_mirrored(emission.apart, by_mirrors, deviation);
-  for (std::size_t i = 0; i < n; ++i) {
-    solution.by_mirrors[i] += by_mirrors[i];
-    solution.rows_deviation[i] += deviation[i];
-  }
+  SpectrumField all(n + 1);
+  for (std::size_t i = 0; i < n; ++i) all[i] = emission.apart[i] + emission.others[i];
+  system.rows.receive_mirrored(all, by_mirrors, deviation);
 }
 
 GroupSolution solve_group(const System& system, std::int32_t group, double tolerance, Progress& progress) {
@@ -102,7 +104,7 @@ GroupSolution solve_group(const System& system, std::int32_t group, double toler
   const Emission emission = emission_of(system, group);
   GroupSolution solution;
   for (auto* field : {&solution.apart, &solution.by_mirrors, &solution.reflected, &solution.apart_deviation,
-                      &solution.rows_deviation, &solution.reflected_deviation})
+                      &solution.by_rows_deviation, &solution.by_mirrors_deviation, &solution.reflected_deviation})
     field->resize(n);
   add_emitters(system, emission, solution);
   add_rows(system, emission, solution);
@@ -159,7 +161,7 @@ EnergyField solve_matrix(const PatchSet& scene, const SolveConfig& config, Trans
   const System system(scene, transport);
   const std::size_t n = system.areas.size();
   std::vector<GroupSolution> groups;
-  SpectrumField reflected(n), reflected_deviation(n);
+  SpectrumField reflected(n), reflected_deviation(n), by_mirrors(n), by_mirrors_deviation(n);
   for (std::size_t g = 0; g < scene.light_groups.size(); ++g) {
     const GroupSolution& group = groups.emplace_back(solve_group(system, std::int32_t(g), config.tolerance, progress));
     energy.iterations += group.linear.iterations;
@@ -169,20 +171,32 @@ EnergyField solve_matrix(const PatchSet& scene, const SolveConfig& config, Trans
     for (std::size_t i = 0; i < n; ++i) {
       reflected[i] += group.reflected[i];
       reflected_deviation[i] += group.reflected_deviation[i];
+      by_mirrors[i] += group.by_mirrors[i];
+      by_mirrors_deviation[i] += group.by_mirrors_deviation[i];
     }
   }
 
   const PatchLookup lookup(scene);
-  const IrradianceFilter filter(lookup, scene.primitives.size(), reflected, reflected_deviation, system.reflectance);
-  SampledSolution all{SpectrumField(n), filter.apply(reflected_deviation), SpectrumField(n), &filter, energy.residual};
+  const IrradianceFilter filter(lookup, scene.primitives.size(), reflected, reflected_deviation, system.reflectance,
+                                reflected);
+  const IrradianceFilter mirror_filter(lookup, scene.primitives.size(), by_mirrors, by_mirrors_deviation,
+                                       system.reflectance, reflected);
+  SampledSolution all{SpectrumField(n),
+                      filter.apply(reflected_deviation),
+                      SpectrumField(n),
+                      {&filter, &mirror_filter},
+                      energy.residual};
+  by_mirrors_deviation = mirror_filter.apply(by_mirrors_deviation);
+  for (std::size_t i = 0; i < n; ++i) all.deviation[i] += by_mirrors_deviation[i];
   for (std::size_t g = 0; g < groups.size(); ++g) {
-    GroupSolution& solution = groups[g];
+    const GroupSolution& solution = groups[g];
     SpectrumField direct = solution.apart, indirect = filter.apply(solution.reflected);
+    by_mirrors = mirror_filter.apply(solution.by_mirrors);
     for (std::size_t i = 0; i < n; ++i) {
       if (!solution.by_rows.empty()) direct[i] += solution.by_rows[i];
-      indirect[i] += solution.by_mirrors[i];
+      indirect[i] += by_mirrors[i];
       all.irradiance[i] += direct[i] + indirect[i];
-      all.deviation[i] += solution.rows_deviation[i];
+      all.deviation[i] += solution.by_rows_deviation[i];
       all.direct_deviation[i] += solution.apart_deviation[i];
     }
     const std::string& name = scene.light_groups[g];

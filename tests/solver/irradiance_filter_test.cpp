@@ -35,7 +35,7 @@ struct Sampled {
     }
   }
 
-  IrradianceFilter filter() { return {PatchLookup(scene.get()), 1, mean, deviation, reflectance}; }
+  IrradianceFilter filter() { return {PatchLookup(scene.get()), 1, mean, deviation, reflectance, mean}; }
 
   double error(const SpectrumField& field) const {
     double sum = 0;
@@ -94,7 +94,7 @@ TEST(IrradianceFilter, LeavesFewPatchesAlone) {
     deviation.emplace_back(1.0);
   }
   const IrradianceFilter filter(PatchLookup(builder.get()), builder.get().primitives.size(), mean, deviation,
-                                reflectance);
+                                reflectance, mean);
   const SpectrumField same = filter.apply(mean);
   for (std::size_t i = 0; i < n; ++i) EXPECT_EQ(same[i].c[0], mean[i].c[0]);
 }
