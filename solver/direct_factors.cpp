@@ -9,6 +9,7 @@
 
 #include "pipeline/optics/patch_sampling.h"
 #include "pipeline/optics/random.h"
+#include "pipeline/optics/shadow_rays.h"
 
 namespace patchlight {
 
@@ -26,50 +27,6 @@ struct Samples {
     pilot = std::max(emitters > 4 ? 2 : 4, int(share * rays / 16));
     partial = std::max(8, int(share * rays / 2));
   }
-};
-
-/// What the samples of half a row say so far.
-struct Sums {
-  int count = 0;
-  int visible = 0;
-  int hidden = 0;       ///< Neither for what lies behind the emitter or below the horizon.
-  double seen = 0.0;    ///< Weights of what is visible.
-  double missed = 0.0;  ///< Weights of what is hidden.
-
-  double from_seen() const { return seen / count; }
-  double from_hidden(double whole) const { return whole - missed / count; }
-};
-
-/// Shadow rays of any rows, cast as soon as they fill a packet.
-class ShadowRays {
- public:
-  explicit ShadowRays(const RayScene& scene) : scene_(scene) {}
-
-  void add(const Vec3d& start, const DirectLight::Sample& sample, Sums& sums) {
-    packet_.set_shadow(lanes_, scene_.to_local(start), sample.direction, sample.distance);
-    weights_[lanes_] = sample.weight;
-    sums_[lanes_++] = &sums;
-    if (lanes_ == RayPacket::kSize) cast();
-  }
-
-  void cast() {
-    if (lanes_ == 0) return;
-    for (int lane = lanes_; lane < RayPacket::kSize; ++lane) packet_.valid[lane] = 0;
-    const std::uint32_t blocked = scene_.occluded(packet_);
-    for (int lane = 0; lane < lanes_; ++lane) {
-      const bool seen = !(blocked >> lane & 1u);
-      ++(seen ? sums_[lane]->visible : sums_[lane]->hidden);
-      (seen ? sums_[lane]->seen : sums_[lane]->missed) += weights_[lane];
-    }
-    lanes_ = 0;
-  }
-
- private:
-  const RayScene& scene_;
-  RayPacket packet_;
-  std::array<float, RayPacket::kSize> weights_{};
-  std::array<Sums*, RayPacket::kSize> sums_{};
-  int lanes_ = 0;
 };
 
 }  // namespace
@@ -105,7 +62,7 @@ class DirectFactors::Run {
     for (std::int32_t row = 0; row < rows_; ++row)
       for (int half = 0; half < 2 && !owned(row); ++half) {
         const std::size_t k = 2 * std::size_t(row) + half;
-        const Sums& best = more_[k].count > 0 ? more_[k] : pilots_[k];
+        const LightSamples& best = more_[k].count > 0 ? more_[k] : pilots_[k];
         values[k] = float(others(row, half).mostly_seen() ? best.from_hidden(whole_[row]) : best.from_seen());
       }
     return values;
@@ -114,19 +71,11 @@ class DirectFactors::Run {
   std::int64_t rays() const {
     std::int64_t count = 0;
     for (const auto* all : {&pilots_, &more_})
-      for (const Sums& s : *all) count += s.visible + s.hidden;
+      for (const LightSamples& s : *all) count += s.visible + s.hidden;
     return count;
   }
 
  private:
-  /// What the pilots about a row saw, without those of one half of it.
-  struct Others {
-    int visible = 0, hidden = 0;
-
-    bool partial() const { return visible > 0 && hidden > 0; }
-    bool mostly_seen() const { return visible >= hidden; }
-  };
-
   template <class Act>
   void for_each_row(Act act) {
     tbb::parallel_for(0, (rows_ + kBlock - 1) / kBlock, [&](int block) {
@@ -142,16 +91,13 @@ class DirectFactors::Run {
     return row >= emitter_.first_patch && row < emitter_.first_patch + emitter_.patches;
   }
 
-  Others others(std::int32_t row, int half) const {
-    Others sum;
-    const auto add = [&](const Sums& s) {
-      sum.visible += s.visible;
-      sum.hidden += s.hidden;
-    };
-    add(pilots_[2 * row + 1 - half]);
+  /// What the pilots about a row saw, without those of one half of it.
+  Visibility others(std::int32_t row, int half) const {
+    Visibility sum;
+    sum.add(pilots_[2 * row + 1 - half]);
     from_.for_each_neighbour(row, [&](std::int32_t near) {
-      add(pilots_[2 * near]);
-      add(pilots_[2 * near + 1]);
+      sum.add(pilots_[2 * near]);
+      sum.add(pilots_[2 * near + 1]);
     });
     return sum;
   }
@@ -166,7 +112,7 @@ class DirectFactors::Run {
     return count > 0 ? std::sqrt(sum / count) : 0.0;
   }
 
-  void add_samples(std::int32_t row, int half, int round, int total, Sums& sums, ShadowRays& rays) const {
+  void add_samples(std::int32_t row, int half, int round, int total, LightSamples& sums, ShadowRays& rays) const {
     const Patch& patch = from_.scene_.patches[row];
     const PatchSampler sampler(from_.scene_.primitives[patch.primitive], patch);
     const double offset = from_.ray_scene_.offset(patch.primitive);
@@ -210,7 +156,7 @@ class DirectFactors::Run {
   const Samples samples_;
   const std::int32_t rows_;
   std::vector<float> whole_;  ///< Form factors if nothing hid the emitter.
-  std::vector<Sums> pilots_, more_;
+  std::vector<LightSamples> pilots_, more_;
 };
 
 Transport::Emitter DirectFactors::sample(const Emitter& emitter, std::size_t emitters, int rays,

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "pipeline/model/error.h"
+#include "pipeline/optics/direct_light.h"
 
 namespace patchlight {
 
@@ -24,7 +25,8 @@ Vec3d positive(const Vec3d& c) {
 }
 
 struct Group {
-  std::vector<Vec3d> direct;    ///< Irradiance, W/m2.
+  std::vector<Vec3d> direct;    ///< Irradiance of emitters that frames sample apart, W/m2.
+  std::vector<Vec3d> by_rows;   ///< Irradiance of the other emitters, W/m2.
   std::vector<Vec3d> indirect;  ///< Irradiance, W/m2.
   std::vector<Vec3d> unshot;    ///< Reflected and not passed on yet, W/m2.
   double emitted = 0.0;         ///< W, sum of channels.
@@ -44,7 +46,8 @@ class Refinement {
         power_(scene.patches.size()),
         used_(scene.patches.size()) {
     for (Group& group : groups_)
-      for (auto* field : {&group.direct, &group.indirect, &group.unshot}) field->resize(power_.size(), Vec3d(0.0));
+      for (auto* field : {&group.direct, &group.by_rows, &group.indirect, &group.unshot})
+        field->resize(power_.size(), Vec3d(0.0));
     for (const Patch& patch : scene.patches) {
       area_ += patch.area;
       reflectance_ += Vec3d(patch.reflectance) * patch.area;
@@ -143,10 +146,14 @@ void Refinement::shoot_emitters(Progress& progress) {
     parts[i] = int(std::ceil(by_rays_ ? rays_of(share) / kMostRays : std::min(share * points, 64.0)));
     for (int k = 0; k < parts[i]; ++k) shots.push_back(make_shot(std::int32_t(i), share / parts[i]));
   }
+  std::vector<char> apart(power_.size(), 0);
+  for (const Emitter& emitter : emitters_apart(scene_))
+    std::fill_n(apart.begin() + emitter.first_patch, emitter.patches, 1);
   shoot(shots, [&](const Shot& shot, std::span<const FormFactor> row) {
     const Patch& patch = scene_.patches[shot.patch];
     Group& group = *emitting_group(patch);
-    pass_on(group, group.direct, Vec3d(patch.emission) * (patch.area / parts[shot.patch]), row);
+    pass_on(group, apart[shot.patch] ? group.direct : group.by_rows,
+            Vec3d(patch.emission) * (patch.area / parts[shot.patch]), row);
     progress.update(0.0, "direct light");
   });
   take_stock();
@@ -225,14 +232,18 @@ EnergyField Refinement::result() const {
     auto& to = energy.groups.emplace_back();
     to.name = scene_.light_groups[g];
     for (std::size_t i = 0; i < power_.size(); ++i) {
-      const bool reached = from.direct[i] != Vec3d(0.0) || from.indirect[i] != Vec3d(0.0);
-      to.direct.emplace_back(Vec3f(from.direct[i]));
+      const Vec3d direct = from.direct[i] + from.by_rows[i];
+      const bool reached = direct != Vec3d(0.0) || from.indirect[i] != Vec3d(0.0);
+      to.direct.emplace_back(Vec3f(direct));
+      to.direct_by_rows.emplace_back(Vec3f(from.by_rows[i]));
       to.indirect.emplace_back(Vec3f(positive(from.indirect[i] + (reached ? from.ambient : Vec3d(0.0)))));
       const Color sum = to.direct.back() + to.indirect.back();
       if (!std::isfinite(sum.x + sum.y + sum.z))
         throw Error(ExitCode::bad_data, "light group `" + to.name + "` is too strong for single precision", "energy.h5",
                     "give its emitters less, and frames more by `lights` or the exposure");
     }
+    if (std::all_of(from.by_rows.begin(), from.by_rows.end(), [](const Vec3d& v) { return v == Vec3d(0.0); }))
+      to.direct_by_rows.clear();
   }
   energy.iterations = shots_;
   energy.rays = rays_;

@@ -9,7 +9,6 @@
 #include "pipeline/files/job_check.h"
 #include "pipeline/optics/patch_sampling.h"
 #include "pipeline/optics/random.h"
-#include "tracer/camera_rays.h"
 
 namespace patchlight {
 
@@ -18,7 +17,8 @@ namespace {
 constexpr float kMirrorRoughness = 0.05f;  // below it a metal is a perfect mirror
 constexpr float kLeastThroughput = 1e-3f;
 constexpr int kMostMirrors = 64;
-constexpr int kTile = 16;  // pixels along a tile's edge
+constexpr int kTile = 16;                     // pixels along a tile's edge
+constexpr std::size_t kMostPoints = 1 << 18;  // of a tile that wait for direct light
 
 std::vector<Color> lit_emission(const PatchSet& scene, const std::vector<Color>& settings) {
   std::vector<Color> emission(scene.patches.size(), Color(0.0f));
@@ -55,9 +55,12 @@ Integrator::Integrator(const PatchSet& scene, const EnergyField& energy, const J
       lookup_(scene),
       settings_(light_settings(job, scene)),
       emission_(lit_emission(scene, settings_)),
-      irradiance_(irradiance(energy, settings_, scene.patches.size())),
+      irradiance_(config_.quality == "direct" ? irradiance_without_apart(energy, settings_, scene.patches.size())
+                                              : irradiance(energy, settings_, scene.patches.size())),
       irradiance_lookup_(scene, lookup_, irradiance_),
-      shaders_([&scene] { return compile_shaders(scene); }) {}
+      shaders_([&scene] { return compile_shaders(scene); }) {
+  if (config_.quality == "direct") lights_.emplace(scene, ray_scene_, emission_);
+}
 
 Image Integrator::render(const Camera& camera, Progress& progress) const {
   const auto [width, height] = config_.resolution;
@@ -69,40 +72,54 @@ Image Integrator::render(const Camera& camera, Progress& progress) const {
     const int count = std::min(kRowsAtOnce, down - first) * across;
     tbb::parallel_for(0, count, [&](int index) {
       _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree wants denormals flushed
-      const int x0 = index % across * kTile, y0 = (first + index / across) * kTile;
-      RayPacket packet;
-      packet.clear();
-      std::array<Path, RayPacket::kSize> paths;
-      int lane = 0;
-      for (int y = y0; y < std::min(y0 + kTile, height); ++y)
-        for (int x = x0; x < std::min(x0 + kTile, width); ++x) {
-          const std::size_t pixel = std::size_t(y) * width + x;
-          const Vec2f shift = pixel_shift(pixel);
-          for (int k = 0; k < config_.samples; ++k) {
-            const Vec2f at = sample_point(k, config_.samples, shift);
-            const CameraRay ray = rays(float(x) + at.x, float(y) + at.y);
-            packet.set(lane, ray_scene_.to_local(ray.origin), ray.direction);
-            paths[lane] = {pixel, Color(1.0f), 0};
-            if (++lane < RayPacket::kSize) continue;
-            trace(packet, paths, image.pixels.data());
-            lane = 0;
-          }
-        }
-      if (lane > 0) trace(packet, paths, image.pixels.data());
+      render(rays, index % across * kTile, (first + index / across) * kTile, image);
     });
     progress.update(double(first + 1) / down, camera.name);
   }
-  for (Color& pixel : image.pixels) pixel /= float(config_.samples);
   return image;
 }
 
-void Integrator::trace(RayPacket& packet, std::array<Path, RayPacket::kSize>& paths, Color* pixels) const {
+void Integrator::render(const CameraRays& rays, int x0, int y0, Image& image) const {
+  Tile tile{std::vector<Color>(kTile * kTile, Color(0.0f)), {}};
+  const std::uint64_t seed = scramble(std::uint64_t(y0) << 32 | std::uint64_t(x0));
+  RayPacket packet;
+  packet.clear();
+  std::array<Path, RayPacket::kSize> paths;
+  int lane = 0;
+  const int x1 = std::min(x0 + kTile, image.width), y1 = std::min(y0 + kTile, image.height);
+  for (int y = y0; y < y1; ++y)
+    for (int x = x0; x < x1; ++x) {
+      const Vec2f shift = pixel_shift(std::size_t(y) * image.width + x);
+      for (int k = 0; k < config_.samples; ++k) {
+        const Vec2f at = sample_point(k, config_.samples, shift);
+        const CameraRay ray = rays(float(x) + at.x, float(y) + at.y);
+        packet.set(lane, ray_scene_.to_local(ray.origin), ray.direction);
+        paths[lane] = {std::uint32_t((y - y0) * kTile + x - x0), Color(1.0f), 0};
+        if (++lane < RayPacket::kSize) continue;
+        trace(packet, paths, tile);
+        lane = 0;
+        if (tile.points.size() > kMostPoints) add_direct_light(tile, seed);
+      }
+    }
+  if (lane > 0) trace(packet, paths, tile);
+  add_direct_light(tile, seed);
+  for (int y = y0; y < y1; ++y)
+    for (int x = x0; x < x1; ++x)
+      image.pixels[std::size_t(y) * image.width + x] = tile.pixels[(y - y0) * kTile + x - x0] / float(config_.samples);
+}
+
+void Integrator::add_direct_light(Tile& tile, std::uint64_t seed) const {
+  if (lights_) lights_->add(tile.points, kTile, seed, tile.pixels);
+  tile.points.clear();
+}
+
+void Integrator::trace(RayPacket& packet, std::array<Path, RayPacket::kSize>& paths, Tile& tile) const {
   for (bool coherent = true, going = true; going; coherent = false) {
     ray_scene_.intersect(packet, coherent);
     going = false;
     for (int lane = 0; lane < RayPacket::kSize; ++lane) {
       if (packet.valid[lane] == 0) continue;
-      if (shade(packet, lane, paths[lane], pixels))
+      if (shade(packet, lane, paths[lane], tile))
         going = true;
       else
         packet.valid[lane] = 0;
@@ -110,7 +127,7 @@ void Integrator::trace(RayPacket& packet, std::array<Path, RayPacket::kSize>& pa
   }
 }
 
-bool Integrator::shade(RayPacket& packet, int lane, Path& path, Color* pixels) const {
+bool Integrator::shade(RayPacket& packet, int lane, Path& path, Tile& tile) const {
   const SurfaceHit hit = ray_scene_.hit(packet, lane);
   if (hit.primitive < 0) return false;
   const Vec3f direction = packet.direction(lane);
@@ -128,12 +145,14 @@ bool Integrator::shade(RayPacket& packet, int lane, Path& path, Color* pixels) c
   if (scene_.primitives[hit.primitive].shader >= 0) apply_shader(hit, reflectance, emission);
   if (!mirror) reflectance += material.specular;
   const Color radiance = (emission + reflectance * irradiance_lookup_(hit.primitive, hit.u, hit.v)) / float(kPi);
-  pixels[path.pixel] += path.throughput * radiance;
+  tile.pixels[path.pixel] += path.throughput * radiance;
+  const SurfacePoint point = point_of(hit);
+  const Vec3d off = point.position + Vec3d(point.normal) * double(ray_scene_.offset(hit.primitive));
+  if (lights_)
+    tile.points.push_back({path.pixel, hit.primitive, off, point.normal, path.throughput * reflectance / float(kPi)});
   path.throughput *= material.specular;
   if (!mirror || largest(path.throughput) < kLeastThroughput || ++path.mirrors >= kMostMirrors) return false;
-  const SurfacePoint point = point_of(hit);
-  packet.set(lane, ray_scene_.to_local(point.position) + point.normal * ray_scene_.offset(hit.primitive),
-             direction - point.normal * (2.0f * (point.normal ^ direction)));
+  packet.set(lane, ray_scene_.to_local(off), direction - point.normal * (2.0f * (point.normal ^ direction)));
   return true;
 }
 

@@ -48,6 +48,7 @@ struct TraceConfig {
   double fps = 24.0;
   std::array<int, 2> resolution{640, 480};
   int samples = 16;
+  std::string quality = "direct";  ///< direct or patches.
   bool cull_backfaces = false;
   std::string view = "sRGB";
   double exposure = 0.0;  ///< Stops, for the PNG alone.

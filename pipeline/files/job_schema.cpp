@@ -267,6 +267,8 @@ std::vector<JobKey> job_keys(Job& job) {
       frames_key(trace.frames),
       number_key("trace.fps", trace.fps, 1e-3, 1e6, "frames a second of animated cameras"),
       resolution_key(trace.resolution),
+      choice_key("trace.quality", trace.quality, {"direct", "patches"},
+                 "direct light at the pixel, or interpolated between patches as the rest is"),
       integer_key("trace.samples", trace.samples, 1, 1 << 16, "samples for each pixel"),
       flag_key("trace.cull_backfaces", trace.cull_backfaces, "look through the backs of single-sided surfaces"),
       view_key(trace.view),

@@ -20,7 +20,7 @@ namespace {
 constexpr int kImportVersion = 1;
 constexpr int kTransportKeyVersion = 1;
 constexpr int kSolveVersion = 3;
-constexpr int kTraceVersion = 2;
+constexpr int kTraceVersion = 3;
 
 XXH3_state_t* state_of(void* state) {
   return static_cast<XXH3_state_t*>(state);
@@ -150,7 +150,12 @@ std::string frame_key(const PatchSet& scene, const std::string& energy_key, cons
   hasher.add("trace").add(kTraceVersion).add(scene.key).add(scene.frames_key).add(energy_key);
   hasher.add(seen_by.name).add(int(seen_by.projection)).add(seen_by.vertical);
   for (int k = 0; k < 16; ++k) hasher.add(seen_by.to_world.x[k / 4][k % 4]);
-  hasher.add(frame).add(trace.resolution[0]).add(trace.resolution[1]).add(trace.samples).add(view_config);
+  hasher.add(frame)
+      .add(trace.resolution[0])
+      .add(trace.resolution[1])
+      .add(trace.samples)
+      .add(trace.quality)
+      .add(view_config);
   hasher.add(trace.cull_backfaces).add(trace.view).add(trace.exposure);
   for (const auto& [name, light] : job.lights) {
     if (light.scale == 1.0 && light.color == Color(1.0f)) continue;

@@ -13,6 +13,18 @@ std::vector<Color> irradiance(const EnergyField& energy, const std::vector<Color
   return sum;
 }
 
+std::vector<Color> irradiance_without_apart(const EnergyField& energy, const std::vector<Color>& settings,
+                                            std::size_t patches) {
+  std::vector<Color> sum(patches, Color(0.0f));
+  for (std::size_t g = 0; g < energy.groups.size(); ++g) {
+    const EnergyField::Group& group = energy.groups[g];
+    for (std::size_t i = 0; i < patches; ++i)
+      sum[i] += settings[g] *
+                (group.direct_by_rows.empty() ? group.indirect[i] : group.indirect[i] + group.direct_by_rows[i]);
+  }
+  return sum;
+}
+
 std::vector<Color> radiosity(const PatchSet& scene, const EnergyField& energy) {
   std::vector<Color> result(scene.patches.size());
   for (std::size_t i = 0; i < result.size(); ++i) {

@@ -23,6 +23,7 @@ struct Solved {
     energy.groups = {{"light", std::vector<Color>(n, Color(direct)), std::vector<Color>(n, Color(indirect))}};
     job.trace.resolution = {8, 8};
     job.trace.samples = 4;
+    job.trace.quality = "patches";
   }
 
   Image render() const {
@@ -104,6 +105,25 @@ TEST(Integrator, SeesBacksBlackOrLooksThroughThem) {
   for (const Color& pixel : solved.render().pixels) EXPECT_NEAR(pixel.y, 1.5 / kPi, 1e-5);
 }
 
+TEST(Integrator, FindsDirectLightAtThePixelAndInMirrors) {
+  // The camera looks at a wall, 2 m behind which, across a mirror, stands a lamp that is parallel to it.
+  PatchScene builder;
+  builder.get().materials.push_back({"mirror", Color(0.5f), 0.0f});
+  builder.quad({{{-9, -9, 2}, {-9, 9, 2}, {9, 9, 2}, {9, -9, 2}}}, 1, 1, {0.8f, 0.0f});            // behind the camera
+  builder.quad({{{-9, -9, -1}, {9, -9, -1}, {9, 9, -1}, {-9, 9, -1}}}, 1, 1, {0.0f, 0.0f, 0, 1});  // the mirror
+  builder.quad({{{0.5, -0.1, -0.9}, {0.7, -0.1, -0.9}, {0.7, 0.1, -0.9}, {0.5, 0.1, -0.9}}}, 1, 1, {0.0f, 5.0f});
+  Solved solved(builder, 7.0f, 1.0f);
+  solved.job.trace.quality = "direct";
+  solved.job.trace.resolution = {1, 1};
+  solved.camera.vertical = 1e-3;  // it sees itself in the mirror, and the wall behind
+  const RayScene rays(solved.scene);
+  const DirectLight lamp(solved.scene, rays, emitters_apart(solved.scene).at(0));
+  const double irradiance = 1 + 5 * lamp.form_factor({0, 0, 2}, {0, 0, -1});
+  EXPECT_NEAR(solved.render().pixels[0].y, 0.5 * 0.8 * irradiance / kPi, 1e-4);
+  solved.energy.groups[0].direct_by_rows.assign(solved.scene.patches.size(), Color(0.25f));
+  EXPECT_NEAR(solved.render().pixels[0].y, 0.5 * 0.8 * (irradiance + 0.25) / kPi, 1e-4);
+}
+
 TEST(Integrator, EdgesAreTheShareOfThePixelThatIsCovered) {
   PatchScene builder;  // an emitter over the left 0.3 of the one pixel's width
   builder.quad({{{-1, -1, -1}, {-0.4, -1, -1}, {-0.4, 1, -1}, {-1, 1, -1}}}, 1, 1, {0.0f, float(kPi)});
@@ -178,6 +198,7 @@ TEST(Integrator, GivesTheSameBitsForAnyNumberOfThreads) {
     if (p.light_group >= 0) p.shader = 0;
   Solved solved(builder);
   solved.job.trace.resolution = {40, 33};
+  solved.job.trace.quality = "direct";
   std::vector<Image> images;
   for (const std::size_t threads : {1, 2, 3}) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
