@@ -9,8 +9,8 @@ namespace patchlight {
 
 namespace {
 
-constexpr int kPilots = 4;        // samples of a spot to begin with, at most one for each of its points
-constexpr int kPartial = 8;       // samples for each point where visibility is partial
+constexpr int kPilots = 4;     // samples of a spot to begin with, at most one for each of its points
+constexpr float kPartial = 8;  // samples for each point where visibility is partial, of a lamp that brings half of all
 constexpr float kLittle = 0.01f;  // part of a spot's light below which a lamp is sampled once
 constexpr float kAlike = 0.98f;   // cosine between the normals of a spot
 constexpr double kSmall = 0.05;  // radius of a spot over its distance from a lamp where its middle stands for all of it
@@ -78,12 +78,12 @@ class PixelLight::Tile {
 
  private:
   void add_lamp(const Lamp& lamp, std::uint64_t random, std::span<const float> whole, const std::vector<float>& total) {
-    const auto little = [&](std::size_t s) { return whole[s] * brightness(lamp.exitance) < kLittle * total[s]; };
+    const auto share = [&](std::size_t s) { return whole[s] * brightness(lamp.exitance) / total[s]; };
     std::vector<LightSamples> pilots(spots_.size()), more(spots_.size());
     for (std::size_t s = 0; s < spots_.size(); ++s) {
-      const int most = little(s) ? 1 : kPilots;
-      if (whole[s] > 0)
-        sample(lamp, spots_[s], std::min(int(spots_[s].points.size()), most), random + 2 * s, pilots[s]);
+      if (whole[s] <= 0) continue;
+      const int most = share(s) < kLittle ? 1 : kPilots;
+      sample(lamp, spots_[s], std::min(int(spots_[s].points.size()), most), random + 2 * s, pilots[s]);
     }
     rays_.cast();
     std::vector<Visibility> seen(pixels_.size());
@@ -92,8 +92,9 @@ class PixelLight::Tile {
     for (std::size_t s = 0; s < spots_.size(); ++s) {
       if (whole[s] <= 0) continue;
       around[s] = about(spots_[s].pixel, seen);
-      if (around[s].partial() && !little(s))
-        sample(lamp, spots_[s], kPartial * int(spots_[s].points.size()), random + 2 * s + 1, more[s]);
+      if (!around[s].partial() || share(s) < kLittle) continue;
+      const float samples = kPartial * float(spots_[s].points.size()) * std::min(2 * share(s), 1.0f);
+      sample(lamp, spots_[s], std::max(kPilots, int(samples)), random + 2 * s + 1, more[s]);
     }
     rays_.cast();
     for (std::size_t s = 0; s < spots_.size(); ++s) {
