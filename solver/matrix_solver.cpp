@@ -155,9 +155,10 @@ void warn_of_residual(const std::string& group, const LinearSolve& linear, const
 
 }  // namespace
 
-EnergyField solve_matrix(const PatchSet& scene, const SolveConfig& config, Transport& transport, Progress& progress) {
+EnergyField solve_matrix(const PatchSet& scene, const SolveConfig& config, int rays, Transport& transport,
+                         Progress& progress) {
   EnergyField energy;
-  energy.rays = complete_transport(scene, config, transport, progress);
+  energy.rays = complete_transport(scene, config, rays, transport, progress);
   const System system(scene, transport);
   const std::size_t n = system.areas.size();
   std::vector<GroupSolution> groups;

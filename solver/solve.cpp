@@ -2,14 +2,18 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 
 #include "pipeline/files/job_check.h"
 #include "pipeline/files/key.h"
 #include "solver/hemicube.h"
 #include "solver/matrix_solver.h"
+#include "solver/memory_need.h"
 #include "solver/progressive_refinement.h"
 #include "solver/ray_form_factors.h"
+#include "solver/transport_builder.h"
 
 namespace patchlight {
 
@@ -19,6 +23,32 @@ std::unique_ptr<FormFactorSource> make_form_factors(const PatchSet& scene, const
   if (config.form_factors == "hemicube")
     return std::make_unique<HemicubeFormFactors>(scene, config.hemicube_resolution, std::uint64_t(config.seed));
   return std::make_unique<RayFormFactors>(scene, std::uint64_t(config.seed));
+}
+
+/// Solves with more and more rays a row until the stated bound is below the target, or memory ends.
+EnergyField solve_to_target(const PatchSet& scene, SolveConfig config, Transport& transport, Progress& progress) {
+  constexpr int kMostRays = 1 << 22;
+  constexpr double kMargin = 1.2;  // more than the error promises, since every solve that falls short is lost
+  if (config.error_target > 0) config.tolerance = std::min(config.tolerance, config.error_target / 20);
+  const bool kept = transport.key == transport_key(scene.geometry_key, config);
+  std::int64_t cast = 0;
+  for (int rays = kept ? std::max(config.rays, rays_of(transport)) : config.rays;;) {
+    EnergyField energy = solve_matrix(scene, config, rays, transport, progress);
+    energy.rays = cast += energy.rays;
+    const double bound = energy.estimate->error_bound;
+    if (config.error_target == 0 || bound <= config.error_target) return energy;
+    const double factor = std::clamp(kMargin * std::pow(bound / config.error_target, 2), 1.5, 8.0);
+    const int more = int(std::min(factor * rays, double(kMostRays)));
+    if (more <= rays || memory_needed(scene, config, more) > memory_allowed(config)) {
+      progress.warning(
+          fmt::format("the error's bound stays at {:.2g}%: more than {} rays a patch would need more than "
+                      "--memory allows, or solve.error_target ({}%) is too small for these patches",
+                      100 * bound, rays, 100 * config.error_target));
+      return energy;
+    }
+    progress.note(fmt::format("error below {:.2g}% with {} rays a patch: on with {}", 100 * bound, rays, more));
+    rays = more;
+  }
 }
 
 std::string summary(const PatchSet& scene, const EnergyField& energy) {
@@ -40,8 +70,9 @@ EnergyField solve(const PatchSet& scene, const SolveConfig& config, Transport& t
   const auto start = std::chrono::steady_clock::now();
   if (scene.light_groups.empty())
     progress.warning("nothing in the scene emits light: all is black; give a material an emission");
+  check_memory(scene, config);
   EnergyField energy = config.method == "matrix"
-                           ? solve_matrix(scene, config, transport, progress)
+                           ? solve_to_target(scene, config, transport, progress)
                            : progressive_refinement(scene, config, *make_form_factors(scene, config), progress);
   energy.key = energy_key(scene.key, config);
   energy.patches_key = scene.key;

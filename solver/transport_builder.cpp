@@ -34,7 +34,11 @@ void draw_rows(const PatchSet& scene, const SolveConfig& config, Transport& tran
 
 }  // namespace
 
-std::int64_t complete_transport(const PatchSet& scene, const SolveConfig& config, Transport& transport,
+int rays_of(const Transport& transport) {
+  return transport.rows() > 0 ? int(std::int64_t(transport.ends.size()) / transport.rows()) : 0;
+}
+
+std::int64_t complete_transport(const PatchSet& scene, const SolveConfig& config, int rays, Transport& transport,
                                 Progress& progress) {
   if (scene.light_groups.empty()) return 0;
   const std::string key = transport_key(scene.geometry_key, config);
@@ -46,7 +50,8 @@ std::int64_t complete_transport(const PatchSet& scene, const SolveConfig& config
       return e.first_patch == emitter.first_patch && e.patches == emitter.patches;
     });
   };
-  const bool same_rows = transport.key == key;
+  const bool hemicubes = config.form_factors == "hemicube";
+  const bool same_rows = transport.key == key && (hemicubes || rays_of(transport) >= rays);
   if (same_rows && wanted.size() == transport.emitters.size() &&
       std::all_of(wanted.begin(), wanted.end(), [&](const Emitter& e) { return kept(e) != transport.emitters.end(); }))
     return 0;
@@ -57,10 +62,10 @@ std::int64_t complete_transport(const PatchSet& scene, const SolveConfig& config
   std::int64_t cast = 0;
   if (!same_rows) {
     transport = {};
-    if (config.form_factors == "hemicube")
+    if (hemicubes)
       draw_rows(scene, config, transport, progress);
     else
-      cast += RayRows(scene, ray_scene, lookup, seed).cast(config.rays, transport, progress);
+      cast += RayRows(scene, ray_scene, lookup, seed).cast(rays, transport, progress);
     transport.key = key;
   }
   std::vector<Transport::Emitter> emitters;
@@ -68,7 +73,7 @@ std::int64_t complete_transport(const PatchSet& scene, const SolveConfig& config
   for (const Emitter& emitter : wanted) {
     const auto at = kept(emitter);
     emitters.push_back(at != transport.emitters.end() ? std::move(*at)
-                                                      : direct.sample(emitter, wanted.size(), config.rays, cast));
+                                                      : direct.sample(emitter, wanted.size(), rays, cast));
     progress.update(double(emitters.size()) / double(wanted.size()), "direct light");
   }
   transport.emitters = std::move(emitters);

@@ -6,11 +6,13 @@
 
 namespace patchlight {
 
-/// Brings `transport` up to the scene and the settings: rows where its key is another, and form factors to every
-/// emitter sampled apart that it does not hold yet; those of others go. Returns the number of rays cast, 0 if nothing
-/// was missing.
-/// Throws: Error (interrupted); (unavailable) without OpenGL for hemicubes.
-std::int64_t complete_transport(const PatchSet& scene, const SolveConfig& config, Transport& transport,
+/// How many rays each row of `transport` has; 0 without rows.
+int rays_of(const Transport& transport);
+
+/// Brings `transport` up to the scene, the settings and at least `rays` a row: rows where it has others or fewer, and
+/// form factors to every emitter sampled apart that it does not hold yet; those of others go. Returns the number of
+/// rays cast, 0 if nothing was missing. Throws: Error (interrupted); (unavailable) without OpenGL for hemicubes.
+std::int64_t complete_transport(const PatchSet& scene, const SolveConfig& config, int rays, Transport& transport,
                                 Progress& progress);
 
 }  // namespace patchlight

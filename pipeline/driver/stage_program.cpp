@@ -90,6 +90,7 @@ std::vector<std::string> stage_arguments(const std::string& job_file, const Comm
   for (const auto& set : options.sets) add("--set", set);
   add("--output", options.output);
   add("--threads", options.threads > 0 ? std::to_string(options.threads) : "");
+  add("--memory", options.memory > 0 ? std::to_string(options.memory) : "");
   add("--log-json", options.log_json);
   if (options.quiet) arguments.push_back("--quiet");
   arguments.insert(arguments.end(), {"--", job_file});

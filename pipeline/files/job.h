@@ -32,8 +32,10 @@ struct SolveConfig {
   bool display = false;
   int hemicube_resolution = 128;
   double tolerance = 1e-3;
+  double error_target = 0.0;      ///< Relative; 0: none.
   std::int64_t max_shots = 1000;  ///< For each patch, on average.
   std::int64_t seed = 1;
+  std::uint64_t memory = 0;  ///< Most bytes, from the command line; 0: what the machine has.
 };
 
 /// How frames show one light group.

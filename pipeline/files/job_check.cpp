@@ -14,6 +14,9 @@ void check_available(const SolveConfig& solve) {
     throw Error(ExitCode::bad_config, "`" + value + "` is not available yet", key, mend);
   };
   if (solve.display) refuse("true", "solve.display", "use `false`");
+  if (solve.error_target > 0 && (solve.method != "matrix" || solve.form_factors != "rays"))
+    throw Error(ExitCode::bad_config, "only `matrix` over `rays` can reach a target", "solve.error_target",
+                "use them, or leave it out and raise solve.rays or solve.hemicube_resolution");
 }
 
 std::vector<Color> light_settings(const Job& job, const PatchSet& scene) {

@@ -254,6 +254,8 @@ std::vector<JobKey> job_keys(Job& job) {
       flag_key("solve.display", solve.display, "also gather the display solution that frames interpolate"),
       integer_key("solve.hemicube_resolution", solve.hemicube_resolution, 2, 4096, "cells along a hemicube's edge"),
       number_key("solve.tolerance", solve.tolerance, 1e-12, 1, "stop when the residual is below this"),
+      number_key("solve.error_target", solve.error_target, 0, 1,
+                 "cast rays until the stated bound of the error is below this; 0: cast solve.rays"),
       integer_key("solve.max_shots", solve.max_shots, 1, 1'000'000'000,
                   "stop after so many shots for each patch, on average"),
       integer_key("solve.seed", solve.seed, 0, most, "of the random numbers"),

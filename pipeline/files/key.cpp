@@ -114,6 +114,7 @@ std::string transport_key(const std::string& geometry_key, const SolveConfig& so
       .add(solve.form_factors)
       .add(solve.form_factors == "hemicube" ? solve.hemicube_resolution : 0)
       .add(solve.rays)
+      .add(solve.error_target)
       .add(solve.seed)
       .hex();
 }
@@ -128,6 +129,7 @@ std::string energy_key(const std::string& patches_key, const SolveConfig& solve)
       .add(solve.form_factors == "hemicube" ? solve.hemicube_resolution : 0)
       .add(solve.form_factors == "hemicube" && solve.method == "progressive" ? 0 : solve.rays)
       .add(solve.tolerance)
+      .add(solve.error_target)
       .add(solve.method == "progressive" ? solve.max_shots : 0)
       .add(solve.seed)
       .hex();

@@ -20,6 +20,8 @@ void add_common_options(CLI::App& app, CommonOptions& options) {
   app.add_option("--output", options.output, "Folder for outputs, instead of the job's")
       ->check([](const std::string& folder) { return folder.empty() ? std::string("an empty name") : std::string(); });
   app.add_option("--threads", options.threads, "Number of threads; absent: all")->check(CLI::Range(1, 4096));
+  app.add_option("--memory", options.memory, "Refuse a solve that needs more, as 8GiB; absent: what the machine has")
+      ->transform(CLI::AsSizeValue(false));
   app.add_flag("--quiet", options.quiet, "Print warnings and errors alone");
   app.add_option("--log-json", options.log_json, "Append one JSON object a line to this file");
   app.set_version_flag("--version", patchlight_version());
@@ -87,7 +89,9 @@ int run_stage(const std::string& stage, int argc, char** argv, const std::functi
     Progress::catch_signals();
     std::optional<tbb::global_control> limit;
     if (options.threads > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, std::size_t(options.threads));
-    body(read_job(job_file, options.sets, options.output), progress);
+    Job job = read_job(job_file, options.sets, options.output);
+    job.solve.memory = options.memory;
+    body(job, progress);
   });
 }
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
@@ -17,7 +18,8 @@ namespace patchlight {
 struct CommonOptions {
   std::vector<std::string> sets;
   std::string output;
-  int threads = 0;  ///< 0: all.
+  int threads = 0;           ///< 0: all.
+  std::uint64_t memory = 0;  ///< Most bytes that a stage may take; 0: what the machine has.
   bool quiet = false;
   std::string log_json;
 };

@@ -150,6 +150,15 @@ TEST_F(ExitCode, Is77OverTheLimitOfPatches) {
   expect(77, import({"job.yaml", "--set", "import.max_patches=100"}), "import.max_patches");
 }
 
+TEST_F(ExitCode, Is77ForASolveThatNeedsMoreMemoryThanAllowed) {
+  small_job(folder_);
+  ASSERT_EQ(import({"job.yaml"}).code, 0);
+  expect(77, run_program(folder_, "patchlight-solve", {"job.yaml", "--memory", "1MiB"}), "--memory allows");
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "out/transport.h5"));
+  EXPECT_EQ(run_program(folder_, "patchlight", {"run", "job.yaml", "--memory", "1MiB"}).code, 77);
+  EXPECT_EQ(run_program(folder_, "patchlight-solve", {"job.yaml", "--memory", "1GiB"}).code, 0);
+}
+
 TEST_F(ExitCode, Is78ForABadJob) {
   small_job(folder_);
   expect(78, import({"job.yaml", "--set", "import.patch_aria=1"}), "import.patch_area");
@@ -158,6 +167,10 @@ TEST_F(ExitCode, Is78ForABadJob) {
     return run_program(folder_, "patchlight-solve", {"job.yaml", "--set", set});
   };
   expect(78, solve("solve.display=true"), "not available");
+  EXPECT_EQ(run_program(folder_, "patchlight-solve",
+                        {"job.yaml", "--set", "solve.method=progressive", "--set", "solve.error_target=0.1"})
+                .code,
+            78);
   ASSERT_EQ(solve("solve.rays=16").code, 0);
   const auto trace = [&](const char* set) {
     return run_program(folder_, "patchlight-trace", {"job.yaml", "--set", set});

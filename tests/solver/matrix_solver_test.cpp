@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "solver/solve.h"
 #include "tests/patch_scene.h"
 
 namespace patchlight {
@@ -25,7 +26,7 @@ Solved solve_quietly(const PatchSet& scene, int rays, const std::string& form_fa
   config.form_factors = form_factors;
   Progress progress({"test", true, ""});
   Solved solved;
-  solved.energy = solve_matrix(scene, config, solved.transport, progress);
+  solved.energy = solve_matrix(scene, config, rays, solved.transport, progress);
   return solved;
 }
 
@@ -107,6 +108,19 @@ TEST(MatrixSolver, KnowsItsOwnError) {
   EXPECT_GE(within, 34);  // 38 expected; fewer has a chance of 1 in 300
 }
 
+TEST(Solve, CastsUntilTheErrorTargetIsMet) {
+  PatchScene builder = shadowed_room();
+  SolveConfig config;
+  config.rays = 32;
+  config.error_target = 0.01;
+  Progress progress({"test", true, ""});
+  Transport transport;
+  const EnergyField energy = solve(builder.get(), config, transport, progress);
+  EXPECT_LE(energy.estimate->error_bound, 0.01);
+  EXPECT_GT(energy.rays, 64 * transport.rows());
+  EXPECT_EQ(solve(builder.get(), config, transport, progress).rays, 0) << "what was cast is kept";
+}
+
 TEST(MatrixSolver, OtherColoursAndLampsNeedNoRay) {
   PatchScene builder = shadowed_room();
   PatchSet& scene = builder.get();
@@ -118,11 +132,11 @@ TEST(MatrixSolver, OtherColoursAndLampsNeedNoRay) {
   SolveConfig config;
   config.rays = 64;
   Progress progress({"test", true, ""});
-  const EnergyField lamp = solve_matrix(scene, config, first.transport, progress);
+  const EnergyField lamp = solve_matrix(scene, config, 64, first.transport, progress);
   EXPECT_GT(lamp.rays, 0);
   EXPECT_LT(lamp.rays, first.energy.rays);
   for (Patch& patch : scene.patches) patch.reflectance *= 0.5f;
-  EXPECT_EQ(solve_matrix(scene, config, first.transport, progress).rays, 0);
+  EXPECT_EQ(solve_matrix(scene, config, 64, first.transport, progress).rays, 0);
 }
 
 TEST(MatrixSolver, GivesTheSameBitsForAnyNumberOfThreads) {
