@@ -1,0 +1,63 @@
+#include "pipeline/optics/mirror.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "pipeline/optics/random.h"
+
+namespace patchlight {
+namespace {
+
+const Vec3f kNormal = Vec3f(1, 2, -2) / 3.0f;
+
+/// Towards the surface, at the cosine `mu`.
+Vec3f incoming(float mu) {
+  const Vec3f across = (kNormal % Vec3f(1, 0, 0)).normalized();
+  return across * std::sqrt(1 - mu * mu) - kNormal * mu;
+}
+
+TEST(Mirror, PerfectOnesReflectAtTheSameAngle) {
+  Vec3f direction = incoming(0.6f);
+  const Vec3f before = direction;
+  Color throughput(0.5f);
+  EXPECT_TRUE(reflect({"m", Color(0.8f, 0.4f, 0.0f), 0.0f}, kNormal, 1, direction, throughput));
+  EXPECT_NEAR(direction ^ kNormal, 0.6, 1e-6);
+  EXPECT_NEAR((direction - before).length(), 1.2, 1e-6);
+  EXPECT_NEAR(throughput.x, 0.4, 1e-6);
+  EXPECT_EQ(throughput.z, 0);
+}
+
+TEST(Mirror, RoughOnesReflectWhatTheirMicrofacetsLeave) {
+  struct Case {
+    float roughness, mu, albedo;  // the last by integrating D G2 / (4 cos cos) over the hemisphere
+  };
+  for (const Case& c : {Case{1.0f, 0.999f, 0.3065f}, Case{1.0f, 0.7f, 0.3792f}, Case{0.5f, 0.999f, 0.9119f}}) {
+    double sum = 0;
+    constexpr int kSamples = 100000;
+    for (std::uint64_t k = 0; k < kSamples; ++k) {
+      Vec3f direction = incoming(c.mu);
+      Color throughput(1.0f);
+      if (!reflect({"m", Color(1.0f), c.roughness}, kNormal, scramble(k), direction, throughput)) continue;
+      ASSERT_GT(direction ^ kNormal, 0);
+      ASSERT_NEAR(direction.length(), 1, 1e-5);
+      ASSERT_LE(throughput.x, 1);
+      sum += throughput.x;
+    }
+    EXPECT_NEAR(sum / kSamples, c.albedo, 0.006) << c.roughness << " " << c.mu;
+  }
+}
+
+TEST(Mirror, SmoothOnesStayNearThePerfectDirection) {
+  Vec3f perfect = incoming(0.5f);
+  perfect -= kNormal * (2.0f * (kNormal ^ perfect));
+  for (std::uint64_t k = 0; k < 100; ++k) {
+    Vec3f direction = incoming(0.5f);
+    Color throughput(1.0f);
+    ASSERT_TRUE(reflect({"m", Color(1.0f), 0.06f}, kNormal, scramble(k), direction, throughput));
+    EXPECT_GT(direction ^ perfect, 0.99f);
+  }
+}
+
+}  // namespace
+}  // namespace patchlight

@@ -1,0 +1,125 @@
+#include "solver/ray_rows.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/patch_scene.h"
+
+namespace patchlight {
+namespace {
+
+using test::PatchScene;
+
+Transport cast(const PatchSet& scene, int rays) {
+  const RayScene ray_scene(scene);
+  const PatchLookup lookup(scene);
+  Progress progress({"test", true, ""});
+  Transport transport;
+  RayRows(scene, ray_scene, lookup, 1).cast(rays, transport, progress);
+  return transport;
+}
+
+/// Part of the rays of the patches from `first` on that end on those from `to` on.
+double form_factor(const Transport& transport, int first, int rows, int to, int patches) {
+  double hits = 0, all = 0;
+  for (std::uint64_t k = transport.starts[2 * first]; k < transport.starts[2 * (first + rows)]; ++k, ++all)
+    hits += transport.ends[k] >= to && transport.ends[k] < to + patches;
+  return hits / all;
+}
+
+TEST(DirectionTable, SpreadsWithTheDensityOfTheCosine) {
+  const DirectionTable table(1024);
+  double height = 0, square = 0, across = 0;
+  for (int k = 0; k < table.count(); ++k) {
+    const Vec3f d = cosine_direction(table.x[k], table.y[k]);
+    height += d.z / 1024;
+    square += d.z * d.z / 1024;
+    across += d.x / 1024;
+    ASSERT_TRUE(table.u[k] >= 0 && table.u[k] < 1 && table.v[k] >= 0 && table.v[k] < 1);
+  }
+  EXPECT_NEAR(height, 2.0 / 3, 2e-3);
+  EXPECT_NEAR(square, 0.5, 2e-3);
+  EXPECT_NEAR(across, 0, 2e-3);
+}
+
+TEST(RayRows, HaveTwoHalvesOfEqualLength) {
+  PatchScene builder;
+  builder.room(1, 3, {});
+  const Transport transport = cast(builder.get(), 100);
+  EXPECT_EQ(transport.starts.size(), 2 * builder.get().patches.size() + 1);
+  for (std::size_t k = 1; k < transport.starts.size(); ++k)
+    EXPECT_EQ(transport.starts[k] - transport.starts[k - 1], 64u) << "128 a row, in multiples of 32";
+}
+
+TEST(RayRows, InAClosedRoomSeePatchesAloneAndNoneOfTheirOwnPlane) {
+  PatchScene builder;
+  builder.room(1, 4, {});
+  const Transport transport = cast(builder.get(), 512);
+  EXPECT_EQ(form_factor(transport, 0, 96, 96, 1), 0) << "nothing leaves";
+  for (int wall = 0; wall < 6; ++wall) EXPECT_EQ(form_factor(transport, 16 * wall, 16, 16 * wall, 16), 0);
+}
+
+TEST(RayRows, AgreeWithTheClosedFormOfParallelSquares) {
+  PatchScene builder;
+  builder.quad({{{0, 0, 0}, {0, 0, 1}, {1, 0, 1}, {1, 0, 0}}}, 3, 3, {});
+  builder.quad({{{0, 1, 0}, {1, 1, 0}, {1, 1, 1}, {0, 1, 1}}}, 5, 5, {});
+  const Transport transport = cast(builder.get(), 1 << 14);
+  EXPECT_NEAR(form_factor(transport, 0, 9, 9, 25), 0.199824895698387, 1e-3);
+  EXPECT_NEAR(form_factor(transport, 9, 25, 0, 9), 0.199824895698387, 1e-3);
+}
+
+TEST(RayRows, EndNowhereOnUnlitBacks) {
+  PatchScene builder;
+  builder.quad({{{0, 0, 0}, {0, 0, 1}, {1, 0, 1}, {1, 0, 0}}}, 1, 1, {});
+  builder.quad({{{-9, 1, -9}, {-9, 1, 9}, {9, 1, 9}, {9, 1, -9}}}, 1, 1, {});  // lit upwards
+  EXPECT_EQ(form_factor(cast(builder.get(), 256), 0, 1, 1, 1), 0);
+}
+
+/// Received by the first patch by way of mirrors, of each half: sums of weights.
+Vec3d mirrored(const Transport& transport, int row) {
+  Vec3d sum(0.0);
+  for (const auto& m : transport.mirrored)
+    if (m.row == row) sum += Vec3d(m.weight) * 0.5;
+  return sum;
+}
+
+PatchScene before_mirror(const Color& specular, float roughness) {
+  PatchScene builder;
+  builder.get().materials.push_back({"mirror", specular, roughness});
+  builder.room(1, 1, {0.5f, 0.0f});
+  builder.quad({{{-0.5, -0.5, 0.9}, {-0.5, 0.5, 0.9}, {0.5, 0.5, 0.9}, {0.5, -0.5, 0.9}}}, 1, 1, {0.0f, 0.0f, 0, 1});
+  return builder;
+}
+
+TEST(RayRows, GoOnThroughMirrorsByWhatTheyReflect) {
+  PatchScene builder = before_mirror(Color(0.8f, 0.4f, 0.0f), 0.0f);
+  const Transport transport = cast(builder.get(), 4096);
+  const double meets = form_factor(transport, 4, 1, 6, 1);  // the wall at -z sees the mirror
+  EXPECT_GT(meets, 0.05);
+  const Vec3d by_mirror = mirrored(transport, 4);
+  EXPECT_NEAR(by_mirror.x, 0.8 * meets, 0.01 * meets);
+  EXPECT_NEAR(by_mirror.y, 0.4 * meets, 0.01 * meets);
+  EXPECT_EQ(by_mirror.z, 0);
+}
+
+TEST(RayRows, RoughMetalsSendOnNoMoreThanTheyGet) {
+  for (const float roughness : {0.1f, 0.5f, 1.0f}) {
+    PatchScene builder = before_mirror(Color(1.0f), roughness);
+    const Transport transport = cast(builder.get(), 4096);
+    const double meets = form_factor(transport, 4, 1, 6, 1);
+    EXPECT_LE(mirrored(transport, 4).x, 1.01 * meets) << roughness;
+    EXPECT_GT(mirrored(transport, 4).x, 0.25 * meets) << roughness;
+  }
+}
+
+TEST(RayRows, EndBetweenMirrorsThatFaceEachOther) {
+  PatchScene builder;
+  builder.get().materials[0] = {"mirror", Color(1.0f), 0.0f};
+  builder.room(1, 2, {0.0f, 0.0f});
+  const Transport transport = cast(builder.get(), 64);
+  EXPECT_EQ(transport.ends.size(), 24u * 64);
+}
+
+}  // namespace
+}  // namespace patchlight
