@@ -12,6 +12,7 @@
 #include "pipeline/optics/patch_sampling.h"
 #include "solver/hemicube.h"
 #include "solver/ray_form_factors.h"
+#include "solver/ray_rows.h"
 #include "solver/solve.h"
 
 namespace patchlight {
@@ -79,6 +80,28 @@ void solver_cast(benchmark::State& state) {
   state.SetItemsProcessed(std::int64_t(state.iterations() * shots.size() * 256));
 }
 BENCHMARK(solver_cast)->Unit(benchmark::kMillisecond)->Repetitions(5)->ReportAggregatesOnly();
+
+/// All rows, 256 rays each, by as many threads as the argument says; items are rays, per second of wall time.
+void rows_cast(benchmark::State& state) {
+  const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, std::size_t(state.range(0)));
+  const RayScene ray_scene(scene());
+  const PatchLookup lookup(scene());
+  Progress progress({"bench", true, ""});
+  std::int64_t rays = 0;
+  for (auto _ : state) {
+    Transport transport;
+    rays += RayRows(scene(), ray_scene, lookup, 1).cast(256, transport, progress);
+    benchmark::DoNotOptimize(transport.ends.data());
+  }
+  state.SetItemsProcessed(rays);
+}
+BENCHMARK(rows_cast)
+    ->Arg(1)
+    ->Arg(2)
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond)
+    ->Repetitions(5)
+    ->ReportAggregatesOnly();
 
 /// Rows of 2,000 patches, evenly chosen; CPU seconds of all threads, the rasteriser's too.
 void hemicubes(benchmark::State& state) {
