@@ -39,7 +39,7 @@ class DirectFactors::Run {
         emitter_(emitter),
         light_(from.scene_, from.ray_scene_, emitter),
         samples_(samples),
-        rows_(std::int32_t(from.scene_.patches.size())),
+        rows_(std::int32_t(from.receivers_.size())),
         whole_(rows_),
         pilots_(2 * std::size_t(rows_)),
         more_(2 * std::size_t(rows_)) {}
@@ -88,17 +88,18 @@ class DirectFactors::Run {
   }
 
   bool owned(std::int32_t row) const {
-    return row >= emitter_.first_patch && row < emitter_.first_patch + emitter_.patches;
+    return from_.receivers_[row].primitive == emitter_.primitive;
   }
 
   /// What the pilots about a row saw, without those of one half of it.
   Visibility others(std::int32_t row, int half) const {
     Visibility sum;
     sum.add(pilots_[2 * row + 1 - half]);
-    from_.for_each_neighbour(row, [&](std::int32_t near) {
-      sum.add(pilots_[2 * near]);
-      sum.add(pilots_[2 * near + 1]);
-    });
+    Near near;
+    for (const std::int32_t j : std::span(near).first(from_.neighbours_(row, near))) {
+      sum.add(pilots_[2 * j]);
+      sum.add(pilots_[2 * j + 1]);
+    }
     return sum;
   }
 
@@ -113,7 +114,7 @@ class DirectFactors::Run {
   }
 
   void add_samples(std::int32_t row, int half, int round, int total, LightSamples& sums, ShadowRays& rays) const {
-    const Patch& patch = from_.scene_.patches[row];
+    const Patch& patch = from_.receivers_[row];
     const PatchSampler sampler(from_.scene_.primitives[patch.primitive], patch);
     const double offset = from_.ray_scene_.offset(patch.primitive);
     const std::uint64_t random = scramble(from_.seed_ ^ scramble(4 * std::uint64_t(row) + 2 * half + round));
@@ -135,7 +136,7 @@ class DirectFactors::Run {
     constexpr std::array<float, 4> kFour{0.0694318442f, 0.3300094782f, 0.6699905218f, 0.9305681558f};
     constexpr std::array<double, 2> kTwoWeights{0.5, 0.5};
     constexpr std::array<double, 4> kFourWeights{0.1739274226, 0.3260725774, 0.3260725774, 0.1739274226};
-    const Patch& patch = from_.scene_.patches[row];
+    const Patch& patch = from_.receivers_[row];
     const PatchSampler sampler(from_.scene_.primitives[patch.primitive], patch);
     const auto integrate = [&](const auto& places, const auto& weights) {
       double sum = 0;
@@ -162,23 +163,25 @@ class DirectFactors::Run {
 Transport::Emitter DirectFactors::sample(const Emitter& emitter, std::size_t emitters, int rays,
                                          std::int64_t& cast) const {
   Run run(*this, emitter, Samples(rays, emitters));
-  Transport::Emitter result{emitter.first_patch, emitter.patches, run.factors()};
+  Transport::Emitter result{emitter.first_patch, emitter.patches, run.factors(), {}};
   cast += run.rays();
   return result;
 }
 
-/// Calls act(j) for the patches about i on its primitive's grid; on a sphere, on its ring and the next.
-template <class Act>
-void DirectFactors::for_each_neighbour(std::int32_t i, Act act) const {
-  const Patch& patch = scene_.patches[i];
-  const int rows = lookup_.rows(patch.primitive);
-  const int at = PatchLookup::cell(0.5f * (patch.v0 + patch.v1), rows);
-  for (int k = std::max(0, at - 1); k <= std::min(rows - 1, at + 1); ++k) {
-    const PatchLookup::Row& row = lookup_.row(patch.primitive, k);
-    const int middle = PatchLookup::cell(0.5f * (patch.u0 + patch.u1), row.cells);
-    for (int j = std::max(0, middle - 1); j <= std::min(row.cells - 1, middle + 1); ++j)
-      if (row.first + j != i) act(row.first + j);
-  }
+DirectFactors::Neighbours grid_neighbours(const PatchSet& scene, const PatchLookup& lookup) {
+  return [&](std::int32_t i, DirectFactors::Near& near) {
+    const Patch& patch = scene.patches[i];
+    const int rows = lookup.rows(patch.primitive);
+    const int at = PatchLookup::cell(0.5f * (patch.v0 + patch.v1), rows);
+    int count = 0;
+    for (int k = std::max(0, at - 1); k <= std::min(rows - 1, at + 1); ++k) {
+      const PatchLookup::Row& row = lookup.row(patch.primitive, k);
+      const int middle = PatchLookup::cell(0.5f * (patch.u0 + patch.u1), row.cells);
+      for (int j = std::max(0, middle - 1); j <= std::min(row.cells - 1, middle + 1); ++j)
+        if (row.first + j != i) near[count++] = row.first + j;
+    }
+    return count;
+  };
 }
 
 }  // namespace patchlight

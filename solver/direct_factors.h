@@ -1,4 +1,8 @@
 #pragma once
+#include <array>
+#include <functional>
+#include <span>
+
 #include "pipeline/model/transport.h"
 #include "pipeline/optics/direct_light.h"
 #include "pipeline/optics/patch_lookup.h"
@@ -15,8 +19,18 @@ namespace patchlight {
 /// is seen or what is hidden that is sampled, so that every half is unbiased.
 class DirectFactors {
  public:
-  DirectFactors(const PatchSet& scene, const RayScene& ray_scene, const PatchLookup& lookup, std::uint64_t seed)
-      : scene_(scene), ray_scene_(ray_scene), lookup_(lookup), seed_(seed) {}
+  /// Puts up to 16 indices into `near` and returns how many.
+  using Near = std::array<std::int32_t, 16>;
+  using Neighbours = std::function<int(std::int32_t, Near& near)>;
+
+  /// From `receivers`, the patches of a scene or parts of them. `neighbours` names those about one of them.
+  DirectFactors(const PatchSet& scene, const RayScene& ray_scene, std::span<const Patch> receivers,
+                Neighbours neighbours, std::uint64_t seed)
+      : scene_(scene),
+        ray_scene_(ray_scene),
+        receivers_(receivers),
+        neighbours_(std::move(neighbours)),
+        seed_(seed) {}
 
   /// Form factors to `emitter`, one of `emitters`, with the accuracy that `rays` a row ask for. The same for any number
   /// of threads.
@@ -26,13 +40,14 @@ class DirectFactors {
  private:
   class Run;
 
-  template <class Act>
-  void for_each_neighbour(std::int32_t i, Act act) const;
-
   const PatchSet& scene_;
   const RayScene& ray_scene_;
-  const PatchLookup& lookup_;
+  const std::span<const Patch> receivers_;
+  const Neighbours neighbours_;
   std::uint64_t seed_;
 };
+
+/// The patches about a patch on its primitive's grid; on a sphere, on its ring and the next.
+DirectFactors::Neighbours grid_neighbours(const PatchSet& scene, const PatchLookup& lookup);
 
 }  // namespace patchlight

@@ -1,5 +1,7 @@
 #include "solver/linear_system.h"
 
+#include "pipeline/model/error.h"
+
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
@@ -48,10 +50,24 @@ double worst(const Spectrum& square, const Spectrum& reference) {
 
 }  // namespace
 
-FormFactorRows::FormFactorRows(const Transport& transport) : transport_(transport) {
-  if (transport.mirrored.empty()) return;
-  mirrored_starts_.assign(transport.starts.size(), 0);
-  for (const auto& m : transport.mirrored) ++mirrored_starts_[2 * m.row + m.half + 1];
+std::vector<Color> to_colors(const SpectrumField& field, const std::string& group) {
+  std::vector<Color> colors;
+  colors.reserve(field.size());
+  for (const Spectrum& s : field) {
+    Color c;
+    for (int k = 0; k < 3; ++k) c[k] = float(std::max(s.c[k], 0.0));
+    if (!std::isfinite(c.x + c.y + c.z))
+      throw Error(ExitCode::bad_data, "light group `" + group + "` is too strong for single precision", "energy.h5",
+                  "give its emitters less, and frames more by `lights` or the exposure");
+    colors.push_back(c);
+  }
+  return colors;
+}
+
+FormFactorRows::FormFactorRows(const TransportRows& rows) : transport_(rows) {
+  if (rows.mirrored.empty()) return;
+  mirrored_starts_.assign(rows.starts.size(), 0);
+  for (const auto& m : rows.mirrored) ++mirrored_starts_[2 * m.row + m.half + 1];
   for (std::size_t k = 1; k < mirrored_starts_.size(); ++k) mirrored_starts_[k] += mirrored_starts_[k - 1];
 }
 

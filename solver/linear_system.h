@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <string>
 #include <vector>
 
 #include "pipeline/model/transport.h"
@@ -40,10 +41,13 @@ struct alignas(32) Spectrum {
 /// A value for each patch; where it feeds rows of form factors, one more that stays zero, for what they see of nothing.
 using SpectrumField = std::vector<Spectrum>;
 
-/// The rows of a Transport as a linear operator from radiosity to irradiance, both W/m2.
+/// For files: negative values count as 0. Throws: Error (bad_data), naming the light group, if one is too large.
+std::vector<Color> to_colors(const SpectrumField& field, const std::string& group);
+
+/// Rows of form factors as a linear operator from radiosity to irradiance, both W/m2.
 class FormFactorRows {
  public:
-  explicit FormFactorRows(const Transport& transport);
+  explicit FormFactorRows(const TransportRows& rows);
 
   /// What each row receives from `radiosity` [n + 1], directly and by mirrors. Shape: [n].
   void receive(const SpectrumField& radiosity, SpectrumField& irradiance) const;
@@ -57,7 +61,7 @@ class FormFactorRows {
  private:
   Spectrum half(std::int64_t k, const SpectrumField& radiosity) const;
 
-  const Transport& transport_;
+  const TransportRows& transport_;
   std::vector<std::uint64_t> mirrored_starts_;  ///< [2 n + 1]; empty without mirrors.
 };
 

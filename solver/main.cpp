@@ -33,7 +33,7 @@ int main(int argc, char** argv) {
     const PatchSet scene = read_patches(job.patch_file());
     Transport transport = read_kept(job, scene, progress);
     const EnergyField energy = solve(scene, job.solve, transport, progress);
-    if (transport.changed) write_transport(job.transport_file(), transport);
+    if (transport.changed && job.solve.method == "matrix") write_transport(job.transport_file(), transport);
     write_energy(job.energy_file(), scene, energy);
   });
 }

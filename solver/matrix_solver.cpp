@@ -128,23 +128,6 @@ GroupSolution solve_group(const System& system, std::int32_t group, double toler
   return solution;
 }
 
-Color to_color(const Spectrum& s) {
-  return Color(float(std::max(s.c[0], 0.0)), float(std::max(s.c[1], 0.0)), float(std::max(s.c[2], 0.0)));
-}
-
-std::vector<Color> to_colors(const SpectrumField& field, const std::string& group) {
-  std::vector<Color> colors;
-  colors.reserve(field.size());
-  for (const Spectrum& s : field) {
-    colors.push_back(to_color(s));
-    const Color& c = colors.back();
-    if (!std::isfinite(c.x + c.y + c.z))
-      throw Error(ExitCode::bad_data, "light group `" + group + "` is too strong for single precision", "energy.h5",
-                  "give its emitters less, and frames more by `lights` or the exposure");
-  }
-  return colors;
-}
-
 void warn_of_residual(const std::string& group, const LinearSolve& linear, const SolveConfig& config,
                       Progress& progress) {
   progress.warning(

@@ -103,7 +103,7 @@ struct RayRows::Half {
       : row(row_index),
         half(which),
         random(scramble(rows.seed_ ^ scramble(2 * std::uint64_t(row_index) + std::uint64_t(which)))),
-        patch(rows.scene_.patches[row_index]),
+        patch(rows.receivers_[row_index]),
         primitive(rows.scene_.primitives[patch.primitive]),
         offset(rows.ray_scene_.offset(patch.primitive)) {
     shift = {to_unit(random), to_unit(random << 24), to_unit(scramble(random)), to_unit(scramble(random) << 24)};
@@ -140,39 +140,40 @@ struct RayRows::Half {
   QuadPatch quad{};
 };
 
-RayRows::RayRows(const PatchSet& scene, const RayScene& ray_scene, const PatchLookup& lookup, std::uint64_t seed)
-    : scene_(scene), ray_scene_(ray_scene), lookup_(lookup), seed_(scramble(seed)) {
+RayRows::RayRows(const PatchSet& scene, const RayScene& ray_scene, std::span<const Patch> receivers,
+                 const Elements& elements, std::uint64_t seed)
+    : scene_(scene), ray_scene_(ray_scene), receivers_(receivers), elements_(elements), seed_(scramble(seed)) {
   for (const Primitive& p : scene.primitives) {
     metallic_.push_back(scene.materials[p.material].specular != Color(0.0f));
     has_metals_ = has_metals_ || metallic_.back();
   }
 }
 
-std::int64_t RayRows::cast(int rays, Transport& transport, Progress& progress) const {
-  const auto count = std::int32_t(scene_.patches.size());
+std::int64_t RayRows::cast(int rays, TransportRows& to, Progress& progress) const {
+  const auto count = std::int32_t(receivers_.size());
   const int half_rays = std::max(16, (rays + 31) / 32 * 16);
   const DirectionTable table(half_rays);
-  transport.weights.clear();
-  transport.mirrored.clear();
-  transport.ends.resize(2 * std::size_t(count) * half_rays);
-  transport.starts.resize(2 * std::size_t(count) + 1);
-  for (std::size_t k = 0; k < transport.starts.size(); ++k) transport.starts[k] = k * half_rays;
+  to.weights.clear();
+  to.mirrored.clear();
+  to.ends.resize(2 * std::size_t(count) * half_rays);
+  to.starts.resize(2 * std::size_t(count) + 1);
+  for (std::size_t k = 0; k < to.starts.size(); ++k) to.starts[k] = k * half_rays;
 
   const int blocks = (count + kBlock - 1) / kBlock;
   const int blocks_at_once = std::max(1, int(kRaysAtOnce / (2 * half_rays * kBlock)));
-  std::int64_t cast = std::int64_t(transport.ends.size());
+  std::int64_t cast = std::int64_t(to.ends.size());
   for (int done = 0; done < blocks; done += blocks_at_once) {
-    std::vector<std::vector<Transport::Mirrored>> found(std::min(blocks_at_once, blocks - done));
+    std::vector<std::vector<TransportRows::Mirrored>> found(std::min(blocks_at_once, blocks - done));
     tbb::parallel_for(0, int(found.size()), [&](int index) {
       _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree wants denormals flushed
       const std::int32_t first = (done + index) * kBlock, last = std::min(first + kBlock, count);
       for (std::int32_t row = first; row < last; ++row)
         for (int half = 0; half < 2; ++half)
-          cast_half(Half(*this, row, half), table, transport.ends.data() + transport.starts[2 * row + half],
+          cast_half(Half(*this, row, half), table, to.ends.data() + to.starts[2 * row + half],
                     found[index]);
     });
     for (const auto& part : found) {
-      transport.mirrored.insert(transport.mirrored.end(), part.begin(), part.end());
+      to.mirrored.insert(to.mirrored.end(), part.begin(), part.end());
       cast += std::int64_t(part.size());
     }
     progress.update(double(done) / blocks, "rows of form factors");
@@ -198,8 +199,8 @@ void RayRows::start_packet(const Half& half, const DirectionTable& table, int fi
 }
 
 void RayRows::cast_half(const Half& half, const DirectionTable& table, std::int32_t* ends,
-                        std::vector<Transport::Mirrored>& mirrored) const {
-  const auto nowhere = std::int32_t(scene_.patches.size());
+                        std::vector<TransportRows::Mirrored>& mirrored) const {
+  const std::int32_t nowhere = elements_.count();
   const bool coherent = table.count() >= 128;  // measured: neighbours in a coarser table part too soon
   RayPacket packet;
   for (int first = 0; first < table.count(); first += RayPacket::kSize) {
@@ -207,14 +208,14 @@ void RayRows::cast_half(const Half& half, const DirectionTable& table, std::int3
     ray_scene_.intersect(packet, coherent);
     for (int lane = 0; lane < RayPacket::kSize; ++lane) {
       const SurfaceHit hit = ray_scene_.hit(packet, lane);
-      ends[first + lane] = hit.front ? lookup_.patch(hit.primitive, hit.u, hit.v) : nowhere;
+      ends[first + lane] = hit.front ? elements_.at(hit.primitive, hit.u, hit.v) : nowhere;
     }
     if (has_metals_) follow_mirrors(half, first, table.count(), packet, mirrored);
   }
 }
 
 void RayRows::follow_mirrors(const Half& half, int first, int rays, RayPacket& packet,
-                             std::vector<Transport::Mirrored>& mirrored) const {
+                             std::vector<TransportRows::Mirrored>& mirrored) const {
   std::array<Color, RayPacket::kSize> throughput;
   throughput.fill(Color(1.0f));
   for (int bounce = 0; bounce < kMostMirrors; ++bounce) {
@@ -226,7 +227,7 @@ void RayRows::follow_mirrors(const Half& half, int first, int rays, RayPacket& p
       if (!hit.front) continue;
       Color& kept = throughput[lane];
       if (bounce > 0)
-        mirrored.push_back({half.row, half.half, lookup_.patch(hit.primitive, hit.u, hit.v), kept / float(rays)});
+        mirrored.push_back({half.row, half.half, elements_.at(hit.primitive, hit.u, hit.v), kept / float(rays)});
       if (!metallic_[hit.primitive]) continue;
       const std::uint64_t random = scramble(half.random ^ scramble(std::uint64_t(first + lane) << 8 | bounce));
       const Primitive& primitive = scene_.primitives[hit.primitive];

@@ -1,6 +1,8 @@
 #pragma once
+#include <span>
+
 #include "pipeline/model/transport.h"
-#include "pipeline/optics/patch_lookup.h"
+#include "pipeline/optics/elements.h"
 #include "pipeline/optics/ray_scene.h"
 #include "pipeline/stage/progress.h"
 #include "solver/direction_table.h"
@@ -15,25 +17,28 @@ namespace patchlight {
 /// Russian roulette: extended form factors (Sillion and Puech 1989).
 class RayRows {
  public:
-  RayRows(const PatchSet& scene, const RayScene& ray_scene, const PatchLookup& lookup, std::uint64_t seed);
+  /// Of `receivers`, patches of the scene's primitives or, of no size, points of them, to `elements`.
+  RayRows(const PatchSet& scene, const RayScene& ray_scene, std::span<const Patch> receivers, const Elements& elements,
+          std::uint64_t seed);
 
-  /// Sets starts, ends and mirrored of `transport`, with `rays` a row, rounded up to a multiple of 32. The same for any
+  /// Sets starts, ends and mirrored of `to`, with `rays` a row, rounded up to a multiple of 32. The same for any
   /// number of threads. Returns how many rays were cast, those behind mirrors included.
   /// Throws: Error (interrupted).
-  std::int64_t cast(int rays, Transport& transport, Progress& progress) const;
+  std::int64_t cast(int rays, TransportRows& to, Progress& progress) const;
 
  private:
   struct Half;
 
   void start_packet(const Half& half, const DirectionTable& table, int first, RayPacket& packet) const;
   void cast_half(const Half& half, const DirectionTable& table, std::int32_t* ends,
-                 std::vector<Transport::Mirrored>& mirrored) const;
+                 std::vector<TransportRows::Mirrored>& mirrored) const;
   void follow_mirrors(const Half& half, int first, int rays, RayPacket& packet,
-                      std::vector<Transport::Mirrored>& mirrored) const;
+                      std::vector<TransportRows::Mirrored>& mirrored) const;
 
   const PatchSet& scene_;
   const RayScene& ray_scene_;
-  const PatchLookup& lookup_;
+  const std::span<const Patch> receivers_;
+  const Elements& elements_;
   std::uint64_t seed_;
   std::vector<char> metallic_;  ///< By primitive.
   bool has_metals_ = false;

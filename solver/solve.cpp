@@ -8,6 +8,7 @@
 
 #include "pipeline/files/job_check.h"
 #include "pipeline/files/key.h"
+#include "solver/display_solution.h"
 #include "solver/hemicube.h"
 #include "solver/matrix_solver.h"
 #include "solver/memory_need.h"
@@ -74,6 +75,7 @@ EnergyField solve(const PatchSet& scene, const SolveConfig& config, Transport& t
   EnergyField energy = config.method == "matrix"
                            ? solve_to_target(scene, config, transport, progress)
                            : progressive_refinement(scene, config, *make_form_factors(scene, config), progress);
+  if (config.display) add_display_solution(scene, config, transport, energy, progress);
   energy.key = energy_key(scene.key, config);
   energy.patches_key = scene.key;
   energy.method = config.method;

@@ -65,11 +65,11 @@ std::int64_t complete_transport(const PatchSet& scene, const SolveConfig& config
     if (hemicubes)
       draw_rows(scene, config, transport, progress);
     else
-      cast += RayRows(scene, ray_scene, lookup, seed).cast(rays, transport, progress);
+      cast += RayRows(scene, ray_scene, scene.patches, Elements(scene), seed).cast(rays, transport, progress);
     transport.key = key;
   }
   std::vector<Transport::Emitter> emitters;
-  const DirectFactors direct(scene, ray_scene, lookup, seed);
+  const DirectFactors direct(scene, ray_scene, scene.patches, grid_neighbours(scene, lookup), seed);
   for (const Emitter& emitter : wanted) {
     const auto at = kept(emitter);
     emitters.push_back(at != transport.emitters.end() ? std::move(*at)

@@ -59,7 +59,9 @@ Integrator::Integrator(const PatchSet& scene, const EnergyField& energy, const J
                                               : irradiance(energy, settings_, scene.patches.size())),
       irradiance_lookup_(scene, lookup_, irradiance_),
       shaders_([&scene] { return compile_shaders(scene); }) {
-  if (config_.quality == "direct") lights_.emplace(scene, ray_scene_, emission_);
+  if (config_.quality != "direct") return;
+  lights_.emplace(scene, ray_scene_, emission_);
+  if (energy.display) display_.emplace(scene, ray_scene_, irradiance_lookup_, energy, settings_);
 }
 
 Image Integrator::render(const Camera& camera, Progress& progress) const {
@@ -144,7 +146,7 @@ bool Integrator::shade(RayPacket& packet, int lane, Path& path, Tile& tile) cons
   Color emission = emission_[i];
   if (scene_.primitives[hit.primitive].shader >= 0) apply_shader(hit, reflectance, emission);
   if (!mirror) reflectance += material.specular;
-  const Color radiance = (emission + reflectance * irradiance_lookup_(hit.primitive, hit.u, hit.v)) / float(kPi);
+  const Color radiance = (emission + reflectance * irradiance_at(hit, i)) / float(kPi);
   tile.pixels[path.pixel] += path.throughput * radiance;
   const SurfacePoint point = point_of(hit);
   const Vec3d off = point.position + Vec3d(point.normal) * double(ray_scene_.offset(hit.primitive));
@@ -159,6 +161,10 @@ bool Integrator::shade(RayPacket& packet, int lane, Path& path, Tile& tile) cons
 /// From (u,v), since the ray's own end is only as exact as the ray is long.
 SurfacePoint Integrator::point_of(const SurfaceHit& hit) const {
   return point_at(scene_.primitives[hit.primitive], hit.u, hit.v);
+}
+
+Color Integrator::irradiance_at(const SurfaceHit& hit, std::int32_t patch) const {
+  return display_ ? (*display_)(hit.primitive, patch, hit.u, hit.v) : irradiance_lookup_(hit.primitive, hit.u, hit.v);
 }
 
 void Integrator::apply_shader(const SurfaceHit& hit, Color& reflectance, Color& emission) const {

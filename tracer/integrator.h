@@ -11,6 +11,7 @@
 #include "pipeline/optics/ray_scene.h"
 #include "pipeline/stage/progress.h"
 #include "tracer/camera_rays.h"
+#include "tracer/display_lookup.h"
 #include "tracer/irradiance_lookup.h"
 #include "tracer/pixel_light.h"
 
@@ -50,6 +51,7 @@ class Integrator {
   /// Adds what a hit shows and turns the lane towards what its mirror shows; false when the path ends.
   bool shade(RayPacket& packet, int lane, Path& path, Tile& tile) const;
   SurfacePoint point_of(const SurfaceHit& hit) const;
+  Color irradiance_at(const SurfaceHit& hit, std::int32_t patch) const;
   /// Replaces a patch's values by those of the shader at a hit.
   void apply_shader(const SurfaceHit& hit, Color& reflectance, Color& emission) const;
 
@@ -61,6 +63,7 @@ class Integrator {
   std::vector<Color> emission_;    ///< [patches], under the lights' settings.
   std::vector<Color> irradiance_;  ///< [patches], of all groups under the lights' settings; what `lights_` lacks.
   IrradianceLookup irradiance_lookup_;
+  std::optional<DisplayLookup> display_;
   std::optional<PixelLight> lights_;  ///< With direct light at the pixel.
   mutable tbb::enumerable_thread_specific<std::vector<MaterialShader>> shaders_;
 };

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "pipeline/files/display_mesh_file.h"
 #include "pipeline/files/h5_store.h"
 #include "pipeline/model/error.h"
 
@@ -40,6 +41,7 @@ EnergyField read_fields(const H5Reader& reader, const std::vector<std::string>& 
   if (reader.has("/deviation"))
     energy.estimate = {reader.real("error"), reader.real("error_bound"), reader.real("balance"),
                        reader.real("reciprocity"), read_colors(reader, "/deviation", rows)};
+  if (reader.has("/display/mesh/roots")) energy.display = read_display_mesh(reader, rows);
   for (const auto& name : groups) {
     const std::string folder = "/groups/" + name + "/";
     auto& group = energy.groups.emplace_back();
@@ -48,6 +50,7 @@ EnergyField read_fields(const H5Reader& reader, const std::vector<std::string>& 
     group.indirect = read_colors(reader, folder + "indirect", rows);
     if (reader.has(folder + "direct_by_rows"))
       group.direct_by_rows = read_colors(reader, folder + "direct_by_rows", rows);
+    if (energy.display) group.display = read_colors(reader, "/display/irradiance/" + name, energy.display->gathered);
   }
   return energy;
 }
@@ -62,7 +65,9 @@ void write_energy(const std::filesystem::path& file, const PatchSet& scene, cons
     write_colors(writer, "/groups/" + group.name + "/indirect", group.indirect);
     if (!group.direct_by_rows.empty())
       write_colors(writer, "/groups/" + group.name + "/direct_by_rows", group.direct_by_rows);
+    if (energy.display) write_colors(writer, "/display/irradiance/" + group.name, group.display);
   }
+  if (energy.display) write_display_mesh(writer, *energy.display);
   writer.attribute("format", kEnergyFormat);
   writer.attribute("version", std::int64_t(kEnergyVersion));
   writer.attribute("key", energy.key);

@@ -10,10 +10,6 @@
 namespace patchlight {
 
 void check_available(const SolveConfig& solve) {
-  const auto refuse = [](const std::string& value, const std::string& key, const std::string& mend) {
-    throw Error(ExitCode::bad_config, "`" + value + "` is not available yet", key, mend);
-  };
-  if (solve.display) refuse("true", "solve.display", "use `false`");
   if (solve.error_target > 0 && (solve.method != "matrix" || solve.form_factors != "rays"))
     throw Error(ExitCode::bad_config, "only `matrix` over `rays` can reach a target", "solve.error_target",
                 "use them, or leave it out and raise solve.rays or solve.hemicube_resolution");

@@ -3,21 +3,27 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pipeline/files/display_mesh_file.h"
 #include "pipeline/files/h5_store.h"
 
 namespace patchlight {
 
 namespace {
 
-void write_mirrored(H5Writer& writer, const std::vector<Transport::Mirrored>& mirrored) {
+void write_rows(H5Writer& writer, const std::string& folder, const TransportRows& rows) {
+  const std::vector<std::int64_t> starts(rows.starts.begin(), rows.starts.end());
+  writer.dataset<std::int64_t>(folder + "/rows/start", starts);
+  writer.dataset<std::int32_t>(folder + "/rows/patch", rows.ends);
+  if (!rows.weights.empty()) writer.dataset<float>(folder + "/rows/weight", rows.weights);
+  if (rows.mirrored.empty()) return;
   std::vector<std::int32_t> places;
   std::vector<float> weights;
-  for (const auto& m : mirrored) {
+  for (const auto& m : rows.mirrored) {
     places.insert(places.end(), {m.row, m.half, m.patch});
     weights.insert(weights.end(), {m.weight.x, m.weight.y, m.weight.z});
   }
-  writer.dataset<std::int32_t>("/mirrored/place", places, 3);
-  writer.dataset<float>("/mirrored/weight", weights, 3);
+  writer.dataset<std::int32_t>(folder + "/mirrored/place", places, 3);
+  writer.dataset<float>(folder + "/mirrored/weight", weights, 3);
 }
 
 /// Refuses the dataset unless `good` holds for every value.
@@ -30,34 +36,38 @@ bool is_factor(float value) {
   return std::isfinite(value);
 }
 
-void read_rows(const H5Reader& reader, Transport& transport) {
-  const std::vector<std::int64_t> starts = reader.dataset<std::int64_t>("/rows/start", -1);
-  transport.ends = reader.dataset<std::int32_t>("/rows/patch", -1);
-  if (starts.size() % 2 == 0 || starts.front() != 0 || starts.back() != std::int64_t(transport.ends.size()) ||
-      !std::is_sorted(starts.begin(), starts.end()))
-    reader.refuse("rows that do not follow each other", "/rows/start");
-  transport.starts.assign(starts.begin(), starts.end());
-  const std::int64_t patches = transport.rows();
-  check_all(reader, "/rows/patch", transport.ends, [&](std::int32_t j) { return j >= 0 && j <= patches; });
-  if (!reader.has("/rows/weight")) return;
-  transport.weights = reader.dataset<float>("/rows/weight", std::int64_t(transport.ends.size()));
-  check_all(reader, "/rows/weight", transport.weights, is_factor);
-}
-
-void read_mirrored(const H5Reader& reader, std::int64_t patches, Transport& transport) {
-  if (!reader.has("/mirrored/place")) return;
-  const std::vector<std::int32_t> places = reader.dataset<std::int32_t>("/mirrored/place", -1, 3);
-  const std::vector<float> weights = reader.dataset<float>("/mirrored/weight", std::int64_t(places.size() / 3), 3);
-  check_all(reader, "/mirrored/weight", weights, is_factor);
+void read_mirrored(const H5Reader& reader, const std::string& folder, std::int64_t elements, TransportRows& rows) {
+  if (!reader.has(folder + "/mirrored/place")) return;
+  const std::vector<std::int32_t> places = reader.dataset<std::int32_t>(folder + "/mirrored/place", -1, 3);
+  const std::vector<float> weights =
+      reader.dataset<float>(folder + "/mirrored/weight", std::int64_t(places.size() / 3), 3);
+  check_all(reader, folder + "/mirrored/weight", weights, is_factor);
   std::int64_t last = 0;
   for (std::size_t k = 0; k < places.size(); k += 3) {
     const std::int32_t row = places[k], half = places[k + 1], patch = places[k + 2];
-    if (row < 0 || row >= patches || half < 0 || half > 1 || patch < 0 || patch >= patches ||
+    if (row < 0 || row >= rows.rows() || half < 0 || half > 1 || patch < 0 || patch >= elements ||
         2 * std::int64_t(row) + half < last)
-      reader.refuse("a place out of bounds or order", "/mirrored/place");
+      reader.refuse("a place out of bounds or order", folder + "/mirrored/place");
     last = 2 * std::int64_t(row) + half;
-    transport.mirrored.push_back({row, half, patch, Color(weights[k], weights[k + 1], weights[k + 2])});
+    rows.mirrored.push_back({row, half, patch, Color(weights[k], weights[k + 1], weights[k + 2])});
   }
+}
+
+/// `elements` that rows may end on; -1: as many as there are rows.
+void read_rows(const H5Reader& reader, const std::string& folder, std::int64_t elements, TransportRows& rows) {
+  const std::vector<std::int64_t> starts = reader.dataset<std::int64_t>(folder + "/rows/start", -1);
+  rows.ends = reader.dataset<std::int32_t>(folder + "/rows/patch", -1);
+  if (starts.size() % 2 == 0 || starts.front() != 0 || starts.back() != std::int64_t(rows.ends.size()) ||
+      !std::is_sorted(starts.begin(), starts.end()))
+    reader.refuse("rows that do not follow each other", folder + "/rows/start");
+  rows.starts.assign(starts.begin(), starts.end());
+  if (elements < 0) elements = rows.rows();
+  check_all(reader, folder + "/rows/patch", rows.ends, [&](std::int32_t j) { return j >= 0 && j <= elements; });
+  if (reader.has(folder + "/rows/weight")) {
+    rows.weights = reader.dataset<float>(folder + "/rows/weight", std::int64_t(rows.ends.size()));
+    check_all(reader, folder + "/rows/weight", rows.weights, is_factor);
+  }
+  read_mirrored(reader, folder, elements, rows);
 }
 
 void read_emitters(const H5Reader& reader, std::int64_t patches, Transport& transport) {
@@ -67,25 +77,44 @@ void read_emitters(const H5Reader& reader, std::int64_t patches, Transport& tran
     if (ranges[k] < last || ranges[k + 1] < 1 || std::int64_t(ranges[k]) + ranges[k + 1] > patches)
       reader.refuse("a range out of bounds or order", "/emitters/patches");
     last = std::int64_t(ranges[k]) + ranges[k + 1];
-    const std::string name = "/emitters/factor/" + std::to_string(ranges[k]);
-    transport.emitters.push_back({ranges[k], ranges[k + 1], reader.dataset<float>(name, patches, 2)});
-    check_all(reader, name, transport.emitters.back().factors, is_factor);
+    const auto factors = [&](const std::string& folder, std::int64_t rows) {
+      const std::string name = folder + "/" + std::to_string(ranges[k]);
+      std::vector<float> values = reader.dataset<float>(name, rows, 2);
+      check_all(reader, name, values, is_factor);
+      return values;
+    };
+    auto& emitter = transport.emitters.emplace_back();
+    emitter.first_patch = ranges[k];
+    emitter.patches = ranges[k + 1];
+    emitter.factors = factors("/emitters/factor", patches);
+    if (transport.display) emitter.display = factors("/display/factor", transport.display->mesh.elements);
   }
+}
+
+void read_display(const H5Reader& reader, std::int64_t patches, Transport& transport) {
+  if (!reader.has("/display/rows/start")) return;
+  auto& display = transport.display.emplace();
+  display.mesh = read_display_mesh(reader, patches);
+  read_rows(reader, "/display", patches + display.mesh.elements, display.rows);
+  if (display.rows.rows() != display.mesh.gathered)
+    reader.refuse("another number of rows than of vertices", "/display/rows/start");
 }
 
 }  // namespace
 
 void write_transport(const std::filesystem::path& file, const Transport& transport) {
   H5Writer writer(file);
-  const std::vector<std::int64_t> starts(transport.starts.begin(), transport.starts.end());
-  writer.dataset<std::int64_t>("/rows/start", starts);
-  writer.dataset<std::int32_t>("/rows/patch", transport.ends);
-  if (!transport.weights.empty()) writer.dataset<float>("/rows/weight", transport.weights);
-  if (!transport.mirrored.empty()) write_mirrored(writer, transport.mirrored);
+  write_rows(writer, "", transport);
+  if (transport.display) {
+    write_display_mesh(writer, transport.display->mesh);
+    write_rows(writer, "/display", transport.display->rows);
+  }
   std::vector<std::int32_t> ranges;
   for (const auto& emitter : transport.emitters) {
     ranges.insert(ranges.end(), {emitter.first_patch, emitter.patches});
-    writer.dataset<float>("/emitters/factor/" + std::to_string(emitter.first_patch), emitter.factors, 2);
+    const std::string name = "/" + std::to_string(emitter.first_patch);
+    writer.dataset<float>("/emitters/factor" + name, emitter.factors, 2);
+    if (transport.display) writer.dataset<float>("/display/factor" + name, emitter.display, 2);
   }
   writer.dataset<std::int32_t>("/emitters/patches", ranges, 2);
   writer.attribute("format", kTransportFormat);
@@ -98,10 +127,9 @@ Transport read_transport(const std::filesystem::path& file) {
   const H5Reader reader(file, kTransportFormat, kTransportVersion);
   Transport transport;
   transport.key = reader.text("key");
-  read_rows(reader, transport);
-  const std::int64_t patches = transport.rows();
-  read_mirrored(reader, patches, transport);
-  read_emitters(reader, patches, transport);
+  read_rows(reader, "", -1, transport);
+  read_display(reader, transport.rows(), transport);
+  read_emitters(reader, transport.rows(), transport);
   return transport;
 }
 

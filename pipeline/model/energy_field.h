@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/model/display_mesh.h"
 #include "pipeline/model/patch_set.h"
 
 namespace patchlight {
@@ -16,6 +17,8 @@ struct EnergyField {
     std::vector<Color> indirect;  ///< [n] W/m2, after at least one reflection.
     /// [n] W/m2, the part of `direct` whose emitters no one samples apart (see DirectLight); empty: none.
     std::vector<Color> direct_by_rows{};
+    /// [display->gathered] W/m2, at the display mesh's vertices: `indirect` and `direct_by_rows`.
+    std::vector<Color> display{};
   };
 
   /// What a solve says of its own error.
@@ -37,6 +40,7 @@ struct EnergyField {
   double seconds = 0.0;   ///< Wall time of the solve.
   double residual = 0.0;  ///< Area-weighted L2 norm of what is left of the linear system over that of its source term.
   std::optional<Estimate> estimate;
+  std::optional<DisplayMesh> display;
 };
 
 /// Irradiance of all groups, direct and indirect, each multiplied by its setting, W/m2. Shape: [patches].

@@ -1,18 +1,17 @@
 #pragma once
 #include <cstdint>
-#include <span>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "pipeline/model/math.h"
+#include "pipeline/model/display_mesh.h"
 
 namespace patchlight {
 
-/// The content of transport.h5: who sees whom. It depends on geometry and mirrors alone, so that other colours and
-/// other lamps need no ray.
+/// Rows of form factors: who sees whom. They depend on geometry and mirrors alone.
 ///
-/// Every row of form factors is the mean of two independent halves: their difference tells how good it is.
-struct Transport {
+/// Every row is the mean of two independent halves: their difference tells how good it is.
+struct TransportRows {
   /// Light that reaches a row's patch from `patch` by way of mirrors. A row's sum of these is of its whole.
   struct Mirrored {
     std::int32_t row = 0;
@@ -21,22 +20,35 @@ struct Transport {
     Color weight{0.0f};  ///< Form factor of this one, times what the mirrors reflect.
   };
 
+  std::vector<std::uint64_t> starts;  ///< [2 rows + 1]: where each row's halves begin in `ends`.
+  std::vector<std::int32_t> ends;     ///< The element that a row sees; their number: none, or an unlit back.
+  std::vector<float> weights;         ///< Form factor of each of `ends` within its half; empty: all of a half equal.
+  std::vector<Mirrored> mirrored;     ///< By growing row, and half.
+
+  std::int64_t rows() const { return starts.empty() ? 0 : std::int64_t(starts.size() / 2); }
+};
+
+/// The content of transport.h5: form factors of patches to patches, and what the display solution needs, so that other
+/// colours and other lamps need no ray.
+struct Transport : TransportRows {
   /// Form factors to an emitter that is sampled apart from the rows.
   struct Emitter {
     std::int32_t first_patch = 0;
     std::int32_t patches = 0;    ///< They emit equally.
-    std::vector<float> factors;  ///< [2 * n]: of both halves of each row.
+    std::vector<float> factors;  ///< [2 n]: of both halves of each row.
+    std::vector<float> display{};  ///< [2 mesh elements]: of the display mesh's; empty without one.
   };
 
-  std::vector<std::uint64_t> starts;  ///< [2 n + 1]: where each row's halves begin in `ends`.
-  std::vector<std::int32_t> ends;     ///< The patch that a row sees; n: none, or an unlit back.
-  std::vector<float> weights;         ///< Form factor of each of `ends` within its half; empty: all of a half equal.
-  std::vector<Mirrored> mirrored;     ///< By growing row, and half.
-  std::vector<Emitter> emitters;      ///< By growing first patch.
+  /// See Elements.
+  struct Display {
+    DisplayMesh mesh;
+    TransportRows rows;  ///< Of the mesh's gathered vertices, to elements.
+  };
+
+  std::vector<Emitter> emitters;  ///< By growing first patch.
+  std::optional<Display> display;
   std::string key;
   bool changed = false;  ///< Since it was read from a file.
-
-  std::int64_t rows() const { return starts.empty() ? 0 : std::int64_t(starts.size() / 2); }
 };
 
 }  // namespace patchlight

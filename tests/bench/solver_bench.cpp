@@ -85,12 +85,11 @@ BENCHMARK(solver_cast)->Unit(benchmark::kMillisecond)->Repetitions(5)->ReportAgg
 void rows_cast(benchmark::State& state) {
   const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, std::size_t(state.range(0)));
   const RayScene ray_scene(scene());
-  const PatchLookup lookup(scene());
   Progress progress({"bench", true, ""});
   std::int64_t rays = 0;
   for (auto _ : state) {
     Transport transport;
-    rays += RayRows(scene(), ray_scene, lookup, 1).cast(256, transport, progress);
+    rays += RayRows(scene(), ray_scene, scene().patches, Elements(scene()), 1).cast(256, transport, progress);
     benchmark::DoNotOptimize(transport.ends.data());
   }
   state.SetItemsProcessed(rays);

@@ -13,10 +13,9 @@ using test::PatchScene;
 
 Transport cast(const PatchSet& scene, int rays) {
   const RayScene ray_scene(scene);
-  const PatchLookup lookup(scene);
   Progress progress({"test", true, ""});
   Transport transport;
-  RayRows(scene, ray_scene, lookup, 1).cast(rays, transport, progress);
+  RayRows(scene, ray_scene, scene.patches, Elements(scene), 1).cast(rays, transport, progress);
   return transport;
 }
 

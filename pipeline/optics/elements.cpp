@@ -1,0 +1,91 @@
+#include "pipeline/optics/elements.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pipeline/optics/patch_sampling.h"
+
+namespace patchlight {
+
+int Elements::nearest_corner(const DisplayMesh::Place& place, std::int32_t i, float u, float v) const {
+  const std::uint32_t seen = seen_corners(scene_, *ray_scene_, *mesh_, *place.leaf, i, u, v);
+  int nearest = 0;
+  float most = -1;
+  for (int k = 0; k < 4; ++k) {
+    const float weight = (k % 2 ? place.u : 1 - place.u) * (k / 2 ? place.v : 1 - place.v) + float(seen >> k & 1u);
+    if (weight > most) nearest = k;
+    most = std::max(most, weight);
+  }
+  return nearest;
+}
+
+std::uint32_t seen_corners(const PatchSet& scene, const RayScene& ray_scene, const DisplayMesh& mesh,
+                           const DisplayMesh::Cell& leaf, std::int32_t i, float u, float v) {
+  constexpr float kLift = 0.02f;  // of the way to a corner, so as to look across what is not quite even
+  const Primitive& primitive = scene.primitives[i];
+  const SurfacePoint point = point_at(primitive, u, v);
+  RayPacket packet;
+  packet.clear();
+  for (int k = 0; k < 4; ++k) {
+    const DisplayMesh::Vertex& corner = mesh.vertices[leaf.corners[k]];
+    const Vec3f to = Vec3f(point_at(primitive, corner.u, corner.v).position - point.position);
+    const float distance = to.length();
+    if (distance <= 0) continue;
+    const float lift = ray_scene.offset(i) + kLift * distance;
+    packet.set_shadow(k, ray_scene.to_local(point.position) + point.normal * lift, to / distance, distance);
+  }
+  return ~ray_scene.occluded(packet) & 15u;
+}
+
+Patch part_of(const PatchSet& scene, const Patch& patch, float u0, float v0, float u1, float v1) {
+  const Primitive& primitive = scene.primitives[patch.primitive];
+  Patch part = patch;
+  part.u0 = u0;
+  part.v0 = v0;
+  part.u1 = u1;
+  part.v1 = v1;
+  const SurfacePoint middle = point_at(primitive, 0.5 * (u0 + u1), 0.5 * (v0 + v1));
+  part.center = middle.position;
+  part.normal = middle.normal;
+  const double across = double(u1) - u0;
+  if (primitive.shape == Primitive::Shape::sphere) {
+    const double radius = primitive.sphere_radius;
+    part.area = 2 * kPi * radius * radius * across * (std::cos(kPi * v0) - std::cos(kPi * v1));
+  } else {
+    const double u = 0.5 * (u0 + u1), v = 0.5 * (v0 + v1);  // the density is linear in both
+    const auto& c = primitive.corners;
+    const Vec3d along_u = (c[1] - c[0]) * (1 - v) + (c[2] - c[3]) * v;
+    const Vec3d along_v = (c[3] - c[0]) * (1 - u) + (c[2] - c[1]) * u;
+    part.area = (along_u % along_v).length() * across * (double(v1) - v0);
+  }
+  return part;
+}
+
+std::array<Patch, 4> quarters(const PatchSet& scene, const Patch& p) {
+  const float u = 0.5f * (p.u0 + p.u1), v = 0.5f * (p.v0 + p.v1);
+  return {part_of(scene, p, p.u0, p.v0, u, v), part_of(scene, p, u, p.v0, p.u1, v), part_of(scene, p, p.u0, v, u, p.v1),
+          part_of(scene, p, u, v, p.u1, p.v1)};
+}
+
+std::vector<Patch> leaf_patches(const PatchSet& scene, const DisplayMesh& mesh) {
+  std::vector<Patch> parts(mesh.cells.size()), leaves(mesh.elements);
+  for (std::size_t i = 0; i < mesh.roots.size(); ++i)
+    if (mesh.roots[i] >= 0) parts[mesh.roots[i]] = scene.patches[i];
+  for (std::size_t i = 0; i < mesh.cells.size(); ++i) {
+    const DisplayMesh::Cell& cell = mesh.cells[i];
+    if (cell.children >= 0) {
+      const std::array<Patch, 4> parts_of_cell = quarters(scene, parts[i]);
+      std::copy(parts_of_cell.begin(), parts_of_cell.end(), parts.begin() + cell.children);
+    } else if (!cell.cut) {
+      leaves[cell.leaf] = parts[i];
+    } else {
+      for (int k = 0; k < 4; ++k) {
+        const DisplayMesh::Vertex& at = mesh.vertices[cell.corners[k]];
+        leaves[cell.leaf + k] = part_of(scene, parts[i], at.u, at.v, at.u, at.v);
+      }
+    }
+  }
+  return leaves;
+}
+
+}  // namespace patchlight

@@ -1,0 +1,50 @@
+#pragma once
+#include "pipeline/model/display_mesh.h"
+#include "pipeline/optics/patch_lookup.h"
+#include "pipeline/optics/ray_scene.h"
+
+namespace patchlight {
+
+/// What rays may end on, by number: the patches, and behind them what stands for those that a display mesh cuts: its
+/// leaves, and of leaves that something stands on, the corner that is nearest among those which a place sees.
+class Elements {
+ public:
+  explicit Elements(const PatchSet& scene) : scene_(scene), lookup_(scene) {}
+  Elements(const PatchSet& scene, const RayScene& ray_scene, const DisplayMesh& mesh)
+      : scene_(scene), lookup_(scene), ray_scene_(&ray_scene), mesh_(&mesh) {}
+
+  std::int32_t count() const { return std::int32_t(scene_.patches.size()) + (mesh_ ? mesh_->elements : 0); }
+
+  /// The element at (u,v) of primitive `i`.
+  std::int32_t at(std::int32_t i, float u, float v) const {
+    const std::int32_t patch = lookup_.patch(i, u, v);
+    if (!mesh_ || mesh_->roots[patch] < 0) return patch;
+    const DisplayMesh::Place place = mesh_->find(patch, scene_.patches[patch], u, v);
+    const std::int32_t first = std::int32_t(scene_.patches.size()) + place.leaf->leaf;
+    return place.leaf->cut ? first + nearest_corner(place, i, u, v) : first;
+  }
+
+ private:
+  int nearest_corner(const DisplayMesh::Place& place, std::int32_t i, float u, float v) const;
+
+  const PatchSet& scene_;
+  const PatchLookup lookup_;
+  const RayScene* const ray_scene_ = nullptr;
+  const DisplayMesh* const mesh_ = nullptr;
+};
+
+/// Which corners of a leaf see the place in it that is (u,v) of primitive `i`, as bits.
+std::uint32_t seen_corners(const PatchSet& scene, const RayScene& ray_scene, const DisplayMesh& mesh,
+                           const DisplayMesh::Cell& leaf, std::int32_t i, float u, float v);
+
+/// The part of a patch with these (u,v) on its primitive, as a patch of its own.
+Patch part_of(const PatchSet& scene, const Patch& patch, float u0, float v0, float u1, float v1);
+
+/// The quarters of a patch, in rows of growing u.
+std::array<Patch, 4> quarters(const PatchSet& scene, const Patch& patch);
+
+/// The elements of leaves as patches of their own, with the colours of the patches that they are parts of; corners are
+/// of no size. Shape: [mesh.elements].
+std::vector<Patch> leaf_patches(const PatchSet& scene, const DisplayMesh& mesh);
+
+}  // namespace patchlight

@@ -1,0 +1,178 @@
+#include "solver/display_mesh_builder.h"
+
+#include <tbb/parallel_for.h>
+#include <xmmintrin.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "pipeline/optics/elements.h"
+#include "pipeline/optics/patch_sampling.h"
+#include "pipeline/optics/random.h"
+#include "solver/display_vertices.h"
+
+namespace patchlight {
+
+namespace {
+
+// Measured: smaller values cost more vertices than they are worth.
+constexpr float kNear = 0.3f;   // size over harmonic mean distance from which a patch gets vertices of its own
+constexpr float kSplit = 0.5f;  // and from which it is cut
+constexpr float kLeast = 0.05f;  // a cell's size: distances below count as this
+constexpr float kLift = 1e-3f;   // of a cell's size: how far above it its corners look for each other
+constexpr float kInset = 0.02f;  // and how far inside its borders
+
+/// How cells lie among other surfaces.
+struct Surroundings {
+  float closeness = 0.0f;  ///< Size over harmonic mean distance.
+  bool cut = false;        ///< Something stands between the corners.
+};
+
+class Builder {
+ public:
+  Builder(const PatchSet& scene, const RayScene& ray_scene, const PatchLookup& lookup, std::uint64_t seed)
+      : scene_(scene), ray_scene_(ray_scene), lookup_(lookup), smooth_(scene), seed_(seed) {}
+
+  DisplayMesh build(std::int64_t& cast) {
+    mesh_.roots.assign(scene_.patches.size(), -1);
+    plant(cast);
+    std::vector<std::int32_t> level;
+    for (std::size_t i = 0; i < mesh_.cells.size(); ++i) level.push_back(std::int32_t(i));
+    for (int depth = 0; !level.empty(); ++depth) level = grow(level, depth == kDisplayLevels, cast);
+    for (auto& cell : mesh_.cells) {
+      if (cell.children < 0) cell.leaf = mesh_.elements;
+      mesh_.elements += cell.elements();
+    }
+    add_display_vertices(scene_, lookup_, smooth_, mesh_);
+    return std::move(mesh_);
+  }
+
+ private:
+  /// Roots for patches that are too close to others, and for those about them, so that what borders on whole patches is
+  /// smooth enough for what they say.
+  void plant(std::int64_t& cast) {
+    const std::vector<Surroundings> found = look_around(scene_.patches, cast);
+    for (std::int32_t i = 0; i < std::int32_t(found.size()); ++i) {
+      if (found[i].closeness < kNear && !found[i].cut) continue;
+      const Patch& patch = scene_.patches[i];
+      if (is_facet(patch.primitive)) continue;
+      const int rows = lookup_.rows(patch.primitive);
+      const int at = PatchLookup::cell(0.5f * (patch.v0 + patch.v1), rows);
+      for (int k = std::max(0, at - 1); k <= std::min(rows - 1, at + 1); ++k) {
+        const PatchLookup::Row& row = lookup_.row(patch.primitive, k);
+        const int middle = PatchLookup::cell(0.5f * (patch.u0 + patch.u1), row.cells);
+        for (int j = std::max(0, middle - 1); j <= std::min(row.cells - 1, middle + 1); ++j)
+          mesh_.roots[row.first + j] = 0;
+      }
+    }
+    for (std::size_t i = 0; i < mesh_.roots.size(); ++i) {
+      if (mesh_.roots[i] < 0) continue;
+      mesh_.roots[i] = std::int32_t(mesh_.cells.size());
+      mesh_.cells.emplace_back();
+      parts_.push_back(scene_.patches[i]);
+    }
+  }
+
+  /// Cuts those of a level's cells that need it, if there may be another level. Returns the new ones.
+  std::vector<std::int32_t> grow(const std::vector<std::int32_t>& level, bool last, std::int64_t& cast) {
+    std::vector<Patch> parts;
+    for (const std::int32_t i : level) parts.push_back(parts_[i]);
+    const std::vector<Surroundings> found = look_around(parts, cast);
+    std::vector<std::int32_t> next;
+    for (std::size_t k = 0; k < level.size(); ++k) {
+      DisplayMesh::Cell& cell = mesh_.cells[level[k]];
+      if (last || (found[k].closeness < kSplit && !found[k].cut)) {
+        cell.cut = found[k].cut;
+        continue;
+      }
+      cell.children = std::int32_t(mesh_.cells.size());
+      for (const Patch& quarter : quarters(scene_, parts[k])) {
+        next.push_back(std::int32_t(mesh_.cells.size()));
+        mesh_.cells.emplace_back();
+        parts_.push_back(quarter);
+      }
+    }
+    return next;
+  }
+
+  bool is_facet(std::int32_t i) const {
+    return (lookup_.rows(i) == 1 || lookup_.row(i, 0).cells == 1) && smooth_.meets(scene_.primitives[i]);
+  }
+
+  std::vector<Surroundings> look_around(const std::vector<Patch>& parts, std::int64_t& cast) const {
+    constexpr int kBlock = 256;
+    std::vector<Surroundings> found(parts.size());
+    const int count = int(parts.size());
+    tbb::parallel_for(0, (count + kBlock - 1) / kBlock, [&](int block) {
+      _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree wants denormals flushed
+      for (int k = block * kBlock; k < std::min((block + 1) * kBlock, count); ++k)
+        found[k] = {closeness(parts[k], scramble(seed_ ^ scramble(std::uint64_t(k)))), is_cut(parts[k])};
+    });
+    cast += std::int64_t(count) * RayPacket::kSize;
+    Progress::check_interrupted();
+    return found;
+  }
+
+  float closeness(const Patch& part, std::uint64_t random) const {
+    const PatchSampler sampler(scene_.primitives[part.primitive], part);
+    const float offset = ray_scene_.offset(part.primitive), size = float(std::sqrt(part.area));
+    const float turn = to_unit(random), shift = to_unit(random << 24);
+    RayPacket packet;
+    packet.clear();
+    for (int lane = 0; lane < RayPacket::kSize; ++lane) {
+      const Vec2f at = kronecker2(std::uint64_t(lane), random);
+      const SurfacePoint point = sampler(at.x, at.y);
+      const float x = shifted((float(lane) + 0.5f) / float(RayPacket::kSize), shift);
+      const Vec3f d = cosine_direction(x, shifted(radical_inverse(std::uint32_t(lane)), turn));
+      Vec3f tangent, bitangent;
+      orthonormal_frame(point.normal, tangent, bitangent);
+      packet.set(lane, ray_scene_.to_local(point.position) + point.normal * offset,
+                 tangent * d.x + bitangent * d.y + point.normal * d.z);
+    }
+    ray_scene_.intersect(packet, false);
+    float sum = 0;
+    for (int lane = 0; lane < RayPacket::kSize; ++lane)
+      if (const SurfaceHit hit = ray_scene_.hit(packet, lane); hit.front) sum += size / std::max(hit.t, kLeast * size);
+    return sum / float(RayPacket::kSize);
+  }
+
+  /// Whether any two corners of a plane part do not see each other.
+  bool is_cut(const Patch& part) const {
+    const Primitive& primitive = scene_.primitives[part.primitive];
+    if (primitive.shape != Primitive::Shape::quad) return false;
+    const float u_inset = kInset * (part.u1 - part.u0), v_inset = kInset * (part.v1 - part.v0);
+    const float lift = ray_scene_.offset(part.primitive) + kLift * float(std::sqrt(part.area));
+    std::array<Vec3f, 4> corners;
+    for (int k = 0; k < 4; ++k) {
+      const float u = k % 2 ? part.u1 - u_inset : part.u0 + u_inset, v = k / 2 ? part.v1 - v_inset : part.v0 + v_inset;
+      corners[k] = ray_scene_.to_local(point_at(primitive, u, v).position) + part.normal * lift;
+    }
+    RayPacket packet;
+    packet.clear();
+    int lane = 0;
+    for (int a = 0; a < 4; ++a)
+      for (int b = a + 1; b < 4; ++b) {
+        const Vec3f across = corners[b] - corners[a];
+        const float distance = across.length();
+        if (distance > 0) packet.set_shadow(lane++, corners[a], across / distance, distance);
+      }
+    return ray_scene_.occluded(packet) != 0;
+  }
+
+  const PatchSet& scene_;
+  const RayScene& ray_scene_;
+  const PatchLookup& lookup_;
+  const SmoothEdges smooth_;
+  const std::uint64_t seed_;
+  DisplayMesh mesh_;
+  std::vector<Patch> parts_;  ///< [cells].
+};
+
+}  // namespace
+
+DisplayMesh build_display_mesh(const PatchSet& scene, const RayScene& ray_scene, const PatchLookup& lookup,
+                               std::uint64_t seed, std::int64_t& cast) {
+  return Builder(scene, ray_scene, lookup, scramble(seed)).build(cast);
+}
+
+}  // namespace patchlight

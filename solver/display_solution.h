@@ -1,0 +1,18 @@
+#pragma once
+#include "pipeline/files/job.h"
+#include "pipeline/model/energy_field.h"
+#include "pipeline/model/transport.h"
+#include "pipeline/stage/progress.h"
+
+namespace patchlight {
+
+/// Adds the display solution to `energy`: where patches are too large for how irradiance varies, a final gather at the
+/// vertices of a DisplayMesh. It sees patches and, in their place, the mesh's leaves: with their own direct light, and
+/// with what a first gather brought their corners, which is what mends creases and contacts.
+///
+/// What needs rays goes into `transport`, and into energy.rays how many, unless it is there already.
+/// The same for any number of threads. Throws: Error (interrupted).
+void add_display_solution(const PatchSet& scene, const SolveConfig& config, Transport& transport, EnergyField& energy,
+                          Progress& progress);
+
+}  // namespace patchlight

@@ -1,0 +1,29 @@
+#pragma once
+#include <cstdint>
+#include <unordered_map>
+
+#include "pipeline/model/display_mesh.h"
+#include "pipeline/optics/patch_lookup.h"
+
+namespace patchlight {
+
+constexpr int kDisplayLevels = 3;  ///< How often a patch may be halved along each side.
+
+/// Which edges of quads meet others without a crease.
+class SmoothEdges {
+ public:
+  explicit SmoothEdges(const PatchSet& scene);
+
+  bool meets(const Primitive& primitive) const;
+  /// Edges lie at v = 0, u = 1, v = 1, u = 0.
+  bool meets(const Primitive& primitive, int edge) const;
+
+ private:
+  std::unordered_map<std::uint64_t, int> count_;
+};
+
+/// Gives the leaves of a mesh their corners: those of neighbours are one vertex.
+void add_display_vertices(const PatchSet& scene, const PatchLookup& lookup, const SmoothEdges& smooth,
+                          DisplayMesh& mesh);
+
+}  // namespace patchlight

@@ -1,0 +1,48 @@
+#include "tracer/display_lookup.h"
+
+#include <algorithm>
+
+#include "pipeline/optics/elements.h"
+
+namespace patchlight {
+
+DisplayLookup::DisplayLookup(const PatchSet& scene, const RayScene& ray_scene, const IrradianceLookup& patches,
+                             const EnergyField& energy, const std::vector<Color>& settings)
+    : scene_(scene), ray_scene_(ray_scene), patches_(patches), mesh_(*energy.display) {
+  irradiance_.assign(mesh_.vertices.size(), Color(0.0f));
+  for (std::size_t g = 0; g < energy.groups.size(); ++g)
+    for (std::int32_t k = 0; k < mesh_.gathered; ++k) irradiance_[k] += energy.groups[g].display[k] * settings[g];
+  const std::size_t first_midpoint = mesh_.vertices.size() - mesh_.midpoints.size();
+  for (std::size_t k = mesh_.gathered; k < first_midpoint; ++k) {
+    const DisplayMesh::Vertex& vertex = mesh_.vertices[k];
+    irradiance_[k] = patches_(scene.patches[vertex.patch].primitive, vertex.u, vertex.v);
+  }
+  for (std::size_t k = 0; k < mesh_.midpoints.size(); ++k)
+    irradiance_[first_midpoint + k] = (irradiance_[mesh_.midpoints[k][0]] + irradiance_[mesh_.midpoints[k][1]]) * 0.5f;
+}
+
+Color DisplayLookup::operator()(std::int32_t i, std::int32_t patch, float u, float v) const {
+  if (mesh_.roots[patch] < 0) return patches_(i, u, v);
+  return within(mesh_.find(patch, scene_.patches[patch], u, v), i, u, v);
+}
+
+Color DisplayLookup::within(const DisplayMesh::Place& place, std::int32_t i, float u, float v) const {
+  std::array<float, 4> weights;
+  for (int k = 0; k < 4; ++k) weights[k] = (k % 2 ? place.u : 1.0f - place.u) * (k / 2 ? place.v : 1.0f - place.v);
+  const auto& corners = place.leaf->corners;
+  const auto mean = [&] {
+    Color sum(0.0f);
+    for (int k = 0; k < 4; ++k) sum += irradiance_[corners[k]] * weights[k];
+    return sum;
+  };
+  if (!place.leaf->cut) return mean();
+
+  const std::uint32_t seen = seen_corners(scene_, ray_scene_, mesh_, *place.leaf, i, u, v);
+  float left = 0;
+  for (int k = 0; k < 4; ++k) left += seen >> k & 1u ? weights[k] : 0.0f;
+  if (left <= 0) return mean();
+  for (int k = 0; k < 4; ++k) weights[k] = seen >> k & 1u ? weights[k] / left : 0.0f;
+  return mean();
+}
+
+}  // namespace patchlight
