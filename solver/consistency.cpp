@@ -17,6 +17,16 @@ SpectrumField seen_by(const FormFactorRows& rows, std::size_t patches) {
 
 }  // namespace
 
+std::vector<double> exposed_areas(const PatchSet& scene, const TransportRows& rows) {
+  std::vector<double> areas;
+  const double all = rows.weights.empty() ? double(rows.longest()) : 0.0;
+  for (std::size_t i = 0; i < scene.patches.size(); ++i) {
+    const double part = all > 0 ? double(rows.length(i)) / all : 1.0;
+    areas.push_back(part * scene.patches[i].area);
+  }
+  return areas;
+}
+
 double reciprocity_error(const Transport& transport, const FormFactorRows& rows, const std::vector<double>& areas) {
   const std::size_t n = areas.size();
   std::vector<double> seen_of(n + 1);

@@ -3,6 +3,9 @@
 
 namespace patchlight {
 
+/// The areas of those parts of patches that light can reach, m2: rows by rays are the shorter for what is hidden.
+std::vector<double> exposed_areas(const PatchSet& scene, const TransportRows& rows);
+
 /// Area-weighted relative L2 norm of what breaks A_i F_ij = A_j F_ji, summed over i for every patch j: what all rows
 /// together see of j against what j sees of them. 0 for exact form factors.
 double reciprocity_error(const Transport& transport, const FormFactorRows& rows, const std::vector<double>& areas);

@@ -4,12 +4,11 @@
 #include <xmmintrin.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "pipeline/optics/elements.h"
-#include "pipeline/optics/patch_sampling.h"
 #include "pipeline/optics/random.h"
 #include "solver/display_vertices.h"
+#include "solver/surroundings.h"
 
 namespace patchlight {
 
@@ -18,9 +17,6 @@ namespace {
 // Measured: smaller values cost more vertices than they are worth.
 constexpr float kNear = 0.3f;   // size over harmonic mean distance from which a patch gets vertices of its own
 constexpr float kSplit = 0.5f;  // and from which it is cut
-constexpr float kLeast = 0.05f;  // a cell's size: distances below count as this
-constexpr float kLift = 1e-3f;   // of a cell's size: how far above it its corners look for each other
-constexpr float kInset = 0.02f;  // and how far inside its borders
 
 /// How cells lie among other surfaces.
 struct Surroundings {
@@ -106,57 +102,12 @@ class Builder {
     tbb::parallel_for(0, (count + kBlock - 1) / kBlock, [&](int block) {
       _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree wants denormals flushed
       for (int k = block * kBlock; k < std::min((block + 1) * kBlock, count); ++k)
-        found[k] = {closeness(parts[k], scramble(seed_ ^ scramble(std::uint64_t(k)))), is_cut(parts[k])};
+        found[k] = {closeness(scene_, ray_scene_, parts[k], scramble(seed_ ^ scramble(std::uint64_t(k)))),
+                    is_cut(scene_, ray_scene_, parts[k])};
     });
-    cast += std::int64_t(count) * RayPacket::kSize;
+    cast += std::int64_t(count) * (RayPacket::kSize + 6);
     Progress::check_interrupted();
     return found;
-  }
-
-  float closeness(const Patch& part, std::uint64_t random) const {
-    const PatchSampler sampler(scene_.primitives[part.primitive], part);
-    const float offset = ray_scene_.offset(part.primitive), size = float(std::sqrt(part.area));
-    const float turn = to_unit(random), shift = to_unit(random << 24);
-    RayPacket packet;
-    packet.clear();
-    for (int lane = 0; lane < RayPacket::kSize; ++lane) {
-      const Vec2f at = kronecker2(std::uint64_t(lane), random);
-      const SurfacePoint point = sampler(at.x, at.y);
-      const float x = shifted((float(lane) + 0.5f) / float(RayPacket::kSize), shift);
-      const Vec3f d = cosine_direction(x, shifted(radical_inverse(std::uint32_t(lane)), turn));
-      Vec3f tangent, bitangent;
-      orthonormal_frame(point.normal, tangent, bitangent);
-      packet.set(lane, ray_scene_.to_local(point.position) + point.normal * offset,
-                 tangent * d.x + bitangent * d.y + point.normal * d.z);
-    }
-    ray_scene_.intersect(packet, false);
-    float sum = 0;
-    for (int lane = 0; lane < RayPacket::kSize; ++lane)
-      if (const SurfaceHit hit = ray_scene_.hit(packet, lane); hit.front) sum += size / std::max(hit.t, kLeast * size);
-    return sum / float(RayPacket::kSize);
-  }
-
-  /// Whether any two corners of a plane part do not see each other.
-  bool is_cut(const Patch& part) const {
-    const Primitive& primitive = scene_.primitives[part.primitive];
-    if (primitive.shape != Primitive::Shape::quad) return false;
-    const float u_inset = kInset * (part.u1 - part.u0), v_inset = kInset * (part.v1 - part.v0);
-    const float lift = ray_scene_.offset(part.primitive) + kLift * float(std::sqrt(part.area));
-    std::array<Vec3f, 4> corners;
-    for (int k = 0; k < 4; ++k) {
-      const float u = k % 2 ? part.u1 - u_inset : part.u0 + u_inset, v = k / 2 ? part.v1 - v_inset : part.v0 + v_inset;
-      corners[k] = ray_scene_.to_local(point_at(primitive, u, v).position) + part.normal * lift;
-    }
-    RayPacket packet;
-    packet.clear();
-    int lane = 0;
-    for (int a = 0; a < 4; ++a)
-      for (int b = a + 1; b < 4; ++b) {
-        const Vec3f across = corners[b] - corners[a];
-        const float distance = across.length();
-        if (distance > 0) packet.set_shadow(lane++, corners[a], across / distance, distance);
-      }
-    return ray_scene_.occluded(packet) != 0;
   }
 
   const PatchSet& scene_;

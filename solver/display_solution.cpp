@@ -52,7 +52,8 @@ std::int64_t complete(const PatchSet& scene, const SolveConfig& config, int rays
       scene, ray_scene, leaves, [&](std::int32_t i, auto& near) { return row_neighbours(leaves, i, near); }, seed);
   const std::vector<Emitter> emitters = emitters_apart(scene);
   for (std::size_t k = 0; k < emitters.size(); ++k) {
-    if (k == transport.emitters.size()) transport.emitters.push_back({emitters[k].first_patch, emitters[k].patches, {}, {}});
+    if (k == transport.emitters.size())
+      transport.emitters.push_back({emitters[k].first_patch, emitters[k].patches, {}, {}});
     if (transport.emitters[k].display.empty())
       transport.emitters[k].display = direct.sample(emitters[k], emitters.size(), rays, cast).factors;
     progress.update(double(k + 1) / double(emitters.size()), "direct light of the display solution");
@@ -65,8 +66,13 @@ std::int64_t complete(const PatchSet& scene, const SolveConfig& config, int rays
 class Gather {
  public:
   Gather(const PatchSet& scene, const Transport& transport, const FormFactorRows& rows, EnergyField::Group& group)
-      : scene_(scene), transport_(transport), mesh_(transport.display->mesh), rows_(rows), group_(group),
-        patches_(scene.patches.size()), radiosity_(patches_ + mesh_.elements + 1) {}
+      : scene_(scene),
+        transport_(transport),
+        mesh_(transport.display->mesh),
+        rows_(rows),
+        group_(group),
+        patches_(scene.patches.size()),
+        radiosity_(patches_ + mesh_.elements + 1) {}
 
   void run() {
     emit();
@@ -179,7 +185,7 @@ class Gather {
 void add_display_solution(const PatchSet& scene, const SolveConfig& config, Transport& transport, EnergyField& energy,
                           Progress& progress) {
   if (scene.light_groups.empty()) return;
-  energy.rays += complete(scene, config, std::max(config.rays, rays_of(transport)), transport, progress);
+  energy.rays += complete(scene, config, std::max(config.rays, transport.longest()), transport, progress);
   const FormFactorRows rows(transport.display->rows);
   for (auto& group : energy.groups) Gather(scene, transport, rows, group).run();
   energy.display = transport.display->mesh;

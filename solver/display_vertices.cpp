@@ -22,7 +22,8 @@ struct Node {
 
 struct NodeHash {
   std::size_t operator()(const Node& n) const {
-    return scramble(std::uint64_t(std::uint32_t(n.x)) << 32 | std::uint32_t(n.y)) ^ scramble(std::uint64_t(n.row_first));
+    return scramble(std::uint64_t(std::uint32_t(n.x)) << 32 | std::uint32_t(n.y)) ^
+           scramble(std::uint64_t(n.row_first));
   }
 };
 
@@ -53,7 +54,8 @@ class Vertices {
       for (int k = 0; k < 4; ++k) mesh_.cells[leaf.cell].corners[k] = vertex(leaf, corner(leaf, k));
     std::stable_sort(leaves_.begin(), leaves_.end(), [](const Leaf& a, const Leaf& b) { return a.size > b.size; });
     for (const Leaf& leaf : leaves_)
-      for (const auto& [a, b] : {std::pair(0, 1), {1, 3}, {2, 3}, {0, 2}}) find_midpoints(corner(leaf, a), corner(leaf, b));
+      for (const auto& [a, b] : {std::pair(0, 1), {1, 3}, {2, 3}, {0, 2}})
+        find_midpoints(corner(leaf, a), corner(leaf, b));
     renumber();
   }
 
@@ -79,7 +81,8 @@ class Vertices {
     }
     const int half = leaf.size / 2;
     for (int k = 0; k < 4; ++k)
-      add_leaves({children + k, leaf.patch, {leaf.at.row_first, leaf.at.x + k % 2 * half, leaf.at.y + k / 2 * half}, half});
+      add_leaves(
+          {children + k, leaf.patch, {leaf.at.row_first, leaf.at.x + k % 2 * half, leaf.at.y + k / 2 * half}, half});
   }
 
   std::int32_t vertex(const Leaf& leaf, const Node& node) {
@@ -98,9 +101,9 @@ class Vertices {
       return x + shift < 0.0f || x + shift > 1.0f ? x - shift : x + shift;
     };
     const std::uint64_t random = NodeHash()(node);
-    mesh_.vertices.push_back(border ? DisplayMesh::Vertex{leaf.patch, u, v}
-                                    : DisplayMesh::Vertex{leaf.patch, nudged(u, u_step, random),
-                                                          nudged(v, v_step, random >> 1)});
+    mesh_.vertices.push_back(
+        border ? DisplayMesh::Vertex{leaf.patch, u, v}
+               : DisplayMesh::Vertex{leaf.patch, nudged(u, u_step, random), nudged(v, v_step, random >> 1)});
     return at->second;
   }
 

@@ -188,10 +188,11 @@ EnergyField solve_matrix(const PatchSet& scene, const SolveConfig& config, int r
         {name, to_colors(direct, name), to_colors(indirect, name), to_colors(solution.by_rows, name)});
   }
   energy.estimate = estimate_error(scene, system.rows, system.reflectance, system.areas, all);
-  energy.estimate->reciprocity = reciprocity_error(transport, system.rows, system.areas);
+  const std::vector<double> exposed = exposed_areas(scene, transport);
+  energy.estimate->reciprocity = reciprocity_error(transport, system.rows, exposed);
   SpectrumField emission;
   for (const Patch& patch : scene.patches) emission.emplace_back(patch.emission);
-  energy.estimate->balance = balance_error(system.rows, system.areas, system.reflectance, emission, all.irradiance);
+  energy.estimate->balance = balance_error(system.rows, exposed, system.reflectance, emission, all.irradiance);
   return energy;
 }
 

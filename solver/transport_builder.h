@@ -6,9 +6,6 @@
 
 namespace patchlight {
 
-/// How many rays each row of `transport` has; 0 without rows.
-int rays_of(const Transport& transport);
-
 /// Brings `transport` up to the scene, the settings and at least `rays` a row: rows where it has others or fewer, and
 /// form factors to every emitter sampled apart that it does not hold yet; those of others go. Returns the number of
 /// rays cast, 0 if nothing was missing. Throws: Error (interrupted); (unavailable) without OpenGL for hemicubes.

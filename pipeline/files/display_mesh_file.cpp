@@ -78,8 +78,7 @@ DisplayMesh read_display_mesh(const H5Reader& reader, std::int64_t patches) {
   patches = std::int64_t(mesh.roots.size());
   const std::vector<std::int32_t> cells = reader.dataset<std::int32_t>(kCells, -1, 6);
   for (std::size_t k = 0; k < cells.size(); k += 6)
-    mesh.cells.push_back(
-        {cells[k], -1, cells[k + 1] != 0, {cells[k + 2], cells[k + 3], cells[k + 4], cells[k + 5]}});
+    mesh.cells.push_back({cells[k], -1, cells[k + 1] != 0, {cells[k + 2], cells[k + 3], cells[k + 4], cells[k + 5]}});
   const std::vector<float> places = reader.dataset<float>(kVertices, -1, 2);
   const auto count = std::int64_t(places.size() / 2);
   const std::vector<std::int32_t> owners = reader.dataset<std::int32_t>("/display/mesh/vertex_patch", count);

@@ -18,9 +18,9 @@ namespace {
 
 // Raised whenever a stage computes something else from the same inputs.
 constexpr int kImportVersion = 1;
-constexpr int kTransportKeyVersion = 1;
-constexpr int kSolveVersion = 3;
-constexpr int kTraceVersion = 3;
+constexpr int kTransportKeyVersion = 2;
+constexpr int kSolveVersion = 4;
+constexpr int kTraceVersion = 4;
 
 XXH3_state_t* state_of(void* state) {
   return static_cast<XXH3_state_t*>(state);

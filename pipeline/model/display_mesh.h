@@ -25,12 +25,12 @@ struct DisplayMesh {
 
   std::vector<std::int32_t> roots;  ///< [patches]: the cell that stands for a patch; -1: none.
   std::vector<Cell> cells;          ///< Children behind their parents.
-  std::int32_t elements = 0;  ///< Of leaves: one each, four of those that are cut.
+  std::int32_t elements = 0;        ///< Of leaves: one each, four of those that are cut.
 
   /// First those that have irradiance of their own, then those that take what patches say, since they border on patches
   /// that are whole, and last those that are halfway between two before them, since they border on a larger leaf.
   std::vector<Vertex> vertices;
-  std::int32_t gathered = 0;                            ///< How many of the first kind.
+  std::int32_t gathered = 0;                             ///< How many of the first kind.
   std::vector<std::array<std::int32_t, 2>> midpoints{};  ///< Of the last kind: the two.
 
   /// A leaf, and the place in it.

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -26,6 +27,13 @@ struct TransportRows {
   std::vector<Mirrored> mirrored;     ///< By growing row, and half.
 
   std::int64_t rows() const { return starts.empty() ? 0 : std::int64_t(starts.size() / 2); }
+  std::int64_t length(std::size_t row) const { return std::int64_t(starts[2 * row + 2] - starts[2 * row]); }
+  /// The number of rays of a row none of which start where it is hidden; 0 without rows.
+  int longest() const {
+    std::int64_t most = 0;
+    for (std::int64_t row = 0; row < rows(); ++row) most = std::max(most, length(std::size_t(row)));
+    return int(most);
+  }
 };
 
 /// The content of transport.h5: form factors of patches to patches, and what the display solution needs, so that other
@@ -34,8 +42,8 @@ struct Transport : TransportRows {
   /// Form factors to an emitter that is sampled apart from the rows.
   struct Emitter {
     std::int32_t first_patch = 0;
-    std::int32_t patches = 0;    ///< They emit equally.
-    std::vector<float> factors;  ///< [2 n]: of both halves of each row.
+    std::int32_t patches = 0;      ///< They emit equally.
+    std::vector<float> factors;    ///< [2 n]: of both halves of each row.
     std::vector<float> display{};  ///< [2 mesh elements]: of the display mesh's; empty without one.
   };
 
