@@ -87,9 +87,7 @@ class DirectFactors::Run {
     Progress::check_interrupted();
   }
 
-  bool owned(std::int32_t row) const {
-    return from_.receivers_[row].primitive == emitter_.primitive;
-  }
+  bool owned(std::int32_t row) const { return from_.receivers_[row].primitive == emitter_.primitive; }
 
   /// What the pilots about a row saw, without those of one half of it.
   Visibility others(std::int32_t row, int half) const {

@@ -15,8 +15,8 @@ namespace patchlight {
 namespace {
 
 // Measured: smaller values cost more vertices than they are worth.
-constexpr float kNear = 0.3f;   // size over harmonic mean distance from which a patch gets vertices of its own
-constexpr float kSplit = 0.5f;  // and from which it is cut
+constexpr float kNear = 0.25f;   // size over harmonic mean distance from which a patch gets vertices of its own
+constexpr float kSplit = 0.35f;  // and from which it is cut
 
 /// How cells lie among other surfaces.
 struct Surroundings {

@@ -14,6 +14,10 @@ namespace patchlight {
 
 namespace {
 
+constexpr int kOfPatch = 2;  // rays of a patch for one of a vertex: there are many vertices where it matters
+constexpr int kFewer = 4;    // of a vertex, for one of those that ask for the direct light of an element
+constexpr int kPasses = 3;   // the first sees whole patches only; the third is for what stands on them
+
 /// Vertices that gather, as patches of no size.
 std::vector<Patch> receivers(const PatchSet& scene, const DisplayMesh& mesh) {
   std::vector<Patch> points;
@@ -55,7 +59,7 @@ std::int64_t complete(const PatchSet& scene, const SolveConfig& config, int rays
     if (k == transport.emitters.size())
       transport.emitters.push_back({emitters[k].first_patch, emitters[k].patches, {}, {}});
     if (transport.emitters[k].display.empty())
-      transport.emitters[k].display = direct.sample(emitters[k], emitters.size(), rays, cast).factors;
+      transport.emitters[k].display = direct.sample(emitters[k], emitters.size(), rays / kFewer, cast).factors;
     progress.update(double(k + 1) / double(emitters.size()), "direct light of the display solution");
   }
   transport.changed = true;
@@ -81,12 +85,14 @@ class Gather {
     for_each_element(
         [&](std::size_t patch, std::int32_t element, auto) { set_element(patch, element, from_patch(patch)); });
     gather();
-    for_each_element([&](std::size_t patch, std::int32_t element, std::span<const std::int32_t> corners) {
-      Spectrum sum;
-      for (const std::int32_t corner : corners) sum += at_vertex(corner);
-      set_element(patch, element, sum * Spectrum(1.0 / double(corners.size())));
-    });
-    gather();
+    for (int more = 1; more < kPasses; ++more) {
+      for_each_element([&](std::size_t patch, std::int32_t element, std::span<const std::int32_t> corners) {
+        Spectrum sum;
+        for (const std::int32_t corner : corners) sum += at_vertex(corner);
+        set_element(patch, element, sum * Spectrum(1.0 / double(corners.size())));
+      });
+      gather();
+    }
     group_.display = to_colors(at_vertices_, group_.name);
   }
 
@@ -185,7 +191,7 @@ class Gather {
 void add_display_solution(const PatchSet& scene, const SolveConfig& config, Transport& transport, EnergyField& energy,
                           Progress& progress) {
   if (scene.light_groups.empty()) return;
-  energy.rays += complete(scene, config, std::max(config.rays, transport.longest()), transport, progress);
+  energy.rays += complete(scene, config, std::max(config.rays, transport.longest()) / kOfPatch, transport, progress);
   const FormFactorRows rows(transport.display->rows);
   for (auto& group : energy.groups) Gather(scene, transport, rows, group).run();
   energy.display = transport.display->mesh;

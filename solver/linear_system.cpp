@@ -1,12 +1,12 @@
 #include "solver/linear_system.h"
 
-#include "pipeline/model/error.h"
-
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
+
+#include "pipeline/model/error.h"
 
 namespace patchlight {
 

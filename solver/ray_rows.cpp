@@ -169,8 +169,7 @@ std::int64_t RayRows::cast(int rays, TransportRows& to, Progress& progress) cons
       const std::int32_t first = (done + index) * kBlock, last = std::min(first + kBlock, count);
       for (std::int32_t row = first; row < last; ++row)
         for (int half = 0; half < 2; ++half)
-          cast_half(Half(*this, row, half), table, to.ends.data() + to.starts[2 * row + half],
-                    found[index]);
+          cast_half(Half(*this, row, half), table, to.ends.data() + to.starts[2 * row + half], found[index]);
     });
     for (const auto& part : found) {
       to.mirrored.insert(to.mirrored.end(), part.begin(), part.end());

@@ -29,7 +29,7 @@ struct SolveConfig {
   std::string method = "matrix";
   std::string form_factors = "rays";
   int rays = 256;
-  bool display = false;
+  bool display = true;
   int hemicube_resolution = 128;
   double tolerance = 1e-3;
   double error_target = 0.0;      ///< Relative; 0: none.

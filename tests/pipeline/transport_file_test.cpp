@@ -46,6 +46,89 @@ TEST(TransportFile, ReadsBackWhatWasWritten) {
   EXPECT_EQ(kind_of(folder / "transport.h5"), FileKind::transport);
 }
 
+/// The second patch cut once, something standing on its last quarter.
+DisplayMesh cut_patch() {
+  DisplayMesh mesh;
+  mesh.roots = {-1, 0};
+  mesh.cells.resize(5);
+  mesh.cells[0].children = 1;
+  mesh.cells[1].corners = {0, 3, 4, 1};
+  mesh.cells[2].corners = {3, 1, 1, 1};
+  mesh.cells[3].corners = {0, 1, 2, 3};
+  mesh.cells[4].corners = {0, 1, 2, 3};
+  mesh.cells[4].cut = true;
+  mesh.vertices = {{1, 0.5f, 0.5f}, {1, 0.6f, 0.5f}, {1, 0.7f, 0.5f}, {1, 0.5f, 0.0f}, {1, 0.5f, 0.25f}};
+  mesh.gathered = 2;
+  mesh.midpoints = {{0, 3}};
+  return mesh;
+}
+
+Transport sample_with_display() {
+  Transport transport = sample();
+  transport.display = {cut_patch(), {}};
+  transport.display->rows.starts = {0, 1, 2, 4, 6};
+  transport.display->rows.ends = {9, 8, 0, 1, 2, 3};  // 2 patches, 7 elements of leaves, nowhere
+  transport.display->rows.mirrored = {{1, 0, 8, Color(0.5f)}};
+  for (auto& emitter : transport.emitters) emitter.display.assign(14, 0.125f);
+  return transport;
+}
+
+TEST(TransportFile, ReadsBackWhatTheDisplaySolutionNeeds) {
+  const TemporaryFolder folder;
+  const Transport written = sample_with_display();
+  write_transport(folder / "transport.h5", written);
+  const Transport read = read_transport(folder / "transport.h5");
+  ASSERT_TRUE(read.display);
+  EXPECT_EQ(read.display->rows.ends, written.display->rows.ends);
+  EXPECT_EQ(read.display->rows.mirrored[0].patch, 8);
+  EXPECT_EQ(read.emitters[1].display, written.emitters[1].display);
+  const DisplayMesh &mesh = read.display->mesh, &cut = written.display->mesh;
+  EXPECT_EQ(mesh.roots, cut.roots);
+  EXPECT_EQ(mesh.elements, 7);
+  EXPECT_EQ(mesh.gathered, 2);
+  EXPECT_EQ(mesh.midpoints, cut.midpoints);
+  EXPECT_EQ(mesh.vertices[4].v, 0.25f);
+  for (std::size_t k = 0; k < 5; ++k) {
+    EXPECT_EQ(mesh.cells[k].children, cut.cells[k].children);
+    EXPECT_EQ(mesh.cells[k].cut, cut.cells[k].cut);
+    EXPECT_EQ(mesh.cells[k].corners, cut.cells[k].corners);
+  }
+  EXPECT_EQ(mesh.cells[4].leaf, 3);
+}
+
+TEST(TransportFile, RefusesMeshesThatAreNone) {
+  const std::vector<std::function<void(Transport::Display&)>> faults{
+      [](Transport::Display& d) { d.mesh.roots[0] = 0; },
+      [](Transport::Display& d) { d.mesh.roots[1] = 5; },
+      [](Transport::Display& d) { d.mesh.roots[1] = -2; },
+      [](Transport::Display& d) { d.mesh.roots[1] = -1; },
+      [](Transport::Display& d) { d.mesh.roots.push_back(-1); },
+      [](Transport::Display& d) { d.mesh.cells[0].children = 0; },
+      [](Transport::Display& d) { d.mesh.cells[0].children = 2; },
+      [](Transport::Display& d) { d.mesh.cells[0].children = 1 << 30; },
+      [](Transport::Display& d) { d.mesh.cells[1].children = 2; },
+      [](Transport::Display& d) { d.mesh.cells[1].corners[2] = 5; },
+      [](Transport::Display& d) { d.mesh.cells[1].corners[2] = -1; },
+      [](Transport::Display& d) { d.mesh.vertices[0].patch = 2; },
+      [](Transport::Display& d) { d.mesh.vertices[0].u = std::numeric_limits<float>::quiet_NaN(); },
+      [](Transport::Display& d) { d.mesh.vertices[0].v = 1.5f; },
+      [](Transport::Display& d) { d.mesh.midpoints[0][1] = 4; },
+      [](Transport::Display& d) { d.mesh.gathered = 5; },
+      [](Transport::Display& d) { d.mesh.gathered = 1; },
+      [](Transport::Display& d) { d.rows.ends[0] = 10; },
+      [](Transport::Display& d) { d.rows.mirrored[0].patch = 9; },
+      [](Transport::Display& d) { d.rows.mirrored[0].row = 2; },
+  };
+  const TemporaryFolder folder;
+  for (std::size_t k = 0; k < faults.size(); ++k) {
+    SCOPED_TRACE(k);
+    Transport broken = sample_with_display();
+    faults[k](*broken.display);
+    write_transport(folder / "transport.h5", broken);
+    EXPECT_ERROR(read_transport(folder / "transport.h5"), ExitCode::bad_data, "transport.h5");
+  }
+}
+
 TEST(TransportFile, HoldsScenesWithoutMirrorsOrEmitters) {
   const TemporaryFolder folder;
   Transport bare = sample();

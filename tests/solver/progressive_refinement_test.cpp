@@ -22,6 +22,7 @@ EnergyField solve_quietly(const PatchSet& scene, const SolveConfig& config) {
 SolveConfig config_of(int rays, double tolerance = 1e-4) {
   SolveConfig config;
   config.method = "progressive";
+  config.display = false;
   config.rays = rays;
   config.tolerance = tolerance;
   return config;

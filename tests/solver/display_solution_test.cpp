@@ -1,0 +1,238 @@
+#include "solver/display_solution.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <cmath>
+
+#include "pipeline/optics/elements.h"
+#include "solver/display_mesh_builder.h"
+#include "solver/solve.h"
+#include "solver/surroundings.h"
+#include "tests/patch_scene.h"
+
+namespace patchlight {
+namespace {
+
+using test::PatchScene;
+
+DisplayMesh mesh_of(const PatchSet& scene) {
+  const RayScene ray_scene(scene);
+  std::int64_t cast = 0;
+  return build_display_mesh(scene, ray_scene, PatchLookup(scene), 1, cast);
+}
+
+struct Solved {
+  EnergyField energy;
+  Transport transport;
+
+  explicit Solved(const PatchSet& scene, int rays = 256, bool display = true) {
+    SolveConfig config;
+    config.rays = rays;
+    config.tolerance = 1e-6;
+    config.display = display;
+    solve_again(scene, config);
+  }
+
+  void solve_again(const PatchSet& scene, const SolveConfig& config) {
+    Progress progress({"test", true, ""});
+    energy = solve(scene, config, transport, progress);
+  }
+};
+
+/// A room whose ceiling is bright and which a wall divides, off the patches' edges; patches of x < 0.03 get no light.
+PatchScene divided_room() {
+  PatchScene builder;
+  builder.room(1, 8, {0.5f, 0.0f});
+  const int wall = builder.quad({{{0.03, -1, -1}, {0.03, 1, -1}, {0.03, 1, 1}, {0.03, -1, 1}}}, 8, 8, {0.5f, 0.0f});
+  const int back = builder.quad({{{0.03, -1, -1}, {0.03, -1, 1}, {0.03, 1, 1}, {0.03, 1, -1}}}, 8, 8, {0.5f, 0.0f});
+  PatchSet& scene = builder.get();
+  scene.primitives[wall].back = back;
+  scene.primitives[back].back = wall;
+  scene.primitives[1].light_group = 0;
+  for (int i = 64; i < 128; ++i) scene.patches[i].emission = Color(1.0f);
+  return builder;
+}
+
+TEST(DisplayMesh, CutsPatchesAlongCreasesAlone) {
+  PatchScene builder;
+  builder.quad({{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}, 16, 16, {});
+  EXPECT_EQ(mesh_of(builder.get()).cells.size(), 0u);
+  builder.quad({{{0, 0, 0}, {0, 1, 0}, {0, 1, 1}, {0, 0, 1}}}, 16, 16, {});
+  const DisplayMesh mesh = mesh_of(builder.get());
+  for (int i = 0; i < 256; ++i) {
+    if (i % 16 == 0) {
+      EXPECT_GE(mesh.roots[i], 0) << "patch " << i;
+    } else if (i % 16 > 3) {
+      EXPECT_LT(mesh.roots[i], 0) << "patch " << i;
+    }
+  }
+  EXPECT_GT(mesh.gathered, 100);
+  for (std::size_t k = mesh.gathered; k < mesh.vertices.size() - mesh.midpoints.size(); ++k)
+    EXPECT_TRUE(mesh.vertices[k].patch >= 256 || mesh.vertices[k].patch % 16 > 0) << "the border is off the crease";
+}
+
+TEST(DisplayMesh, LeavesFillTheirPatches) {
+  PatchScene builder = divided_room();
+  builder.sphere({0.5, -0.8, 0.3}, 0.2, 8, 12, {});
+  const PatchSet& scene = builder.get();
+  const DisplayMesh mesh = mesh_of(scene);
+  const std::vector<Patch> leaves = leaf_patches(scene, mesh);
+  double area = 0, whole = 0;
+  for (std::size_t i = 0; i < mesh.roots.size(); ++i) whole += mesh.roots[i] >= 0 ? scene.patches[i].area : 0.0;
+  for (const Patch& leaf : leaves) area += leaf.area;
+  double cut = 0;
+  for (std::size_t i = 0; i < mesh.roots.size(); ++i) {
+    if (mesh.roots[i] < 0) continue;
+    const Patch& patch = scene.patches[i];
+    for (float x = 0.01f; x < 1; x += 0.06f)
+      for (float y = 0.01f; y < 1; y += 0.06f) {
+        const float u = patch.u0 + x * (patch.u1 - patch.u0), v = patch.v0 + y * (patch.v1 - patch.v0);
+        const DisplayMesh::Place place = mesh.find(std::int32_t(i), patch, u, v);
+        ASSERT_LT(place.leaf->children, 0);
+        if (place.leaf->cut) {
+          cut += patch.area / (17 * 17);
+          continue;
+        }
+        const Patch& leaf = leaves[place.leaf->leaf];
+        ASSERT_TRUE(leaf.u0 <= u && u <= leaf.u1 && leaf.v0 <= v && v <= leaf.v1);
+        ASSERT_NEAR(leaf.u0 + place.u * (leaf.u1 - leaf.u0), u, 1e-5);
+      }
+  }
+  EXPECT_NEAR(area + cut, whole, 0.01 * whole);
+  EXPECT_GT(cut, 0);
+  for (const Patch& leaf : leaves) EXPECT_NEAR(leaf.normal.length(), 1, 1e-5);
+}
+
+TEST(DisplayMesh, LeavesFacetsOfCurvedMeshesWhole) {
+  PatchScene builder;
+  builder.quad({{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}, 1, 4, {});
+  builder.quad({{{0, 0, 0}, {0, 1, 0}, {0, 1, 1}, {0, 0, 1}}}, 4, 1, {});
+  EXPECT_GE(mesh_of(builder.get()).roots[0], 0);
+  builder.get().primitives[0].smooth_vertices = {0, 1, 2, 3};
+  builder.get().primitives[1].smooth_vertices = {0, 3, 4, 5};
+  EXPECT_EQ(mesh_of(builder.get()).cells.size(), 0u);
+}
+
+TEST(ExposedParts, AreWhatNothingStandsOn) {
+  PatchScene builder;
+  builder.quad({{{0, 0, 0}, {0, 0, 1}, {1, 0, 1}, {1, 0, 0}}}, 1, 1, {});  // the floor, seen from +y
+  const double x = 0.3;                                                    // a block stands on what is left of it
+  builder.quad({{{x, 0, 0}, {x, 1, 0}, {x, 1, 1}, {x, 0, 1}}}, 1, 1, {});
+  builder.quad({{{-1, 1, 0}, {-1, 1, 1}, {x, 1, 1}, {x, 1, 0}}}, 1, 1, {});
+  builder.quad({{{-1, 0, 1}, {x, 0, 1}, {x, 1, 1}, {-1, 1, 1}}}, 1, 1, {});
+  builder.quad({{{-1, 0, 0}, {-1, 1, 0}, {x, 1, 0}, {x, 0, 0}}}, 1, 1, {});
+  builder.quad({{{-1, 0, 0}, {-1, 0, 1}, {-1, 1, 1}, {-1, 1, 0}}}, 1, 1, {});
+  const RayScene ray_scene(builder.get());
+  std::int64_t cast = 0;
+  const std::vector<float> parts = exposed_parts(builder.get(), ray_scene, 1, cast);
+  EXPECT_NEAR(parts[0], 1 - x, 0.01);
+  for (int i = 1; i < 6; ++i) EXPECT_EQ(parts[i], 1.0f);
+}
+
+TEST(DisplaySolution, IsExactInAFurnace) {
+  PatchScene builder;
+  builder.room(1, 6, {0.8f, 1.0f});
+  const Solved solved(builder.get(), 64);
+  ASSERT_GT(solved.energy.display->gathered, 100);
+  for (const Color& h : solved.energy.groups[0].display)
+    EXPECT_NEAR(h.y, 4.0, 4e-3) << "five, but for the direct light";
+}
+
+TEST(DisplaySolution, IsNearerToTheTruthThanPatchesAtCreases) {
+  const auto room = [](int cells) {
+    PatchScene builder;
+    builder.room(1, cells, {0.7f, 0.0f});
+    builder.quad({{{-0.3, 0.9, -0.3}, {0.3, 0.9, -0.3}, {0.3, 0.9, 0.3}, {-0.3, 0.9, 0.3}}}, 1, 1, {0.0f, 20.0f});
+    return builder;
+  };
+  PatchScene coarse = room(6), fine = room(96);
+  const Solved solved(coarse.get(), 4096), truth(fine.get(), 256, false);
+  const PatchLookup at(fine.get());
+  double by_display = 0, by_patches = 0;
+  const EnergyField::Group& group = solved.energy.groups[0];
+  for (std::size_t k = 0; k < group.display.size(); ++k) {
+    const DisplayMesh::Vertex& vertex = solved.energy.display->vertices[k];
+    const std::int32_t wall = coarse.get().patches[vertex.patch].primitive;
+    if (wall != 2) continue;  // the floor
+    const float there = truth.energy.groups[0].indirect[at.patch(wall, vertex.u, vertex.v)].y;
+    by_display += std::pow(group.display[k].y / there - 1, 2);
+    by_patches += std::pow(group.indirect[vertex.patch].y / there - 1, 2);
+  }
+  EXPECT_LT(by_display, 0.1 * by_patches);
+}
+
+/// Patches that the wall stands across belong to both sides, so that some of their light is seen behind it.
+TEST(DisplaySolution, BringsHardlyAnyLightBehindAWall) {
+  PatchScene builder = divided_room();
+  const Solved solved(builder.get());
+  const EnergyField::Group& group = solved.energy.groups[0];
+  float most = 0;
+  for (const Color& h : group.display) most = std::max(most, h.y);
+  int dark = 0;
+  for (std::size_t k = 0; k < group.display.size(); ++k) {
+    const DisplayMesh::Vertex& v = solved.energy.display->vertices[k];
+    const PatchSet& scene = builder.get();
+    const Vec3d at = point_at(scene.primitives[scene.patches[v.patch].primitive], v.u, v.v).position;
+    if (at.x > 0.03 || scene.patches[v.patch].normal.x > 0.5f) continue;
+    if (at.x == 0.03) continue;  // the wall itself
+    EXPECT_LT(group.display[k].y, 0.02f * most) << at.x;
+    ++dark;
+  }
+  EXPECT_GT(dark, 100);
+}
+
+TEST(DisplaySolution, NeedsNoRayForOtherColours) {
+  PatchScene builder = divided_room();
+  PatchSet& scene = builder.get();
+  SolveConfig config;
+  config.rays = 64;
+  config.tolerance = 1e-6;
+  Solved solved(scene, 64);
+  const std::vector<Color> first = solved.energy.groups[0].display;
+  EXPECT_GT(solved.energy.rays, 0);
+  for (Patch& patch : scene.patches) patch.reflectance = Color(0.0f);
+  solved.solve_again(scene, config);
+  EXPECT_EQ(solved.energy.rays, 0);
+  for (const Color& h : solved.energy.groups[0].display) EXPECT_EQ(h.y, 0) << "nothing reflects";
+  for (Patch& patch : scene.patches) patch.reflectance = Color(0.5f);
+  solved.solve_again(scene, config);
+  EXPECT_EQ(solved.energy.groups[0].display, first);
+}
+
+TEST(DisplaySolution, FollowsEveryPairOfMethods) {
+  PatchScene builder;
+  builder.room(1, 6, {0.6f, 0.0f});
+  builder.quad({{{-0.3, 0.9, -0.3}, {0.3, 0.9, -0.3}, {0.3, 0.9, 0.3}, {-0.3, 0.9, 0.3}}}, 1, 1, {0.0f, 20.0f});
+  const Solved usual(builder.get(), 1024);
+  for (const auto& [method, form_factors] :
+       {std::pair("matrix", "hemicube"), {"progressive", "rays"}, {"progressive", "hemicube"}}) {
+    SolveConfig config;
+    config.method = method;
+    config.form_factors = form_factors;
+    config.rays = 1024;
+    Solved other(builder.get(), 32);
+    other.transport = {};
+    other.solve_again(builder.get(), config);
+    double difference = 0, norm = 0;
+    ASSERT_EQ(other.energy.groups[0].display.size(), usual.energy.groups[0].display.size());
+    for (std::size_t k = 0; k < usual.energy.groups[0].display.size(); ++k) {
+      const float h = usual.energy.groups[0].display[k].y;
+      difference += std::pow(other.energy.groups[0].display[k].y - h, 2);
+      norm += h * h;
+    }
+    EXPECT_LT(std::sqrt(difference / norm), 0.03) << method << " over " << form_factors;
+  }
+}
+
+TEST(DisplaySolution, GivesTheSameBitsForAnyNumberOfThreads) {
+  PatchScene builder = divided_room();
+  const auto with_threads = [&](std::size_t threads) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    return Solved(builder.get(), 64).energy.groups[0].display;
+  };
+  EXPECT_EQ(with_threads(1), with_threads(4));
+}
+
+}  // namespace
+}  // namespace patchlight
