@@ -19,8 +19,10 @@ namespace {
 constexpr std::array kSupportedExtensions{"KHR_materials_emissive_strength", "KHR_materials_specular",
                                           "KHR_materials_ior", "KHR_materials_unlit"};
 
-constexpr std::array kLists{"buffers",  "bufferViews", "images", "accessors", "meshes",    "materials",
-                            "textures", "cameras",     "nodes",  "scenes",    "animations"};
+constexpr std::array kLists{"buffers",  "bufferViews", "images",  "accessors", "meshes", "materials",
+                            "textures", "samplers",    "cameras", "nodes",     "scenes", "animations"};
+
+constexpr std::size_t kMostTexcoords = 1000;  // sets of them that a mesh may have
 
 /// A glTF file while it is checked.
 struct Check {
@@ -185,7 +187,9 @@ void check_meshes(Check& gltf) {
 
 void check_texture_info(const Check& gltf, const Json& owner, const char* key, const GltfPlace& place) {
   const Json* info = find_object(owner, key, place);
-  if (info && index_member(*info, "index", gltf.count("textures"), place) < 0) refuse_gltf("has no index", place, key);
+  if (!info) return;
+  if (index_member(*info, "index", gltf.count("textures"), place) < 0) refuse_gltf("has no index", place, key);
+  index_member(*info, "texCoord", kMostTexcoords, place);
 }
 
 void check_materials(Check& gltf) {
@@ -210,6 +214,18 @@ void check_materials(Check& gltf) {
   });
   gltf.each("textures", [&](const Json& texture, const GltfPlace& place) {
     index_member(texture, "source", gltf.count("images"), place);
+    index_member(texture, "sampler", gltf.count("samplers"), place);
+  });
+  gltf.each("samplers", [&](const Json& sampler, const GltfPlace& place) {
+    for (const char* key : {"magFilter", "wrapS", "wrapT"}) whole_number(sampler, key, 0, place);
+  });
+}
+
+bool has_base_color_texture(const Check& gltf) {
+  const Json& materials = gltf.list("materials");
+  return std::any_of(materials.begin(), materials.end(), [](const Json& material) {
+    const Json* pbr = find_member(material, "pbrMetallicRoughness");
+    return pbr && pbr->contains("baseColorTexture");
   });
 }
 
@@ -246,8 +262,9 @@ CheckedGltf check_gltf(std::string_view json, const std::string& file, bool texc
   check_buffer_views(gltf, result.buffers);
   check_accessors(gltf);
   check_meshes(gltf);
-  if (texcoords) check_texcoords(root, file);
   check_materials(gltf);
+  texcoords = texcoords || has_base_color_texture(gltf);
+  if (texcoords) check_texcoords(root, file);
   check_nodes(gltf);
   if (gltf.count("animations") > 0) gltf.ignored.insert("animations are not read: nodes stand in their rest state");
   result.ignored.assign(gltf.ignored.begin(), gltf.ignored.end());

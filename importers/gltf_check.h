@@ -23,7 +23,8 @@ struct CheckedGltf {
 
 /// Checks all that the importer and tinygltf read of a glTF file's JSON: version, required extensions, types, indices,
 /// that accessors lie within bufferViews and these within buffers, and that nodes are trees.
-/// Texture coordinates are checked, and kept, only if `texcoords` says that they will be read.
+/// Texture coordinates are checked, and kept, only if a base colour has a texture or `texcoords` says that they will be
+/// read.
 /// Throws: Error (bad_data) naming the place.
 CheckedGltf check_gltf(std::string_view json, const std::string& file, bool texcoords = false);
 

@@ -6,7 +6,7 @@
 #include <map>
 
 #include "importers/name_pattern.h"
-#include "importers/texture_mean.h"
+#include "importers/texture_reader.h"
 #include "pipeline/model/error.h"
 
 namespace patchlight {
@@ -16,13 +16,37 @@ constexpr float kHighestReflectance = 0.99999f;
 constexpr float kStrongestEmission = 3e38f;
 constexpr float kDefaultGrey = 0.8f;
 
-/// Mean colours of the textures that were looked up.
-struct TextureMeans {
+Texture::Wrap wrap_of(int gltf) {
+  if (gltf == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE) return Texture::Wrap::clamp;
+  return gltf == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT ? Texture::Wrap::mirror : Texture::Wrap::repeat;
+}
+
+/// The textures that were looked up: mean colours, and base colours whole.
+struct TextureReader {
   GltfModel& model;
   Progress& progress;
+  std::vector<Texture>& textures;
   std::int64_t texels_left = kMostTexels;
   std::map<std::pair<int, TextureEncoding>, Vec3d> known{};
-  bool sampled = false;
+  std::map<int, std::pair<Vec3d, std::int32_t>> whole{};
+  bool averaged = false;
+
+  /// The mean of a base colour, and the number of its texture.
+  std::pair<Vec3d, std::int32_t> base_color(const tinygltf::TextureInfo& info) {
+    if (info.index < 0 || model.gltf.textures[info.index].source < 0 || info.texCoord != 0)
+      return {of(info.index, TextureEncoding::srgb), -1};
+    const auto [entry, is_new] = whole.emplace(info.index, std::pair(Vec3d(1.0), std::int32_t(textures.size())));
+    if (!is_new) return entry->second;
+    const tinygltf::Texture& source = model.gltf.textures[info.index];
+    Texture& texture = textures.emplace_back();
+    if (source.sampler >= 0) {
+      const tinygltf::Sampler& sampler = model.gltf.samplers[source.sampler];
+      texture.wrap = {wrap_of(sampler.wrapS), wrap_of(sampler.wrapT)};
+      texture.nearest = sampler.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST;
+    }
+    entry->second.first = read(source.source, TextureEncoding::srgb, &texture);
+    return entry->second;
+  }
 
   Vec3d of(int texture, TextureEncoding encoding) {
     if (texture < 0) return Vec3d(1.0);
@@ -33,13 +57,15 @@ struct TextureMeans {
       return Vec3d(1.0);
     }
     const auto [entry, is_new] = known.emplace(std::pair(image, encoding), Vec3d(1.0));
-    if (is_new) {
-      std::shared_ptr<const Bytes> owner;
-      const std::string place = fmt::format("{}, {}", model.file.name, model.checked.images[image].name);
-      entry->second = texture_mean(image_bytes(model, image, owner), encoding, place, texels_left);
-      sampled = true;
-    }
+    if (is_new) entry->second = read(image, encoding, nullptr);
+    averaged = true;
     return entry->second;
+  }
+
+  Vec3d read(int image, TextureEncoding encoding, Texture* kept) {
+    std::shared_ptr<const Bytes> owner;
+    const std::string place = fmt::format("{}, {}", model.file.name, model.checked.images[image].name);
+    return read_texture(image_bytes(model, image, owner), encoding, place, texels_left, kept);
   }
 };
 
@@ -63,7 +89,7 @@ double emissive_strength(const tinygltf::Material& source) {
   return extension->second.Get("emissiveStrength").GetNumberAsDouble();
 }
 
-SurfaceMaterial read_material(const tinygltf::Material& source, bool used, TextureMeans& textures) {
+SurfaceMaterial read_material(const tinygltf::Material& source, bool used, TextureReader& textures) {
   const auto mean = [&](int texture, TextureEncoding encoding) {
     return used ? textures.of(texture, encoding) : Vec3d(1.0);
   };
@@ -71,7 +97,9 @@ SurfaceMaterial read_material(const tinygltf::Material& source, bool used, Textu
   // G is roughness, B metallic.
   const Vec3d finish = mean(pbr.metallicRoughnessTexture.index, TextureEncoding::linear);
   const double metallic = pbr.metallicFactor * finish.z;
-  const Vec3d base = vector(pbr.baseColorFactor) * mean(pbr.baseColorTexture.index, TextureEncoding::srgb);
+  const auto [base_mean, texture] =
+      used ? textures.base_color(pbr.baseColorTexture) : std::pair(Vec3d(1.0), std::int32_t{-1});
+  const Vec3d factor = vector(pbr.baseColorFactor), base = factor * base_mean;
   const Vec3d emissive = vector(source.emissiveFactor) * mean(source.emissiveTexture.index, TextureEncoding::srgb);
 
   SurfaceMaterial material;
@@ -83,6 +111,8 @@ SurfaceMaterial read_material(const tinygltf::Material& source, bool used, Textu
     refuse(textures.model, material.name, fmt::format("roughness is {}", pbr.roughnessFactor), "in [0, 1]");
   }
   material.reflectance = color(base * (1.0 - metallic));
+  material.texture = texture;
+  material.tint = color(factor * (1.0 - metallic));
   material.specular = color(base * metallic);
   material.roughness = static_cast<float>(pbr.roughnessFactor * finish.y);
   material.emission = color(emissive * (kPi * emissive_strength(source)));
@@ -109,7 +139,10 @@ Color at_most_rest(const Color& value, const Color& other) {
 
 void apply_override(const MaterialOverride& change, SurfaceMaterial& material) {
   if (change.emission) material.emission = *change.emission;
-  if (change.reflectance) material.reflectance = *change.reflectance;
+  if (change.reflectance) {
+    material.reflectance = *change.reflectance;
+    material.texture = -1;
+  }
   if (change.mirror) {
     material.specular = *change.mirror;
     material.roughness = 0.0f;
@@ -155,6 +188,9 @@ void check_values(const GltfModel& model, SurfaceMaterial& material, Progress& p
     if (!(emission >= 0.0f && emission <= kStrongestEmission)) {
       refuse(model, material.name, fmt::format("emission is {} W/m2", emission), "finite and not negative");
     }
+    if (material.texture >= 0 && !(material.tint[i] >= 0.0f && material.tint[i] <= 1.0f)) {
+      refuse(model, material.name, fmt::format("the factor of its texture is {}", material.tint[i]), "in [0, 1]");
+    }
     lowered = lowered || reflectance > kHighestReflectance;
     reflectance = std::min(reflectance, kHighestReflectance);
   }
@@ -167,13 +203,14 @@ void check_values(const GltfModel& model, SurfaceMaterial& material, Progress& p
 }  // namespace
 
 std::vector<SurfaceMaterial> read_materials(GltfModel& model, const std::vector<char>& used, const Job& job,
-                                            Progress& progress) {
+                                            std::vector<Texture>& textures, Progress& progress) {
   std::vector<SurfaceMaterial> materials;
-  TextureMeans textures{model, progress};
+  TextureReader reader{model, progress, textures};
   for (std::size_t i = 0; i < model.gltf.materials.size(); ++i) {
-    materials.push_back(read_material(model.gltf.materials[i], used[i], textures));
+    materials.push_back(read_material(model.gltf.materials[i], used[i], reader));
   }
-  if (textures.sampled) progress.warning("textures are not sampled yet: each counts by its mean colour");
+  if (reader.averaged)
+    progress.warning("textures of finish and emission, and those of TEXCOORD_1, count by their mean colours");
   if (used.back()) {
     materials.push_back(default_material());
     progress.warning(fmt::format("what has no material is diffuse grey, {}", kDefaultGrey));

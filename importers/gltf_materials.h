@@ -13,9 +13,10 @@ namespace patchlight {
 /// for what has none.
 ///
 /// Diffuse reflectance is baseColor x (1 - metallic), specular baseColor x metallic, emission pi x emissive factor x
-/// strength. A texture counts by its mean colour, and only where `used` says that a surface has the material.
+/// strength. Textures are read only where `used` says that a surface has the material: those of base colour go into
+/// `textures`, others count by their mean colours.
 /// Throws: Error (bad_data) for values out of range; (missing_input) without a texture's file.
 std::vector<SurfaceMaterial> read_materials(GltfModel& model, const std::vector<char>& used, const Job& job,
-                                            Progress& progress);
+                                            std::vector<Texture>& textures, Progress& progress);
 
 }  // namespace patchlight

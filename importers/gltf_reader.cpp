@@ -193,7 +193,8 @@ GltfScene read_gltf_scene(const Job& job, Progress& progress) {
 
   std::vector<char> used(model->gltf.materials.size() + 1, 0);
   for (const Surface& surface : scene.surfaces) used[surface.material] = 1;
-  scene.materials = read_materials(*model, used, job, progress);
+  scene.materials = read_materials(*model, used, job, scene.textures, progress);
+  for (Surface& surface : scene.surfaces) surface.reads_uv = scene.materials[surface.material].texture >= 0;
   assign_shaders(job, reads_uv, scene, progress);
   assign_light_groups(*model, scene);
   scene.cameras = placed_cameras(*model, nodes, scene.nodes, progress);

@@ -22,7 +22,7 @@ struct Surface {
   int mesh = 0;
   int part = 0;           ///< Of the mesh.
   int shader = -1;        ///< Index into GltfScene::shaders; -1: none.
-  bool reads_uv = false;  ///< Its shader reads u or v.
+  bool reads_uv = false;  ///< Its texture, or its shader, reads texture coordinates.
 };
 
 /// What the importer takes from a glTF file. Triangles are read surface by surface, since instances can make a small
@@ -32,6 +32,7 @@ struct GltfScene {
   std::vector<SurfaceMaterial> materials;
   std::vector<std::string> light_groups;
   std::vector<Shader> shaders;
+  std::vector<Texture> textures;
   std::vector<Surface> surfaces;
   std::vector<Camera> cameras;  ///< None is made up here.
   std::vector<SourceFile> sources;

@@ -37,7 +37,7 @@ Json reduced_node(const Json& node) {
 }
 
 Json reduced_texture(const Json& info) {
-  return kept(info, {"index"});
+  return kept(info, {"index", "texCoord"});
 }
 
 Json reduced_material(const Json& material) {
@@ -106,7 +106,12 @@ Json reduced_gltf(const Json& root, bool texcoords) {
   result["meshes"] = reduced_list(root, "meshes", [&](const Json& mesh) { return reduced_mesh(mesh, texcoords); });
   result["materials"] = reduced_list(root, "materials", reduced_material);
   result["cameras"] = reduced_list(root, "cameras", reduced_camera);
-  result["textures"] = reduced_list(root, "textures", [](const Json& texture) { return kept(texture, {"source"}); });
+  result["textures"] = reduced_list(root, "textures", [](const Json& texture) {
+    return kept(texture, {"source", "sampler"});
+  });
+  result["samplers"] = reduced_list(root, "samplers", [](const Json& sampler) {
+    return kept(sampler, {"magFilter", "wrapS", "wrapT"});
+  });
   result["accessors"] = reduced_list(root, "accessors", [](const Json& accessor) {
     return kept(accessor, {"bufferView", "byteOffset", "componentType", "count", "type"});
   });

@@ -9,8 +9,8 @@
 #include "importers/gltf_cameras.h"
 #include "importers/gltf_reader.h"
 #include "importers/patch_builder.h"
+#include "importers/patch_colors.h"
 #include "importers/primitive_builder.h"
-#include "importers/shader_averages.h"
 #include "pipeline/files/key.h"
 #include "pipeline/model/error.h"
 
@@ -56,7 +56,7 @@ Camera camera_for(const std::vector<Primitive>& primitives) {
 std::vector<Material> lasting_materials(const std::vector<SurfaceMaterial>& materials) {
   std::vector<Material> result;
   for (const SurfaceMaterial& material : materials)
-    result.push_back({material.name, material.specular, material.roughness});
+    result.push_back({material.name, material.specular, material.roughness, material.tint});
   return result;
 }
 
@@ -69,9 +69,10 @@ std::string summary(const GltfScene& scene, const PrimitiveList& list, const Pat
   }
   return fmt::format(
       "{} triangles read as {} quads, {} triangles, {} spheres; {} patches; modelled: {} metallic materials, "
-      "{} light groups, {} cameras{}",
+      "{} light groups, {} cameras{}{}",
       scene.triangles, list.quads, list.triangles, list.spheres, set.patches.size(), mirrors, set.light_groups.size(),
-      set.cameras.size(), set.shaders.empty() ? "" : fmt::format(", {} shaders", set.shaders.size()));
+      set.cameras.size(), set.textures.empty() ? "" : fmt::format(", {} textures", set.textures.size()),
+      set.shaders.empty() ? "" : fmt::format(", {} shaders", set.shaders.size()));
 }
 
 }  // namespace
@@ -85,13 +86,14 @@ PatchSet import_scene(const Job& job, Progress& progress) {
   set.primitives = std::move(list.primitives);
   set.texcoords = std::move(list.texcoords);
   set.shaders = scene.shaders;
+  set.textures = std::move(scene.textures);
   set.materials = lasting_materials(scene.materials);
   set.nodes = scene.nodes;
   set.light_groups = scene.light_groups;
   set.cameras = scene.cameras;
   if (set.cameras.empty()) set.cameras.push_back(camera_for(set.primitives));
   set.sources = scene.sources;
-  if (!set.shaders.empty()) average_shaders(job, set, progress);
+  if (!set.shaders.empty() || !set.textures.empty()) average_colors(job, set, progress);
   set.inputs_key = import_inputs_key(set.sources, job);
   progress.note(summary(scene, list, set));
   return set;

@@ -79,6 +79,7 @@ void append_primitives(const Surface& surface, const SurfaceMaterial& material, 
 
   std::vector<char> in_sphere(topology.triangles.size(), 0);
   for (const MeshTopology::Component& component : topology.components) {
+    if (material.texture >= 0 && !topology.texcoords.empty()) break;  // a sphere has no such coordinates
     const std::optional<Sphere> sphere = recognize_sphere(topology, component);
     if (!sphere) continue;
     for (const std::int32_t triangle : component.triangles) in_sphere[triangle] = 1;
@@ -97,7 +98,11 @@ void append_primitives(const Surface& surface, const SurfaceMaterial& material, 
     primitive.corners = facet.corners;
     for (std::size_t i = 0; i < 4; ++i) primitive.smooth_vertices[i] = facet.smooth_vertices[i] + list.smooth_vertices;
     append(primitive, material.double_sided, smooth_count, list);
-    if (!topology.texcoords.empty() && !std::isnan(facet.texcoords[0].x)) append_texcoords(facet.texcoords, list);
+    if (!topology.texcoords.empty() && !std::isnan(facet.texcoords[0].x)) {
+      append_texcoords(facet.texcoords, list);
+      for (std::size_t i = list.primitives.size() - (material.double_sided ? 2 : 1); i < list.primitives.size(); ++i)
+        list.primitives[i].texture = material.texture;
+    }
     ++(primitive.is_triangle() ? list.triangles : list.quads);
   }
   list.smooth_vertices += material.double_sided ? 2 * smooth_count : smooth_count;

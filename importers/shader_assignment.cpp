@@ -53,7 +53,7 @@ void assign_shaders(const Job& job, const std::vector<char>& reads_uv, GltfScene
   }
   for (Surface& surface : scene.surfaces) {
     if (surface.shader < 0) continue;
-    surface.reads_uv = reads_uv[surface.shader] != 0;
+    surface.reads_uv = surface.reads_uv || reads_uv[surface.shader] != 0;
     int& index = number[surface.shader];
     if (index < 0) {
       index = static_cast<int>(scene.shaders.size());

@@ -16,7 +16,9 @@ struct SurfaceMaterial {
   float roughness = 1.0f;   ///< Of the metallic part.
   Color emission{0.0f};     ///< Radiant exitance, W/m2.
   bool double_sided = false;
-  std::string light_group;  ///< As the file names it; empty: not named.
+  std::int32_t texture = -1;  ///< Of the reflectance, among the scene's; -1: none.
+  Color tint{1.0f};           ///< What the texture is multiplied by; `reflectance` is the mean.
+  std::string light_group;    ///< As the file names it; empty: not named.
 
   bool emits() const { return emission != Color(0.0f); }
 };

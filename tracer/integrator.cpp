@@ -9,6 +9,7 @@
 #include "pipeline/files/job_check.h"
 #include "pipeline/optics/patch_sampling.h"
 #include "pipeline/optics/random.h"
+#include "pipeline/optics/texture_lookup.h"
 
 namespace patchlight {
 
@@ -144,6 +145,8 @@ bool Integrator::shade(RayPacket& packet, int lane, Path& path, Tile& tile) cons
   const bool mirror = material.roughness < kMirrorRoughness;
   Color reflectance = scene_.patches[i].reflectance;
   Color emission = emission_[i];
+  if (scene_.primitives[hit.primitive].texture >= 0)
+    reflectance = textured_reflectance(scene_, hit.primitive, hit.u, hit.v);
   if (scene_.primitives[hit.primitive].shader >= 0) apply_shader(hit, reflectance, emission);
   if (!mirror) reflectance += material.specular;
   const Color radiance = (emission + reflectance * irradiance_at(hit, i)) / float(kPi);

@@ -88,6 +88,9 @@ PatchFault shader_fault(const PatchSet& scene) {
     if (is_set(scene.shaders[p.shader].emission) && p.light_group < 0)
       return {"an emitter without a light group", "/primitives/light_group"};
   }
+  for (const Primitive& p : scene.primitives)
+    if (p.texture != -1 && (!index_of(p.texture, scene.textures.size()) || scene.texcoords.empty()))
+      return {"an index out of range", "/primitives/texture"};
   if (!scene.texcoords.empty() && scene.texcoords.size() != scene.primitives.size())
     return {"another number than of primitives", "/primitives/texcoord"};
   for (const Texcoords& corners : scene.texcoords)
@@ -174,7 +177,7 @@ PatchFault find_fault(const PatchSet& scene) {
     if (PatchFault fault = patch_fault(scene, patch)) return fault;
   }
   for (const Material& m : scene.materials)
-    if (!within(m.specular, 0.0f, 1.0f) || !(m.roughness >= 0 && m.roughness <= 1))
+    if (!within(m.specular, 0.0f, 1.0f) || !within(m.tint, 0.0f, 1.0f) || !(m.roughness >= 0 && m.roughness <= 1))
       return {"a value outside [0, 1]", "/materials"};
   for (const Camera& camera : scene.cameras)
     for (const double* x = &camera.to_world.x[0][0]; x != &camera.to_world.x[0][0] + 16; ++x)

@@ -6,6 +6,7 @@
 #include "pipeline/files/h5_store.h"
 #include "pipeline/files/patch_check.h"
 #include "pipeline/files/patch_shaders.h"
+#include "pipeline/files/patch_textures.h"
 
 namespace patchlight {
 
@@ -190,6 +191,7 @@ void write_patches(const std::filesystem::path& file, PatchSet& scene) {
   write_sources(writer, scene.sources);
   writer.strings("/light_groups/name", scene.light_groups);
   write_shader_datasets(writer, scene);
+  write_texture_datasets(writer, scene);
 
   scene.key = writer.key_of({"/patches/", "/primitives/type", "/primitives/corners", "/primitives/sphere",
                              "/primitives/back", "/primitives/light_group", "/light_groups/", "/primitives/material",
@@ -197,8 +199,8 @@ void write_patches(const std::filesystem::path& file, PatchSet& scene) {
   scene.geometry_key = writer.key_of({"/patches/center", "/patches/primitive", "/patches/uv", "/primitives/type",
                                       "/primitives/corners", "/primitives/sphere", "/primitives/back",
                                       "/primitives/material", "/materials/specular", "/materials/roughness"});
-  scene.frames_key =
-      writer.key_of({"/primitives/smooth_vertices", "/shaders/", "/primitives/shader", "/primitives/texcoord"});
+  scene.frames_key = writer.key_of({"/primitives/smooth_vertices", "/shaders/", "/primitives/shader",
+                                    "/primitives/texcoord", "/textures/", "/primitives/texture", "/materials/tint"});
   writer.attribute("format", kPatchFormat);
   writer.attribute("version", std::int64_t(kPatchVersion));
   writer.attribute("key", scene.key);
@@ -221,6 +223,7 @@ PatchSet read_patches(const std::filesystem::path& file) {
   read_cameras(reader, scene.cameras);
   scene.light_groups = reader.strings("/light_groups/name", -1);
   read_shader_datasets(reader, scene);
+  read_texture_datasets(reader, scene);
   const std::vector<std::string> paths = reader.strings("/sources/path", -1);
   const std::vector<std::string> hashes = reader.strings("/sources/hash", std::int64_t(paths.size()));
   for (std::size_t i = 0; i < paths.size(); ++i) scene.sources.push_back({paths[i], hashes[i]});

@@ -30,11 +30,6 @@ void write_shader_datasets(H5Writer& writer, const PatchSet& scene) {
   std::vector<std::int32_t> assigned;
   for (const Primitive& p : scene.primitives) assigned.push_back(p.shader);
   writer.dataset<std::int32_t>("/primitives/shader", assigned);
-  if (scene.texcoords.empty()) return;
-  std::vector<float> texcoords;
-  for (const Texcoords& corners : scene.texcoords)
-    for (const Vec2f& t : corners) texcoords.insert(texcoords.end(), {t.x, t.y});
-  writer.dataset<float>("/primitives/texcoord", texcoords, 2, 4);
 }
 
 void read_shader_datasets(const H5Reader& reader, PatchSet& scene) {
@@ -45,11 +40,6 @@ void read_shader_datasets(const H5Reader& reader, PatchSet& scene) {
   const auto count = std::int64_t(scene.primitives.size());
   const std::vector<std::int32_t> assigned = reader.dataset<std::int32_t>("/primitives/shader", count);
   for (std::size_t i = 0; i < assigned.size(); ++i) scene.primitives[i].shader = assigned[i];
-  if (!reader.has("/primitives/texcoord")) return;
-  const std::vector<float> values = reader.dataset<float>("/primitives/texcoord", count, 2, 4);
-  for (std::size_t i = 0; i < values.size(); i += 8)
-    scene.texcoords.push_back({Vec2f(values[i], values[i + 1]), Vec2f(values[i + 2], values[i + 3]),
-                               Vec2f(values[i + 4], values[i + 5]), Vec2f(values[i + 6], values[i + 7])});
 }
 
 }  // namespace patchlight

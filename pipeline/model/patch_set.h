@@ -7,6 +7,7 @@
 #include "pipeline/model/camera.h"
 #include "pipeline/model/math.h"
 #include "pipeline/model/shader.h"
+#include "pipeline/model/texture.h"
 
 namespace patchlight {
 
@@ -19,7 +20,8 @@ struct Primitive {
   enum class Shape : std::int32_t { quad = 0, sphere = 1 };
 
   Shape shape = Shape::quad;
-  std::int32_t shader = -1;  ///< Index into PatchSet::shaders; -1: none.
+  std::int32_t shader = -1;   ///< Index into PatchSet::shaders; -1: none.
+  std::int32_t texture = -1;  ///< Index into PatchSet::textures; -1: none.
   std::array<Vec3d, 4> corners{Vec3d(0.0), Vec3d(0.0), Vec3d(0.0), Vec3d(0.0)};  ///< m; zeros for a sphere.
   Vec3d sphere_center{0.0};                                                      ///< m; zero for a quad.
   double sphere_radius = 0.0;     ///< m; negative: lit inside. Zero for a quad.
@@ -38,9 +40,10 @@ struct Material {
   std::string name;
   Color specular{0.0f};  ///< Mirror reflectance (the metallic part), each in [0,1].
   float roughness = 1.0f;
+  Color tint{1.0f};  ///< Diffuse reflectance is this times the texture's colour, where a primitive has one.
 };
 
-/// The (u,v) that shaders see at corners 0 to 3 of a primitive, and bilinear between them.
+/// The (u,v) that shaders and textures see at corners 0 to 3 of a primitive, and bilinear between them.
 using Texcoords = std::array<Vec2f, 4>;
 inline const Texcoords kOwnTexcoords{Vec2f(0, 0), Vec2f(1, 0), Vec2f(1, 1), Vec2f(0, 1)};
 
@@ -72,7 +75,8 @@ struct PatchSet {
   std::vector<Camera> cameras;
   std::vector<SourceFile> sources;
   std::vector<Shader> shaders;
-  std::vector<Texcoords> texcoords;  ///< By primitive; empty where every shader sees the primitive's own (u,v).
+  std::vector<Texture> textures;
+  std::vector<Texcoords> texcoords;  ///< By primitive; empty where shaders and textures see the primitive's own (u,v).
 
   std::string inputs_key;    ///< Scene files and import settings that this was made from.
   std::string key;           ///< What solving reads. Set by the file layer.

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "pipeline/optics/patch_sampling.h"
+#include "pipeline/optics/texture_lookup.h"
 
 namespace patchlight {
 
@@ -23,14 +24,8 @@ std::vector<Expression> compile(const ColorExpressions& source) {
 
 ExpressionInputs shader_inputs(const PatchSet& scene, std::int32_t i, double u, double v) {
   const SurfacePoint point = point_at(scene.primitives[i], u, v);
-  if (!scene.texcoords.empty()) {
-    const Texcoords& t = scene.texcoords[i];
-    const auto bilinear = [&](float Vec2f::*axis) {
-      return (t[0].*axis * (1 - u) + t[1].*axis * u) * (1 - v) + (t[3].*axis * (1 - u) + t[2].*axis * u) * v;
-    };
-    return {bilinear(&Vec2f::x), bilinear(&Vec2f::y), point.position, Vec3d(point.normal)};
-  }
-  return {u, v, point.position, Vec3d(point.normal)};
+  const Imath::V2d at = texcoord_at(scene, i, u, v);
+  return {at.x, at.y, point.position, Vec3d(point.normal)};
 }
 
 MaterialShader::MaterialShader(const Shader& source)

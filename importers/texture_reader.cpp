@@ -1,4 +1,4 @@
-#include "importers/texture_mean.h"
+#include "importers/texture_reader.h"
 
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
@@ -43,10 +43,19 @@ std::vector<float> decoding_table(TextureEncoding encoding) {
   return table;
 }
 
+/// Texels as 0xRRGGBB; grey ones are as much of each.
+void append_texels(std::span<const std::uint16_t> values, std::size_t channels, std::vector<std::int32_t>& texels) {
+  const auto byte = [](std::uint16_t value) { return (value + 128) / 257; };
+  for (std::size_t i = 0; i < values.size(); i += channels) {
+    const std::size_t step = channels < 3 ? 0 : 1;
+    texels.push_back(byte(values[i]) << 16 | byte(values[i + step]) << 8 | byte(values[i + 2 * step]));
+  }
+}
+
 }  // namespace
 
-Vec3d texture_mean(std::span<const unsigned char> bytes, TextureEncoding encoding, const std::string& place,
-                   std::int64_t& texels_left) {
+Vec3d read_texture(std::span<const unsigned char> bytes, TextureEncoding encoding, const std::string& place,
+                   std::int64_t& texels_left, Texture* kept) {
   OIIO::Filesystem::IOMemReader memory(const_cast<unsigned char*>(bytes.data()), bytes.size());
   OIIO::ImageSpec config;
   config["oiio:UnassociatedAlpha"] = 1;
@@ -68,6 +77,11 @@ Vec3d texture_mean(std::span<const unsigned char> bytes, TextureEncoding encodin
   const auto channels = static_cast<std::size_t>(spec.nchannels);
   std::vector<std::uint16_t> rows(static_cast<std::size_t>(spec.width) * kRowsAtOnce * channels);
   std::array<double, 4> sums{};
+  if (kept) {
+    kept->width = spec.width;
+    kept->height = spec.height;
+    kept->texels.reserve(static_cast<std::size_t>(texels));
+  }
   for (int y = 0; y < spec.height; y += kRowsAtOnce) {
     const int end = std::min(y + kRowsAtOnce, spec.height);
     if (!image->read_scanlines(0, 0, spec.y + y, spec.y + end, 0, 0, spec.nchannels, OIIO::TypeDesc::UINT16,
@@ -76,6 +90,7 @@ Vec3d texture_mean(std::span<const unsigned char> bytes, TextureEncoding encodin
     }
     const std::size_t values = static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(end - y) * channels;
     for (std::size_t i = 0; i < values; ++i) sums[i % channels] += table[rows[i]];
+    if (kept) append_texels(std::span(rows).first(values), channels, kept->texels);
   }
   for (double& sum : sums) sum /= static_cast<double>(texels);
   return channels < 3 ? Vec3d(sums[0]) : Vec3d(sums[0], sums[1], sums[2]);

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "pipeline/model/math.h"
+#include "pipeline/model/texture.h"
 
 namespace patchlight {
 
@@ -12,11 +13,12 @@ enum class TextureEncoding { srgb, linear };
 /// Texels that one scene may decode; a small file can hold an enormous image.
 constexpr std::int64_t kMostTexels = std::int64_t{1} << 30;
 
-/// Mean linear colour of a PNG or JPEG image, each channel in [0,1]; sRGB is linearised texel by texel.
+/// Mean linear colour of a PNG or JPEG image, each channel in [0,1]; sRGB is linearised texel by texel. Size and texels
+/// go into `kept`, if there is one.
 /// Takes the image's size off `texels_left`. `place` names the image for errors.
 /// Throws: Error (bad_data) for another format or a damaged image; (over_limit) for more than 8192 x 8192 texels or
 /// more than are left.
-Vec3d texture_mean(std::span<const unsigned char> bytes, TextureEncoding encoding, const std::string& place,
-                   std::int64_t& texels_left);
+Vec3d read_texture(std::span<const unsigned char> bytes, TextureEncoding encoding, const std::string& place,
+                   std::int64_t& texels_left, Texture* kept);
 
 }  // namespace patchlight

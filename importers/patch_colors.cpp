@@ -1,4 +1,4 @@
-#include "importers/shader_averages.h"
+#include "importers/patch_colors.h"
 
 #include <fmt/format.h>
 
@@ -8,6 +8,7 @@
 #include "pipeline/model/error.h"
 #include "pipeline/optics/material_shader.h"
 #include "pipeline/optics/patch_sampling.h"
+#include "pipeline/optics/texture_lookup.h"
 
 namespace patchlight {
 namespace {
@@ -87,16 +88,22 @@ Color mean_over(const PatchSampler& sampler, const Value& value) {
 
 }  // namespace
 
-void average_shaders(const Job& job, PatchSet& scene, Progress& progress) {
+void average_colors(const Job& job, PatchSet& scene, Progress& progress) {
   std::vector<MaterialShader> shaders = compile_shaders(scene);
   std::vector<char> lowered(shaders.size(), 0);
   for (std::size_t i = 0; i < scene.patches.size(); ++i) {
     Patch& patch = scene.patches[i];
     const Primitive& primitive = scene.primitives[patch.primitive];
+    const PatchSampler sampler(primitive, patch);
+    if (primitive.texture >= 0) {
+      patch.reflectance = mean_over(sampler, [&](double u, double v) {
+        const Color color = textured_reflectance(scene, patch.primitive, u, v);
+        return Vec3d(color.x, color.y, color.z);
+      });
+    }
     if (primitive.shader < 0) continue;
     const Shader& source = scene.shaders[primitive.shader];
     MaterialShader& shader = shaders[primitive.shader];
-    const PatchSampler sampler(primitive, patch);
     if (shader.reflects()) {
       ColorSource color{job, source, "reflectance", most_reflectance(scene.materials[primitive.material])};
       patch.reflectance = within_range(Vec3d(mean_over(sampler,
@@ -114,7 +121,7 @@ void average_shaders(const Job& job, PatchSet& scene, Progress& progress) {
         return color.checked(shader.emission(at), at);
       });
     }
-    progress.update(static_cast<double>(i) / static_cast<double>(scene.patches.size()), "shaders");
+    progress.update(static_cast<double>(i) / static_cast<double>(scene.patches.size()), "colours");
   }
   for (std::size_t i = 0; i < shaders.size(); ++i) {
     if (lowered[i] == 0) continue;

@@ -1,0 +1,13 @@
+#pragma once
+#include "pipeline/files/h5_store.h"
+#include "pipeline/model/patch_set.h"
+
+namespace patchlight {
+
+/// Textures, which primitives have them, and texture coordinates; a scene without them has no such datasets.
+void write_texture_datasets(H5Writer& writer, const PatchSet& scene);
+
+/// Expects the primitives and materials of `scene` to be there. Throws: Error (bad_data).
+void read_texture_datasets(const H5Reader& reader, PatchSet& scene);
+
+}  // namespace patchlight

@@ -1,0 +1,18 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace patchlight {
+
+/// An image of a surface's base colour.
+struct Texture {
+  enum class Wrap : std::int32_t { repeat = 0, clamp = 1, mirror = 2 };
+
+  std::int32_t width = 0, height = 0;
+  std::array<Wrap, 2> wrap{Wrap::repeat, Wrap::repeat};  ///< Along s and t.
+  bool nearest = false;                                  ///< No interpolation between texels.
+  std::vector<std::int32_t> texels;  ///< 0xRRGGBB, sRGB-encoded, rows from the top (t = 0). Shape: [height * width].
+};
+
+}  // namespace patchlight
