@@ -26,11 +26,7 @@ class DirectFactors {
   /// From `receivers`, the patches of a scene or parts of them. `neighbours` names those about one of them.
   DirectFactors(const PatchSet& scene, const RayScene& ray_scene, std::span<const Patch> receivers,
                 Neighbours neighbours, std::uint64_t seed)
-      : scene_(scene),
-        ray_scene_(ray_scene),
-        receivers_(receivers),
-        neighbours_(std::move(neighbours)),
-        seed_(seed) {}
+      : scene_(scene), ray_scene_(ray_scene), receivers_(receivers), neighbours_(std::move(neighbours)), seed_(seed) {}
 
   /// Form factors to `emitter`, one of `emitters`, with the accuracy that `rays` a row ask for. The same for any number
   /// of threads.

@@ -102,7 +102,7 @@ class Builder {
     tbb::parallel_for(0, (count + kBlock - 1) / kBlock, [&](int block) {
       _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree wants denormals flushed
       for (int k = block * kBlock; k < std::min((block + 1) * kBlock, count); ++k)
-        found[k] = {closeness(scene_, ray_scene_, parts[k], scramble(seed_ ^ scramble(std::uint64_t(k)))),
+        found[k] = {closeness(scene_, ray_scene_, parts[k], scramble(seed_ ^ scramble(std::uint64_t(k)))).value,
                     is_cut(scene_, ray_scene_, parts[k])};
     });
     cast += std::int64_t(count) * (RayPacket::kSize + 6);

@@ -26,6 +26,8 @@ constexpr std::int64_t kRaysAtOnce = 1 << 21;  // between two looks at the signa
 constexpr int kMostMirrors = 256;              // on one ray's way
 constexpr float kSurelyKept = 0.25f;           // throughput from which Russian roulette ends no ray
 
+constexpr std::int32_t kLeftOut = -1;
+
 using Lanes = std::array<float, RayPacket::kSize>;
 
 /// Sixteen directions about +Z and points of the unit square.
@@ -95,6 +97,22 @@ VECTOR_CODE void place_rays(const QuadPatch& patch, const Samples& at, RayPacket
   }
 }
 
+/// Takes out what is left out; what came by mirrors weighs the more.
+void close_ranks(TransportRows& rows) {
+  std::vector<float> scale(2 * std::size_t(rows.rows()), 1.0f);
+  std::uint64_t begin = 0, kept = 0;
+  for (std::size_t k = 0; k + 1 < rows.starts.size(); ++k) {
+    const std::uint64_t end = rows.starts[k + 1], first = kept;
+    for (std::uint64_t at = begin; at < end; ++at)
+      if (rows.ends[at] != kLeftOut) rows.ends[kept++] = rows.ends[at];
+    if (kept > first) scale[k] = float(end - begin) / float(kept - first);
+    rows.starts[k + 1] = kept;
+    begin = end;
+  }
+  rows.ends.resize(kept);
+  for (auto& m : rows.mirrored) m.weight *= scale[2 * std::size_t(m.row) + std::size_t(m.half)];
+}
+
 }  // namespace
 
 /// One half of a row in the making.
@@ -141,8 +159,13 @@ struct RayRows::Half {
 };
 
 RayRows::RayRows(const PatchSet& scene, const RayScene& ray_scene, std::span<const Patch> receivers,
-                 const Elements& elements, std::uint64_t seed)
-    : scene_(scene), ray_scene_(ray_scene), receivers_(receivers), elements_(elements), seed_(scramble(seed)) {
+                 const Elements& elements, std::uint64_t seed, const ExposedParts* exposed)
+    : scene_(scene),
+      ray_scene_(ray_scene),
+      receivers_(receivers),
+      elements_(elements),
+      seed_(scramble(seed)),
+      exposed_(exposed) {
   for (const Primitive& p : scene.primitives) {
     metallic_.push_back(scene.materials[p.material].specular != Color(0.0f));
     has_metals_ = has_metals_ || metallic_.back();
@@ -177,7 +200,20 @@ std::int64_t RayRows::cast(int rays, TransportRows& to, Progress& progress) cons
     }
     progress.update(double(done) / blocks, "rows of form factors");
   }
+  if (exposed_) close_ranks(to);
   return cast;
+}
+
+/// Marks rays of parts that are not exposed, and ends them.
+void RayRows::leave_out(const Half& half, const DirectionTable& table, int first, RayPacket& packet,
+                        std::int32_t* ends) const {
+  if (exposed_->part(half.row) == 1.0f) return;
+  for (int lane = 0; lane < RayPacket::kSize; ++lane) {
+    const float x = shifted(table.u[first + lane], half.shift[2]), y = shifted(table.v[first + lane], half.shift[3]);
+    if (exposed_->keeps(half.row, x, y, scramble(half.random ^ std::uint64_t(first + lane)))) continue;
+    ends[first + lane] = kLeftOut;
+    packet.valid[lane] = 0;
+  }
 }
 
 void RayRows::start_packet(const Half& half, const DirectionTable& table, int first, RayPacket& packet) const {
@@ -209,6 +245,7 @@ void RayRows::cast_half(const Half& half, const DirectionTable& table, std::int3
       const SurfaceHit hit = ray_scene_.hit(packet, lane);
       ends[first + lane] = hit.front ? elements_.at(hit.primitive, hit.u, hit.v) : nowhere;
     }
+    if (exposed_) leave_out(half, table, first, packet, ends);
     if (has_metals_) follow_mirrors(half, first, table.count(), packet, mirrored);
   }
 }

@@ -6,6 +6,7 @@
 #include "pipeline/optics/ray_scene.h"
 #include "pipeline/stage/progress.h"
 #include "solver/direction_table.h"
+#include "solver/surroundings.h"
 
 namespace patchlight {
 
@@ -18,17 +19,19 @@ namespace patchlight {
 class RayRows {
  public:
   /// Of `receivers`, patches of the scene's primitives or, of no size, points of them, to `elements`.
+  /// Rays of receivers that start where `exposed` does not keep them are left out of the rows.
   RayRows(const PatchSet& scene, const RayScene& ray_scene, std::span<const Patch> receivers, const Elements& elements,
-          std::uint64_t seed);
+          std::uint64_t seed, const ExposedParts* exposed = nullptr);
 
-  /// Sets starts, ends and mirrored of `to`, with `rays` a row, rounded up to a multiple of 32. The same for any
-  /// number of threads. Returns how many rays were cast, those behind mirrors included.
-  /// Throws: Error (interrupted).
+  /// Sets starts, ends and mirrored of `to`, with `rays` a row, rounded up to a multiple of 32, but for what is left
+  /// out. The same for any number of threads. Returns how many rays were cast, those behind mirrors included. Throws:
+  /// Error (interrupted).
   std::int64_t cast(int rays, TransportRows& to, Progress& progress) const;
 
  private:
   struct Half;
 
+  void leave_out(const Half& half, const DirectionTable& table, int first, RayPacket& packet, std::int32_t* ends) const;
   void start_packet(const Half& half, const DirectionTable& table, int first, RayPacket& packet) const;
   void cast_half(const Half& half, const DirectionTable& table, std::int32_t* ends,
                  std::vector<TransportRows::Mirrored>& mirrored) const;
@@ -40,6 +43,7 @@ class RayRows {
   const std::span<const Patch> receivers_;
   const Elements& elements_;
   std::uint64_t seed_;
+  const ExposedParts* exposed_;
   std::vector<char> metallic_;  ///< By primitive.
   bool has_metals_ = false;
 };

@@ -16,6 +16,7 @@ namespace {
 constexpr float kLeast = 0.05f;         // of a part's size: distances below count as this
 constexpr float kLift = 1e-3f;          // of a part's size: how far above it its corners look for each other
 constexpr float kInset = 0.02f;         // and how far inside its borders
+constexpr float kOpen = 0.75f;   // of the most exposed place: from there on, all of a place counts
 constexpr float kLeastExposed = 0.25f;  // part of a patch: the less there is, the noisier
 
 /// A ray of a point, lane k of 16 that are stratified over the hemisphere.
@@ -29,30 +30,23 @@ void set_lane(const RayScene& ray_scene, const SurfacePoint& point, float offset
              tangent * d.x + bitangent * d.y + point.normal * d.z);
 }
 
-bool is_exposed(const RayScene& ray_scene, const SurfacePoint& point, float offset, std::uint64_t random) {
+/// Of a point's rays, those that do not end on an unlit back.
+float exposure(const RayScene& ray_scene, const SurfacePoint& point, float offset, std::uint64_t random) {
   RayPacket packet;
   packet.clear();
   for (int lane = 0; lane < RayPacket::kSize; ++lane) set_lane(ray_scene, point, offset, lane, random, packet);
   ray_scene.intersect(packet, false);
-  for (int lane = 0; lane < RayPacket::kSize; ++lane)
-    if (const SurfaceHit hit = ray_scene.hit(packet, lane); hit.front || hit.primitive < 0) return true;
-  return false;
-}
-
-float exposed_part(const PatchSet& scene, const RayScene& ray_scene, const Patch& patch, std::uint64_t random) {
-  constexpr int kPoints = 256;
-  const PatchSampler sampler(scene.primitives[patch.primitive], patch);
   int exposed = 0;
-  for (int k = 0; k < kPoints; ++k) {
-    const Vec2f at = kronecker2(std::uint64_t(k), random);
-    exposed += is_exposed(ray_scene, sampler(at.x, at.y), ray_scene.offset(patch.primitive), scramble(random + k));
+  for (int lane = 0; lane < RayPacket::kSize; ++lane) {
+    const SurfaceHit hit = ray_scene.hit(packet, lane);
+    exposed += hit.front || hit.primitive < 0;
   }
-  return exposed == 0 ? 1.0f : std::max(float(exposed) / float(kPoints), kLeastExposed);
+  return float(exposed) / float(RayPacket::kSize);
 }
 
 }  // namespace
 
-float closeness(const PatchSet& scene, const RayScene& ray_scene, const Patch& part, std::uint64_t random) {
+Closeness closeness(const PatchSet& scene, const RayScene& ray_scene, const Patch& part, std::uint64_t random) {
   const PatchSampler sampler(scene.primitives[part.primitive], part);
   const float size = float(std::sqrt(part.area));
   RayPacket packet;
@@ -62,10 +56,14 @@ float closeness(const PatchSet& scene, const RayScene& ray_scene, const Patch& p
     set_lane(ray_scene, sampler(at.x, at.y), ray_scene.offset(part.primitive), lane, random, packet);
   }
   ray_scene.intersect(packet, false);
-  float sum = 0;
-  for (int lane = 0; lane < RayPacket::kSize; ++lane)
-    if (const SurfaceHit hit = ray_scene.hit(packet, lane); hit.front) sum += size / std::max(hit.t, kLeast * size);
-  return sum / float(RayPacket::kSize);
+  Closeness result;
+  for (int lane = 0; lane < RayPacket::kSize; ++lane) {
+    const SurfaceHit hit = ray_scene.hit(packet, lane);
+    if (hit.primitive < 0) continue;
+    result.value += size / std::max(hit.t, kLeast * size) / float(RayPacket::kSize);
+    result.to_backs = result.to_backs || !hit.front;
+  }
+  return result;
 }
 
 bool is_cut(const PatchSet& scene, const RayScene& ray_scene, const Patch& part) {
@@ -90,23 +88,58 @@ bool is_cut(const PatchSet& scene, const RayScene& ray_scene, const Patch& part)
   return ray_scene.occluded(packet) != 0;
 }
 
-std::vector<float> exposed_parts(const PatchSet& scene, const RayScene& ray_scene, std::uint64_t seed,
-                                 std::int64_t& cast) {
+ExposedParts::Grid ExposedParts::grid_of(const PatchSet& scene, const RayScene& ray_scene, const Patch& patch,
+                                         std::uint64_t random) {
+  const PatchSampler sampler(scene.primitives[patch.primitive], patch);
+  Grid grid;
+  float most = 0;
+  for (int k = 0; k < kAcross * kAcross; ++k) {
+    const Vec2f shift = kronecker2(std::uint64_t(k), random);
+    const float x = (float(k % kAcross) + shift.x) / kAcross, y = (float(k / kAcross) + shift.y) / kAcross;
+    grid.kept[k] = exposure(ray_scene, sampler(x, y), ray_scene.offset(patch.primitive), scramble(random + k));
+    most = std::max(most, grid.kept[k]);
+  }
+  if (most == 0) return {};
+  grid.mean = 0;
+  for (float& kept : grid.kept) {
+    kept = std::min(1.0f, kept / (kOpen * most));
+    grid.mean += kept / float(grid.kept.size());
+  }
+  const float lift = std::max(0.0f, (kLeastExposed - grid.mean) / (1.0f - grid.mean));
+  for (float& kept : grid.kept) kept += lift * (1.0f - kept);
+  grid.mean = std::max(grid.mean, kLeastExposed);
+  return grid;
+}
+
+ExposedParts::ExposedParts(const PatchSet& scene, const RayScene& ray_scene, std::uint64_t seed, std::int64_t& cast)
+    : at_(scene.patches.size(), -1) {
   constexpr int kBlock = 256;
   const int count = int(scene.patches.size());
-  std::vector<float> parts(count, 1.0f);
+  std::vector<Grid> found(scene.patches.size());
   std::vector<std::int64_t> rays((count + kBlock - 1) / kBlock);
   tbb::parallel_for(0, int(rays.size()), [&](int block) {
     _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree wants denormals flushed
     for (int i = block * kBlock; i < std::min((block + 1) * kBlock, count); ++i) {
-      rays[block] += 6;
-      if (!is_cut(scene, ray_scene, scene.patches[i])) continue;
-      parts[i] = exposed_part(scene, ray_scene, scene.patches[i], scramble(seed + std::uint64_t(i)));
-      rays[block] += 256 * RayPacket::kSize;
+      const Patch& patch = scene.patches[i];
+      const std::uint64_t random = scramble(seed + std::uint64_t(i));
+      rays[block] += RayPacket::kSize + 6;
+      if (!closeness(scene, ray_scene, patch, random).to_backs && !is_cut(scene, ray_scene, patch)) continue;
+      found[i] = grid_of(scene, ray_scene, patch, random);
+      rays[block] += kAcross * kAcross * RayPacket::kSize;
     }
   });
   for (const std::int64_t more : rays) cast += more;
-  return parts;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    if (found[i].mean == 1.0f) continue;
+    at_[i] = std::int32_t(grids_.size());
+    grids_.push_back(found[i]);
+  }
+}
+
+bool ExposedParts::keeps(std::int32_t i, float x, float y, std::uint64_t random) const {
+  if (at_[i] < 0) return true;
+  const auto cell = [](float t) { return std::min(int(t * kAcross), kAcross - 1); };
+  return to_unit(random) < grids_[at_[i]].kept[cell(y) * kAcross + cell(x)];
 }
 
 }  // namespace patchlight

@@ -1,7 +1,6 @@
 #include "solver/transport_builder.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "pipeline/files/key.h"
 #include "solver/direct_factors.h"
@@ -34,29 +33,6 @@ void draw_rows(const PatchSet& scene, const SolveConfig& config, Transport& tran
   }
 }
 
-/// Leaves out of every row those rays that start where it is not exposed: they see nothing.
-void leave_hidden_out(const std::vector<float>& exposed, Transport& transport) {
-  const auto nowhere = std::int32_t(exposed.size());
-  std::vector<double> scale(exposed.size(), 1.0);
-  std::uint64_t begin = 0, kept = 0;
-  for (std::size_t k = 0; k + 1 < transport.starts.size(); ++k) {
-    const std::uint64_t end = transport.starts[k + 1], rays = end - begin;
-    auto hidden = std::uint64_t(std::lround((1.0 - double(exposed[k / 2])) * double(rays)));
-    const std::uint64_t first = kept;
-    for (std::uint64_t at = begin; at < end; ++at) {
-      if (hidden > 0 && transport.ends[at] == nowhere)
-        --hidden;
-      else
-        transport.ends[kept++] = transport.ends[at];
-    }
-    if (kept > first) scale[k / 2] = double(rays) / double(kept - first);
-    transport.starts[k + 1] = kept;
-    begin = end;
-  }
-  transport.ends.resize(kept);
-  for (auto& m : transport.mirrored) m.weight *= float(scale[m.row]);
-}
-
 }  // namespace
 
 std::int64_t complete_transport(const PatchSet& scene, const SolveConfig& config, int rays, Transport& transport,
@@ -81,14 +57,14 @@ std::int64_t complete_transport(const PatchSet& scene, const SolveConfig& config
   const RayScene ray_scene(scene);
   const PatchLookup lookup(scene);
   std::int64_t cast = 0;
-  const std::vector<float> exposed = exposed_parts(scene, ray_scene, seed, cast);
+  const ExposedParts exposed(scene, ray_scene, seed, cast);
   if (!same_rows) {
     transport = {};
     if (hemicubes) {
       draw_rows(scene, config, transport, progress);
     } else {
-      cast += RayRows(scene, ray_scene, scene.patches, Elements(scene), seed).cast(rays, transport, progress);
-      leave_hidden_out(exposed, transport);
+      const Elements elements(scene);
+      cast += RayRows(scene, ray_scene, scene.patches, elements, seed, &exposed).cast(rays, transport, progress);
     }
     transport.key = key;
   }
@@ -100,7 +76,7 @@ std::int64_t complete_transport(const PatchSet& scene, const SolveConfig& config
     } else {
       emitters.push_back(direct.sample(emitter, wanted.size(), rays, cast));
       std::vector<float>& factors = emitters.back().factors;
-      for (std::size_t k = 0; k < factors.size(); ++k) factors[k] /= exposed[k / 2];
+      for (std::size_t k = 0; k < factors.size(); ++k) factors[k] /= exposed.part(std::int32_t(k / 2));
     }
     progress.update(double(emitters.size()) / double(wanted.size()), "direct light");
   }
