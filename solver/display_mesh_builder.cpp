@@ -35,11 +35,12 @@ class Builder {
     std::vector<std::int32_t> level;
     for (std::size_t i = 0; i < mesh_.cells.size(); ++i) level.push_back(std::int32_t(i));
     for (int depth = 0; !level.empty(); ++depth) level = grow(level, depth == kDisplayLevels, cast);
+    add_display_vertices(scene_, ray_scene_, lookup_, smooth_, mesh_);
     for (auto& cell : mesh_.cells) {
       if (cell.children < 0) cell.leaf = mesh_.elements;
       mesh_.elements += cell.elements();
     }
-    add_display_vertices(scene_, lookup_, smooth_, mesh_);
+    cast += std::int64_t(mesh_.vertices.size()) * RayPacket::kSize;
     return std::move(mesh_);
   }
 

@@ -1,15 +1,20 @@
 #include "solver/display_vertices.h"
 
+#include <tbb/parallel_for.h>
+#include <xmmintrin.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include "pipeline/optics/random.h"
+#include "solver/surroundings.h"
 
 namespace patchlight {
 
 namespace {
 
 constexpr int kSteps = 1 << kDisplayLevels;  // of the finest cells along a patch
+constexpr float kCovered = 0.5f;             // of the exposure of other corners, below which a corner has no say
 constexpr float kNudge = 0.02f;              // of a finest cell: how far vertices stay off where surfaces may meet
 
 /// A place on the lattice of a primitive's finest cells; on a sphere, of a ring's.
@@ -44,14 +49,16 @@ std::uint64_t edge_key(const Primitive& p, int edge) {
 
 class Vertices {
  public:
-  Vertices(const PatchSet& scene, const PatchLookup& lookup, const SmoothEdges& smooth, DisplayMesh& mesh)
-      : scene_(scene), lookup_(lookup), smooth_(smooth), mesh_(mesh) {}
+  Vertices(const PatchSet& scene, const RayScene& ray_scene, const PatchLookup& lookup, const SmoothEdges& smooth,
+           DisplayMesh& mesh)
+      : scene_(scene), ray_scene_(ray_scene), lookup_(lookup), smooth_(smooth), mesh_(mesh) {}
 
   void add() {
     for (std::size_t i = 0; i < mesh_.roots.size(); ++i)
       if (mesh_.roots[i] >= 0) add_leaves(std::int32_t(i));
     for (const Leaf& leaf : leaves_)
       for (int k = 0; k < 4; ++k) mesh_.cells[leaf.cell].corners[k] = vertex(leaf, corner(leaf, k));
+    hide_covered();
     std::stable_sort(leaves_.begin(), leaves_.end(), [](const Leaf& a, const Leaf& b) { return a.size > b.size; });
     for (const Leaf& leaf : leaves_)
       for (const auto& [a, b] : {std::pair(0, 1), {1, 3}, {2, 3}, {0, 2}})
@@ -107,6 +114,28 @@ class Vertices {
     return at->second;
   }
 
+  void hide_covered() {
+    std::vector<float> exposed(mesh_.vertices.size(), 1.0f);
+    tbb::parallel_for(std::size_t(0), exposed.size(), [&](std::size_t k) {
+      _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree wants denormals flushed
+      if (kinds_[k] == Kind::border) return;
+      const DisplayMesh::Vertex& vertex = mesh_.vertices[k];
+      const std::int32_t primitive = scene_.patches[vertex.patch].primitive;
+      const SurfacePoint point = point_at(scene_.primitives[primitive], vertex.u, vertex.v);
+      exposed[k] = exposure(ray_scene_, primitive, point, scramble(k));
+    });
+    for (const Leaf& leaf : leaves_) {
+      DisplayMesh::Cell& cell = mesh_.cells[leaf.cell];
+      float most = 0;
+      for (const std::int32_t k : cell.corners) most = std::max(most, exposed[k]);
+      for (const std::int32_t k : cell.corners) {
+        if (exposed[k] >= kCovered * most) continue;
+        mesh_.vertices[k].hidden = true;
+        cell.cut = true;
+      }
+    }
+  }
+
   /// Whether a place touches a whole patch, or a neighbour that it meets smoothly.
   bool is_border(std::int32_t i, float u, float v, float u_step, float v_step) const {
     const Primitive& primitive = scene_.primitives[i];
@@ -126,9 +155,11 @@ class Vertices {
     const Node middle{a.row_first, (a.x + b.x) / 2, (a.y + b.y) / 2};
     const auto found = numbers_.find(middle);
     if (found == numbers_.end()) return;
-    if (Kind& kind = kinds_[found->second]; kind == Kind::gathered) {
-      kind = Kind::midpoint;
-      midpoints_.push_back({found->second, numbers_.at(a), numbers_.at(b)});
+    const std::int32_t k = found->second, from = numbers_.at(a), to = numbers_.at(b);
+    const bool hides = mesh_.vertices[from].hidden || mesh_.vertices[to].hidden;
+    if (kinds_[k] == Kind::gathered && !hides) {
+      kinds_[k] = Kind::midpoint;
+      midpoints_.push_back({k, from, to});
     }
     find_midpoints(a, middle);
     find_midpoints(middle, b);
@@ -154,6 +185,7 @@ class Vertices {
   }
 
   const PatchSet& scene_;
+  const RayScene& ray_scene_;
   const PatchLookup& lookup_;
   const SmoothEdges& smooth_;
   DisplayMesh& mesh_;
@@ -181,9 +213,9 @@ bool SmoothEdges::meets(const Primitive& primitive) const {
   return meets(primitive, 0) || meets(primitive, 1) || meets(primitive, 2) || meets(primitive, 3);
 }
 
-void add_display_vertices(const PatchSet& scene, const PatchLookup& lookup, const SmoothEdges& smooth,
-                          DisplayMesh& mesh) {
-  Vertices(scene, lookup, smooth, mesh).add();
+void add_display_vertices(const PatchSet& scene, const RayScene& ray_scene, const PatchLookup& lookup,
+                          const SmoothEdges& smooth, DisplayMesh& mesh) {
+  Vertices(scene, ray_scene, lookup, smooth, mesh).add();
 }
 
 }  // namespace patchlight

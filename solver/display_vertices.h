@@ -4,6 +4,7 @@
 
 #include "pipeline/model/display_mesh.h"
 #include "pipeline/optics/patch_lookup.h"
+#include "pipeline/optics/ray_scene.h"
 
 namespace patchlight {
 
@@ -22,8 +23,9 @@ class SmoothEdges {
   std::unordered_map<std::uint64_t, int> count_;
 };
 
-/// Gives the leaves of a mesh their corners: those of neighbours are one vertex.
-void add_display_vertices(const PatchSet& scene, const PatchLookup& lookup, const SmoothEdges& smooth,
-                          DisplayMesh& mesh);
+/// Gives the leaves of a mesh their corners: those of neighbours are one vertex. Leaves some of whose corners are much
+/// less exposed than others are cut.
+void add_display_vertices(const PatchSet& scene, const RayScene& ray_scene, const PatchLookup& lookup,
+                          const SmoothEdges& smooth, DisplayMesh& mesh);
 
 }  // namespace patchlight

@@ -16,7 +16,7 @@ namespace {
 constexpr float kLeast = 0.05f;         // of a part's size: distances below count as this
 constexpr float kLift = 1e-3f;          // of a part's size: how far above it its corners look for each other
 constexpr float kInset = 0.02f;         // and how far inside its borders
-constexpr float kOpen = 0.75f;   // of the most exposed place: from there on, all of a place counts
+constexpr float kOpen = 0.75f;          // of the most exposed place: from there on, all of a place counts
 constexpr float kLeastExposed = 0.25f;  // part of a patch: the less there is, the noisier
 
 /// A ray of a point, lane k of 16 that are stratified over the hemisphere.
@@ -30,11 +30,13 @@ void set_lane(const RayScene& ray_scene, const SurfacePoint& point, float offset
              tangent * d.x + bitangent * d.y + point.normal * d.z);
 }
 
-/// Of a point's rays, those that do not end on an unlit back.
-float exposure(const RayScene& ray_scene, const SurfacePoint& point, float offset, std::uint64_t random) {
+}  // namespace
+
+float exposure(const RayScene& ray_scene, std::int32_t primitive, const SurfacePoint& point, std::uint64_t random) {
   RayPacket packet;
   packet.clear();
-  for (int lane = 0; lane < RayPacket::kSize; ++lane) set_lane(ray_scene, point, offset, lane, random, packet);
+  for (int lane = 0; lane < RayPacket::kSize; ++lane)
+    set_lane(ray_scene, point, ray_scene.offset(primitive), lane, random, packet);
   ray_scene.intersect(packet, false);
   int exposed = 0;
   for (int lane = 0; lane < RayPacket::kSize; ++lane) {
@@ -43,8 +45,6 @@ float exposure(const RayScene& ray_scene, const SurfacePoint& point, float offse
   }
   return float(exposed) / float(RayPacket::kSize);
 }
-
-}  // namespace
 
 Closeness closeness(const PatchSet& scene, const RayScene& ray_scene, const Patch& part, std::uint64_t random) {
   const PatchSampler sampler(scene.primitives[part.primitive], part);
@@ -96,7 +96,7 @@ ExposedParts::Grid ExposedParts::grid_of(const PatchSet& scene, const RayScene& 
   for (int k = 0; k < kAcross * kAcross; ++k) {
     const Vec2f shift = kronecker2(std::uint64_t(k), random);
     const float x = (float(k % kAcross) + shift.x) / kAcross, y = (float(k / kAcross) + shift.y) / kAcross;
-    grid.kept[k] = exposure(ray_scene, sampler(x, y), ray_scene.offset(patch.primitive), scramble(random + k));
+    grid.kept[k] = exposure(ray_scene, patch.primitive, sampler(x, y), scramble(random + k));
     most = std::max(most, grid.kept[k]);
   }
   if (most == 0) return {};

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "pipeline/optics/patch_sampling.h"
 #include "pipeline/optics/ray_scene.h"
 
 namespace patchlight {
@@ -17,6 +18,9 @@ Closeness closeness(const PatchSet& scene, const RayScene& ray_scene, const Patc
 
 /// Whether any two corners of a plane patch do not see each other along it.
 bool is_cut(const PatchSet& scene, const RayScene& ray_scene, const Patch& part);
+
+/// Of a place's rays, the part that does not end on unlit backs.
+float exposure(const RayScene& ray_scene, std::int32_t primitive, const SurfacePoint& point, std::uint64_t random);
 
 /// Which parts of patches are exposed: seen from where light is, and not under or behind something that stands there
 /// with its unlit back to them. As others see a patch, its parts count by how much they are exposed; so its own mean

@@ -61,12 +61,13 @@ void write_display_mesh(H5Writer& writer, const DisplayMesh& mesh) {
   }
   for (const auto& vertex : mesh.vertices) {
     patches.push_back(vertex.patch);
+    patches.push_back(vertex.hidden);
     places.insert(places.end(), {vertex.u, vertex.v});
   }
   for (const auto& ends : mesh.midpoints) midpoints.insert(midpoints.end(), ends.begin(), ends.end());
   writer.dataset<std::int32_t>("/display/mesh/roots", mesh.roots);
   writer.dataset<std::int32_t>(kCells, cells, 6);
-  writer.dataset<std::int32_t>("/display/mesh/vertex_patch", patches);
+  writer.dataset<std::int32_t>("/display/mesh/vertex_patch", patches, 2);
   writer.dataset<float>(kVertices, places, 2);
   writer.dataset<std::int32_t>("/display/mesh/midpoints", midpoints, 2);
   writer.attribute("display_vertices", std::int64_t(mesh.gathered));
@@ -81,8 +82,9 @@ DisplayMesh read_display_mesh(const H5Reader& reader, std::int64_t patches) {
     mesh.cells.push_back({cells[k], -1, cells[k + 1] != 0, {cells[k + 2], cells[k + 3], cells[k + 4], cells[k + 5]}});
   const std::vector<float> places = reader.dataset<float>(kVertices, -1, 2);
   const auto count = std::int64_t(places.size() / 2);
-  const std::vector<std::int32_t> owners = reader.dataset<std::int32_t>("/display/mesh/vertex_patch", count);
-  for (std::int64_t k = 0; k < count; ++k) mesh.vertices.push_back({owners[k], places[2 * k], places[2 * k + 1]});
+  const std::vector<std::int32_t> owners = reader.dataset<std::int32_t>("/display/mesh/vertex_patch", count, 2);
+  for (std::int64_t k = 0; k < count; ++k)
+    mesh.vertices.push_back({owners[2 * k], places[2 * k], places[2 * k + 1], owners[2 * k + 1] != 0});
   const std::vector<std::int32_t> ends = reader.dataset<std::int32_t>("/display/mesh/midpoints", -1, 2);
   for (std::size_t k = 0; k < ends.size(); k += 2) mesh.midpoints.push_back({ends[k], ends[k + 1]});
   const std::int64_t gathered = reader.integer("display_vertices");

@@ -13,7 +13,7 @@ struct DisplayMesh {
   struct Cell {
     std::int32_t children = -1;  ///< First of four, in rows of growing u; -1: a leaf.
     std::int32_t leaf = -1;      ///< Its number among the leaves' elements; -1: not a leaf.
-    bool cut = false;            ///< Something stands between a leaf's corners: each is an element of its own.
+    bool cut = false;  ///< Something stands between a leaf's corners, or hides some: each is an element of its own.
     std::array<std::int32_t, 4> corners{-1, -1, -1, -1};  ///< Vertices of a leaf, in rows of growing u.
 
     int elements() const { return children >= 0 ? 0 : cut ? 4 : 1; }
@@ -21,6 +21,7 @@ struct DisplayMesh {
   struct Vertex {
     std::int32_t patch = 0;  ///< One of those that it belongs to.
     float u = 0, v = 0;      ///< On the patch's primitive.
+    bool hidden = false;     ///< What it says holds for covered places only: of no use for others.
   };
 
   std::vector<std::int32_t> roots;  ///< [patches]: the cell that stands for a patch; -1: none.

@@ -26,15 +26,17 @@ std::uint32_t seen_corners(const PatchSet& scene, const RayScene& ray_scene, con
   const SurfacePoint point = point_at(primitive, u, v);
   RayPacket packet;
   packet.clear();
+  std::uint32_t hidden = 0;
   for (int k = 0; k < 4; ++k) {
     const DisplayMesh::Vertex& corner = mesh.vertices[leaf.corners[k]];
+    hidden |= std::uint32_t(corner.hidden) << k;
     const Vec3f to = Vec3f(point_at(primitive, corner.u, corner.v).position - point.position);
     const float distance = to.length();
     if (distance <= 0) continue;
     const float lift = ray_scene.offset(i) + kLift * distance;
     packet.set_shadow(k, ray_scene.to_local(point.position) + point.normal * lift, to / distance, distance);
   }
-  return ~ray_scene.occluded(packet) & 15u;
+  return ~(ray_scene.occluded(packet) | hidden) & 15u;
 }
 
 Patch part_of(const PatchSet& scene, const Patch& patch, float u0, float v0, float u1, float v1) {

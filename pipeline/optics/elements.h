@@ -33,7 +33,7 @@ class Elements {
   const DisplayMesh* const mesh_ = nullptr;
 };
 
-/// Which corners of a leaf see the place in it that is (u,v) of primitive `i`, as bits.
+/// Which corners of a leaf see the place in it that is (u,v) of primitive `i`, as bits; those that are hidden do not.
 std::uint32_t seen_corners(const PatchSet& scene, const RayScene& ray_scene, const DisplayMesh& mesh,
                            const DisplayMesh::Cell& leaf, std::int32_t i, float u, float v);
 
