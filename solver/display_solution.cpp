@@ -3,7 +3,10 @@
 #include <algorithm>
 
 #include "pipeline/optics/elements.h"
+#include "pipeline/optics/material_shader.h"
+#include "pipeline/optics/patch_sampling.h"
 #include "pipeline/optics/random.h"
+#include "pipeline/optics/texture_lookup.h"
 #include "solver/direct_factors.h"
 #include "solver/display_mesh_builder.h"
 #include "solver/linear_system.h"
@@ -66,14 +69,40 @@ std::int64_t complete(const PatchSet& scene, const SolveConfig& config, int rays
   return cast;
 }
 
+/// Of elements of leaves, as textures and shaders have it there. Shape: [mesh.elements].
+SpectrumField leaf_reflectance(const PatchSet& scene, const DisplayMesh& mesh) {
+  constexpr int kAcross = 4;
+  std::vector<MaterialShader> shaders = compile_shaders(scene);
+  SpectrumField reflectance;
+  for (const Patch& leaf : leaf_patches(scene, mesh)) {
+    const Primitive& primitive = scene.primitives[leaf.primitive];
+    const bool shaded = primitive.shader >= 0 && shaders[primitive.shader].reflects();
+    Spectrum sum(leaf.reflectance);
+    if (shaded || primitive.texture >= 0) {
+      sum = Spectrum();
+      const PatchSampler sampler(primitive, leaf);
+      for (int k = 0; k < kAcross * kAcross; ++k) {
+        const Imath::V2d at = sampler.uv((float(k % kAcross) + 0.5f) / kAcross, (float(k / kAcross) + 0.5f) / kAcross);
+        sum += Spectrum(shaded ? shaded_reflectance(scene, shaders[primitive.shader], leaf.primitive, at.x, at.y)
+                               : textured_reflectance(scene, leaf.primitive, at.x, at.y));
+      }
+      sum *= Spectrum(1.0 / (kAcross * kAcross));
+    }
+    reflectance.push_back(sum);
+  }
+  return reflectance;
+}
+
 /// One light group's display solution in the making.
 class Gather {
  public:
-  Gather(const PatchSet& scene, const Transport& transport, const FormFactorRows& rows, EnergyField::Group& group)
+  Gather(const PatchSet& scene, const Transport& transport, const FormFactorRows& rows,
+         const SpectrumField& leaf_reflectance, EnergyField::Group& group)
       : scene_(scene),
         transport_(transport),
         mesh_(transport.display->mesh),
         rows_(rows),
+        leaf_reflectance_(leaf_reflectance),
         group_(group),
         patches_(scene.patches.size()),
         radiosity_(patches_ + mesh_.elements + 1) {}
@@ -81,15 +110,15 @@ class Gather {
   void run() {
     emit();
     for (std::size_t i = 0; i < patches_; ++i)
-      radiosity_[i] = reflected(i, Spectrum(group_.direct[i]) + Spectrum(group_.indirect[i]));
-    for_each_element(
-        [&](std::size_t patch, std::int32_t element, auto) { set_element(patch, element, from_patch(patch)); });
+      radiosity_[i] =
+          Spectrum(scene_.patches[i].reflectance) * (Spectrum(group_.direct[i]) + Spectrum(group_.indirect[i]));
+    for_each_element([&](std::size_t patch, std::int32_t element, auto) { set_element(element, from_patch(patch)); });
     gather();
     for (int more = 1; more < kPasses; ++more) {
-      for_each_element([&](std::size_t patch, std::int32_t element, std::span<const std::int32_t> corners) {
+      for_each_element([&](std::size_t, std::int32_t element, std::span<const std::int32_t> corners) {
         Spectrum sum;
         for (const std::int32_t corner : corners) sum += at_vertex(corner);
-        set_element(patch, element, sum * Spectrum(1.0 / double(corners.size())));
+        set_element(element, sum * Spectrum(1.0 / double(corners.size())));
       });
       gather();
     }
@@ -153,12 +182,8 @@ class Gather {
     }
   }
 
-  void set_element(std::size_t patch, std::int32_t element, const Spectrum& irradiance) {
-    radiosity_[patches_ + element] = reflected(patch, direct_[element] + irradiance);
-  }
-
-  Spectrum reflected(std::size_t patch, const Spectrum& irradiance) const {
-    return Spectrum(scene_.patches[patch].reflectance) * irradiance;
+  void set_element(std::int32_t element, const Spectrum& irradiance) {
+    radiosity_[patches_ + element] = leaf_reflectance_[element] * (direct_[element] + irradiance);
   }
 
   Spectrum from_patch(std::size_t i) const {
@@ -178,6 +203,7 @@ class Gather {
   const Transport& transport_;
   const DisplayMesh& mesh_;
   const FormFactorRows& rows_;
+  const SpectrumField& leaf_reflectance_;
   EnergyField::Group& group_;
   const std::size_t patches_;
   SpectrumField radiosity_;       ///< [elements + 1], reflected.
@@ -193,7 +219,8 @@ void add_display_solution(const PatchSet& scene, const SolveConfig& config, Tran
   if (scene.light_groups.empty()) return;
   energy.rays += complete(scene, config, std::max(config.rays, transport.longest()) / kOfPatch, transport, progress);
   const FormFactorRows rows(transport.display->rows);
-  for (auto& group : energy.groups) Gather(scene, transport, rows, group).run();
+  const SpectrumField reflectance = leaf_reflectance(scene, transport.display->mesh);
+  for (auto& group : energy.groups) Gather(scene, transport, rows, reflectance, group).run();
   energy.display = transport.display->mesh;
 }
 

@@ -59,6 +59,7 @@ Integrator::Integrator(const PatchSet& scene, const EnergyField& energy, const J
       irradiance_(config_.quality == "direct" ? irradiance_without_apart(energy, settings_, scene.patches.size())
                                               : irradiance(energy, settings_, scene.patches.size())),
       irradiance_lookup_(scene, lookup_, irradiance_),
+      normals_(scene),
       shaders_([&scene] { return compile_shaders(scene); }) {
   if (config_.quality != "direct") return;
   lights_.emplace(scene, ray_scene_, emission_);
@@ -154,7 +155,8 @@ bool Integrator::shade(RayPacket& packet, int lane, Path& path, Tile& tile) cons
   const SurfacePoint point = point_of(hit);
   const Vec3d off = point.position + Vec3d(point.normal) * double(ray_scene_.offset(hit.primitive));
   if (lights_)
-    tile.points.push_back({path.pixel, hit.primitive, off, point.normal, path.throughput * reflectance / float(kPi)});
+    tile.points.push_back({path.pixel, hit.primitive, off, normals_(hit.primitive, hit.u, hit.v, point.normal),
+                           path.throughput * reflectance / float(kPi)});
   path.throughput *= material.specular;
   if (!mirror || largest(path.throughput) < kLeastThroughput || ++path.mirrors >= kMostMirrors) return false;
   packet.set(lane, ray_scene_.to_local(off), direction - point.normal * (2.0f * (point.normal ^ direction)));
@@ -173,11 +175,10 @@ Color Integrator::irradiance_at(const SurfaceHit& hit, std::int32_t patch) const
 void Integrator::apply_shader(const SurfaceHit& hit, Color& reflectance, Color& emission) const {
   const Primitive& p = scene_.primitives[hit.primitive];
   MaterialShader& shader = shaders_.local()[p.shader];
+  if (shader.reflects()) reflectance = shaded_reflectance(scene_, shader, hit.primitive, hit.u, hit.v);
+  if (!shader.emits()) return;
   const ExpressionInputs at = shader_inputs(scene_, hit.primitive, hit.u, hit.v);
-  if (shader.reflects()) {
-    reflectance = within_range(shader.reflectance(at), most_reflectance(scene_.materials[p.material]));
-  }
-  if (shader.emits()) emission = within_range(shader.emission(at), Color(kMostEmission)) * settings_[p.light_group];
+  emission = within_range(shader.emission(at), Color(kMostEmission)) * settings_[p.light_group];
 }
 
 }  // namespace patchlight

@@ -14,6 +14,7 @@
 #include "tracer/display_lookup.h"
 #include "tracer/irradiance_lookup.h"
 #include "tracer/pixel_light.h"
+#include "tracer/smooth_normals.h"
 
 namespace patchlight {
 
@@ -64,6 +65,7 @@ class Integrator {
   std::vector<Color> irradiance_;  ///< [patches], of all groups under the lights' settings; what `lights_` lacks.
   IrradianceLookup irradiance_lookup_;
   std::optional<DisplayLookup> display_;
+  const SmoothNormals normals_;
   std::optional<PixelLight> lights_;  ///< With direct light at the pixel.
   mutable tbb::enumerable_thread_specific<std::vector<MaterialShader>> shaders_;
 };

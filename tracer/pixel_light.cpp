@@ -31,12 +31,13 @@ struct PixelLight::Spot {
   double radius = 0.0;
   Color weight{0.0f};
 
-  explicit Spot(std::span<const ShadingPoint> all)
-      : pixel(all[0].pixel), primitive(all[0].primitive), points(all), normal(all[0].normal) {
+  explicit Spot(std::span<const ShadingPoint> all) : pixel(all[0].pixel), primitive(all[0].primitive), points(all) {
     for (const ShadingPoint& p : points) {
       middle += p.position / double(points.size());
+      normal += p.normal;
       weight += p.weight;
     }
+    normal.normalize();
     for (const ShadingPoint& p : points) radius = std::max(radius, (p.position - middle).length());
     weight /= float(points.size());
   }

@@ -56,4 +56,9 @@ Color within_range(const Vec3d& value, const Color& most) {
   return result;
 }
 
+Color shaded_reflectance(const PatchSet& scene, MaterialShader& shader, std::int32_t i, double u, double v) {
+  return within_range(shader.reflectance(shader_inputs(scene, i, u, v)),
+                      most_reflectance(scene.materials[scene.primitives[i].material]));
+}
+
 }  // namespace patchlight

@@ -36,6 +36,9 @@ Color most_reflectance(const Material& material);
 
 constexpr float kMostEmission = 3e38f;  // W/m2
 
+/// Diffuse reflectance by a shader that reflects, at (u,v) of primitive `i`: in range beside its metallic part.
+Color shaded_reflectance(const PatchSet& scene, MaterialShader& shader, std::int32_t i, double u, double v);
+
 /// The value brought into [0, most]; 0 for what is not finite.
 Color within_range(const Vec3d& value, const Color& most);
 
