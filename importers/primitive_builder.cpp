@@ -57,6 +57,11 @@ void append_texcoords(const Texcoords& front, PrimitiveList& list) {
   list.texcoords.push_back({front[order[0]], front[order[1]], front[order[2]], front[order[3]]});
 }
 
+bool has_texcoords(const MeshTopology& topology, const MeshTopology::Component& component) {
+  if (topology.texcoords.empty()) return false;
+  return !std::isnan(topology.texcoords[3 * static_cast<std::size_t>(component.triangles.front())].x);
+}
+
 /// Numbers the facets' smooth vertices from 0 without gaps. Returns how many there are.
 std::int32_t renumber_smooth_vertices(std::vector<Facet>& facets, std::size_t corners) {
   std::vector<std::int32_t> number(corners, -1);
@@ -79,7 +84,7 @@ void append_primitives(const Surface& surface, const SurfaceMaterial& material, 
 
   std::vector<char> in_sphere(topology.triangles.size(), 0);
   for (const MeshTopology::Component& component : topology.components) {
-    if (material.texture >= 0 && !topology.texcoords.empty()) break;  // a sphere has no such coordinates
+    if (material.texture >= 0 && has_texcoords(topology, component)) continue;  // no (u,v) of a sphere is like them
     const std::optional<Sphere> sphere = recognize_sphere(topology, component);
     if (!sphere) continue;
     for (const std::int32_t triangle : component.triangles) in_sphere[triangle] = 1;

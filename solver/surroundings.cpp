@@ -38,12 +38,13 @@ float exposure(const RayScene& ray_scene, std::int32_t primitive, const SurfaceP
   for (int lane = 0; lane < RayPacket::kSize; ++lane)
     set_lane(ray_scene, point, ray_scene.offset(primitive), lane, random, packet);
   ray_scene.intersect(packet, false);
-  int exposed = 0;
+  int lit = 0, backs = 0;
   for (int lane = 0; lane < RayPacket::kSize; ++lane) {
     const SurfaceHit hit = ray_scene.hit(packet, lane);
-    exposed += hit.front || hit.primitive < 0;
+    lit += hit.front;
+    backs += !hit.front && hit.primitive >= 0;
   }
-  return float(exposed) / float(RayPacket::kSize);
+  return backs > 0 ? float(lit) / float(RayPacket::kSize) : 1.0f;
 }
 
 Closeness closeness(const PatchSet& scene, const RayScene& ray_scene, const Patch& part, std::uint64_t random) {

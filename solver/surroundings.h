@@ -19,7 +19,8 @@ Closeness closeness(const PatchSet& scene, const RayScene& ray_scene, const Patc
 /// Whether any two corners of a plane patch do not see each other along it.
 bool is_cut(const PatchSet& scene, const RayScene& ray_scene, const Patch& part);
 
-/// Of a place's rays, the part that does not end on unlit backs.
+/// Of a place's rays, the part that ends where light may come from or go to: on lit surfaces, or, if no unlit back is
+/// in sight, nowhere. (Beside a back, nowhere is mostly below a floor or outside a room.)
 float exposure(const RayScene& ray_scene, std::int32_t primitive, const SurfacePoint& point, std::uint64_t random);
 
 /// Which parts of patches are exposed: seen from where light is, and not under or behind something that stands there

@@ -180,7 +180,7 @@ GltfBuilder textured(const std::string& slot, const std::string& uri) {
   return gltf;
 }
 
-TEST(Materials, TextureCountsByItsLinearMean) {
+TEST(Materials, WithoutCoordinatesATextureCountsByItsLinearMean) {
   Importer importer;
   write_png(importer.folder / "tiles.png", {255, 0, 188, 0, 0, 188});
   GltfBuilder gltf = textured("baseColorTexture", "tiles.png");
@@ -191,7 +191,68 @@ TEST(Materials, TextureCountsByItsLinearMean) {
   EXPECT_NEAR(scene.patches[0].reflectance.z, grey, 1e-4);
   ASSERT_EQ(scene.sources.size(), 2u);
   EXPECT_EQ(scene.sources[1].path, "tiles.png");
-  EXPECT_THAT(importer.messages(), ::testing::HasSubstr("mean colour"));
+  EXPECT_EQ(scene.primitives[0].texture, -1);
+}
+
+/// The textured square with coordinates that span the image once, cut into two patches side by side.
+GltfBuilder mapped(const std::string& uri) {
+  GltfBuilder gltf = textured("baseColorTexture", uri);
+  gltf.primitive(0)["attributes"]["TEXCOORD_0"] =
+      gltf.accessor(std::vector<float>{0, 0, 1, 0, 0, 1, 1, 1}, 5126, "VEC2");
+  gltf.json["accessors"].back()["count"] = 4;
+  gltf.json["samplers"] = {{{"magFilter", 9728}, {"wrapS", 33071}, {"wrapT", 33648}}};
+  gltf.json["textures"][0]["sampler"] = 0;
+  return gltf;
+}
+
+TEST(Materials, PatchesTakeTheTextureWhereTheyLie) {
+  Importer importer;
+  importer.job.import.patch_area = 1.0 / 16;
+  write_png(importer.folder / "tiles.png", {255, 0, 188, 0, 0, 188});
+  GltfBuilder gltf = mapped("tiles.png");
+  gltf.json["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"] = {0.5, 1, 1, 1};
+  const PatchSet scene = importer.import(gltf);
+  ASSERT_EQ(scene.textures.size(), 1u);
+  EXPECT_EQ(scene.textures[0].texels, (std::vector<std::int32_t>{0xff00bc, 0x0000bc}));
+  EXPECT_EQ(scene.textures[0].wrap, (std::array{Texture::Wrap::clamp, Texture::Wrap::mirror}));
+  EXPECT_TRUE(scene.textures[0].nearest);
+  EXPECT_EQ(scene.primitives[0].texture, 0);
+  for (const Patch& patch : scene.patches) EXPECT_NEAR(patch.reflectance.x, patch.center.x < 0.5 ? 0.5 : 0.0, 1e-5);
+}
+
+TEST(Materials, AnOverriddenReflectanceHasNoTexture) {
+  Importer importer;
+  importer.job.materials = {change("tiles")};
+  importer.job.materials[0].reflectance = Color(0.25f);
+  write_png(importer.folder / "tiles.png", {255, 0, 188, 0, 0, 188});
+  GltfBuilder gltf = mapped("tiles.png");
+  const PatchSet scene = importer.import(gltf);
+  EXPECT_EQ(scene.primitives[0].texture, -1);
+  for (const Patch& patch : scene.patches) EXPECT_EQ(patch.reflectance, Color(0.25f));
+}
+
+TEST(Materials, TexturedBallsKeepTheirCoordinates) {
+  Importer importer;
+  write_png(importer.folder / "tiles.png", {255, 0, 188, 0, 0, 188});
+  const Mesh ball = uv_sphere(32, 16);
+  for (const bool mapped : {false, true}) {
+    GltfBuilder gltf = textured("baseColorTexture", "tiles.png");
+    gltf.json["nodes"][0]["mesh"] = gltf.mesh(ball, 0);
+    if (mapped)
+      gltf.primitive(1)["attributes"]["TEXCOORD_0"] =
+          gltf.accessor(std::vector<Vec2f>(ball.positions.size(), Vec2f(0.25f)), 5126, "VEC2");
+    const PatchSet scene = importer.import(gltf);
+    EXPECT_EQ(scene.primitives[0].shape, mapped ? Primitive::Shape::quad : Primitive::Shape::sphere);
+    EXPECT_EQ(scene.primitives[0].texture, mapped ? 0 : -1);
+  }
+}
+
+TEST(Materials, BrokenSamplersAreRefused) {
+  Importer importer;
+  write_png(importer.folder / "tiles.png", {255, 0, 188, 0, 0, 188});
+  GltfBuilder gltf = mapped("tiles.png");
+  gltf.json["textures"][0]["sampler"] = 1;
+  EXPECT_ERROR(importer.import(gltf), ExitCode::bad_data, "sampler");
 }
 
 TEST(Materials, MetallicRoughnessTextureIsLinear) {

@@ -99,6 +99,54 @@ TEST(PatchFile, KeepsShaders) {
   EXPECT_EQ(read.texcoords, scene.texcoords);
 }
 
+PatchSet textured_sample() {
+  PatchSet scene = sample();
+  scene.textures = {{2, 1, {Texture::Wrap::mirror, Texture::Wrap::clamp}, true, {0x123456, 0xffffff}},
+                    {1, 1, {}, false, {7}}};
+  scene.primitives[1].texture = 1;
+  scene.materials[0].tint = Color(0.5f, 0.25f, 1.0f);
+  scene.texcoords.assign(3, kOwnTexcoords);
+  return scene;
+}
+
+TEST(PatchFile, KeepsTextures) {
+  const TemporaryFolder folder;
+  PatchSet scene = textured_sample(), plain = sample();
+  write_patches(folder / "plain.h5", plain);
+  write_patches(folder / "patches.h5", scene);
+  const PatchSet read = read_patches(folder / "patches.h5");
+  ASSERT_EQ(read.textures.size(), 2u);
+  EXPECT_EQ(read.textures[0].texels, scene.textures[0].texels);
+  EXPECT_EQ(read.textures[0].wrap, scene.textures[0].wrap);
+  EXPECT_TRUE(read.textures[0].nearest);
+  EXPECT_EQ(read.textures[1].width, 1);
+  EXPECT_EQ(read.primitives[0].texture, -1);
+  EXPECT_EQ(read.primitives[1].texture, 1);
+  EXPECT_EQ(read.materials[0].tint, scene.materials[0].tint);
+  EXPECT_EQ(read.texcoords, scene.texcoords);
+  EXPECT_EQ(scene.key, plain.key);
+  EXPECT_NE(scene.frames_key, plain.frames_key);
+}
+
+TEST(PatchFile, RefusesBrokenTextures) {
+  const std::vector<std::pair<std::string, std::function<void(PatchSet&)>>> faults{
+      {"/textures/shape", [](PatchSet& s) { s.textures[1].width = 2; }},
+      {"/textures/shape", [](PatchSet& s) { s.textures[0].height = 0; }},
+      {"/textures/shape", [](PatchSet& s) { s.textures[0].wrap[1] = Texture::Wrap(3); }},
+      {"/textures/shape", [](PatchSet& s) { s.textures[0].width = s.textures[0].height = 1 << 30; }},
+      {"/primitives/texture", [](PatchSet& s) { s.primitives[0].texture = 2; }},
+      {"/primitives/texture", [](PatchSet& s) { s.texcoords.clear(); }},
+      {"/materials", [](PatchSet& s) { s.materials[0].tint.y = 1.5f; }},
+  };
+  for (const auto& [where, spoil] : faults) {
+    const TemporaryFolder folder;
+    PatchSet scene = textured_sample();
+    spoil(scene);
+    write_patches(folder / "patches.h5", scene);
+    EXPECT_ERROR(read_patches(folder / "patches.h5"), ExitCode::bad_data, where);
+  }
+}
+
 TEST(PatchFile, SceneWithoutShadersHasNoDatasetsForThem) {
   const TemporaryFolder folder;
   PatchSet scene = sample(), shaded = shaded_sample();

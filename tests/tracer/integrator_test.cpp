@@ -161,6 +161,19 @@ TEST(Integrator, EvaluatesShadersAtThePixelNotThePatch) {
     }
 }
 
+TEST(Integrator, ShowsTexturesAtThePixelNotThePatch) {
+  PatchScene builder = wall_scene({"wall", {}, {}});
+  builder.get().primitives[0].shader = -1;
+  builder.get().primitives[0].texture = 0;
+  builder.get().textures = {{2, 1, {}, true, {0x00ff00, 0xff0000}}};
+  builder.get().texcoords = {kOwnTexcoords};
+  const Image image = before_wall(builder).render();
+  for (int x = 0; x < 8; ++x) {
+    EXPECT_NEAR(image.pixels[std::size_t(x)].x, 1 + (x < 4 ? 0 : 0.99999), 1e-5);
+    EXPECT_NEAR(image.pixels[std::size_t(x)].y, 1 + (x < 4 ? 0.99999 : 0), 1e-5);
+  }
+}
+
 TEST(Integrator, EvaluatesEmissionUnderTheLightsSetting) {
   Solved solved = before_wall(wall_scene({"wall", {}, {"x < 0 ? 0 : 2*pi", "y - y", "-1/(z+z)"}}));
   solved.job.lights["light"].scale = 3;
