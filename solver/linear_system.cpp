@@ -5,8 +5,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "pipeline/model/error.h"
+
+#ifdef __SANITIZE_ADDRESS__  // cannot start programs that choose functions while they load
+#define VECTOR_CODE
+#else
+#define VECTOR_CODE __attribute__((target_clones("avx2", "default")))
+#endif
 
 namespace patchlight {
 
@@ -48,6 +55,17 @@ double worst(const Spectrum& square, const Spectrum& reference) {
   return largest;
 }
 
+VECTOR_CODE void add_all(std::span<const std::int32_t> places, const Spectrum* values, Spectrum& sum) {
+  Spectrum even = sum, odd;
+  std::size_t k = 0;
+  for (; k + 2 <= places.size(); k += 2) {
+    even += values[places[k]];
+    odd += values[places[k + 1]];
+  }
+  if (k < places.size()) even += values[places[k]];
+  sum = even + odd;
+}
+
 }  // namespace
 
 std::vector<Color> to_colors(const SpectrumField& field, const std::string& group) {
@@ -75,7 +93,7 @@ Spectrum FormFactorRows::half(std::int64_t k, const SpectrumField& radiosity) co
   const std::uint64_t begin = transport_.starts[k], end = transport_.starts[k + 1];
   Spectrum sum;
   if (transport_.weights.empty()) {
-    for (std::uint64_t at = begin; at < end; ++at) sum += radiosity[transport_.ends[at]];
+    add_all(std::span(transport_.ends).subspan(begin, end - begin), radiosity.data(), sum);
     sum *= Spectrum(end > begin ? 1.0 / double(end - begin) : 0.0);
   } else {
     for (std::uint64_t at = begin; at < end; ++at)
@@ -130,8 +148,11 @@ LinearSolve solve_irradiance(const FormFactorRows& rows, const SpectrumField& re
 
   const Spectrum source_square = dot(source, source);
   SpectrumField r(n), p(n), v(n), s(n), t(n);
-  apply(x, r);
-  for_each(n, [&](std::size_t i) { r[i] = source[i] - r[i]; });
+  r = source;
+  if (std::any_of(x.begin(), x.end(), [](const Spectrum& value) { return value.sum() != 0; })) {
+    apply(x, v);
+    for_each(n, [&](std::size_t i) { r[i] -= v[i]; });
+  }
   SpectrumField shadow = r;
   Spectrum r_square = dot(r, r), rho = r_square;
   p = r;
@@ -141,6 +162,10 @@ LinearSolve solve_irradiance(const FormFactorRows& rows, const SpectrumField& re
     apply(p, v);
     const Spectrum alpha = ratio(rho, dot(shadow, v));
     for_each(n, [&](std::size_t i) { s[i] = r[i] - alpha * v[i]; });
+    if (const double halfway = worst(dot(s, s), source_square); halfway <= tolerance) {
+      for_each(n, [&](std::size_t i) { x[i] += alpha * p[i]; });
+      return {result.iterations + 1, halfway};
+    }
     apply(s, t);
     const Spectrum omega = ratio(dot(t, s), dot(t, t));
     for_each(n, [&](std::size_t i) {

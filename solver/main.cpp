@@ -1,3 +1,5 @@
+#include <malloc.h>
+
 #include "pipeline/files/energy_file.h"
 #include "pipeline/files/key.h"
 #include "pipeline/files/patch_file.h"
@@ -29,6 +31,9 @@ Transport read_kept(const Job& job, const PatchSet& scene, Progress& progress) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  // Large blocks come and go: keep them instead of asking the system for cleared pages again and again.
+  mallopt(M_MMAP_THRESHOLD, 1 << 30);
+  mallopt(M_TRIM_THRESHOLD, 1 << 30);
   return run_stage("solve", argc, argv, [](const Job& job, Progress& progress) {
     const PatchSet scene = read_patches(job.patch_file());
     Transport transport = read_kept(job, scene, progress);
