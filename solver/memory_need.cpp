@@ -19,6 +19,8 @@ constexpr double kOfGroup = 300;         // of a patch and light group
 constexpr double kOfEmitter = 10;        // of a patch and emitter
 constexpr double kOfProgressive = 350;   // of a patch and light group
 constexpr double kOfRay = 4;             // a row's: the patch it ends on
+constexpr double kOfDisplay = 250;       // of a patch, and
+constexpr double kDisplayRows = 0.6;     // rows of as many rays as a patch has: of vertices, at most
 constexpr double kOfHemicubePatch = 16;  // in two hemicubes: patch and form factor
 
 double gibibytes(double bytes) {
@@ -28,11 +30,12 @@ double gibibytes(double bytes) {
 }  // namespace
 
 double memory_needed(const PatchSet& scene, const SolveConfig& config, int rays) {
+  const double display = config.display ? kOfDisplay + kDisplayRows * kOfRay * rays : 0.0;
   const auto n = double(scene.patches.size()), groups = double(scene.light_groups.size());
-  if (config.method == "progressive") return kBase + n * (kOfPatch + kOfProgressive * groups);
+  if (config.method == "progressive") return kBase + n * (kOfPatch + display + kOfProgressive * groups);
   const double cells = 3.0 * config.hemicube_resolution * config.hemicube_resolution;
   const double row = config.form_factors == "rays" ? kOfRay * rays : kOfHemicubePatch * std::min(n, cells);
-  return kBase + n * (kOfPatch + kOfGroup * groups + kOfEmitter * double(emitters_apart(scene).size()) + row);
+  return kBase + n * (kOfPatch + display + kOfGroup * groups + kOfEmitter * double(emitters_apart(scene).size()) + row);
 }
 
 double memory_allowed(const SolveConfig& config) {
