@@ -19,7 +19,7 @@ SpectrumField seen_by(const FormFactorRows& rows, std::size_t patches) {
 
 std::vector<double> exposed_areas(const PatchSet& scene, const TransportRows& rows) {
   std::vector<double> areas;
-  const double all = rows.weights.empty() ? double(rows.longest()) : 0.0;
+  const double all = rows.rays();
   for (std::size_t i = 0; i < scene.patches.size(); ++i) {
     const double part = all > 0 ? double(rows.length(i)) / all : 1.0;
     areas.push_back(part * scene.patches[i].area);

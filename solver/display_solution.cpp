@@ -217,7 +217,7 @@ class Gather {
 void add_display_solution(const PatchSet& scene, const SolveConfig& config, Transport& transport, EnergyField& energy,
                           Progress& progress) {
   if (scene.light_groups.empty()) return;
-  energy.rays += complete(scene, config, std::max(config.rays, transport.longest()) / kOfPatch, transport, progress);
+  energy.rays += complete(scene, config, std::max(config.rays, transport.rays()) / kOfPatch, transport, progress);
   const FormFactorRows rows(transport.display->rows);
   const SpectrumField reflectance = leaf_reflectance(scene, transport.display->mesh);
   for (auto& group : energy.groups) Gather(scene, transport, rows, reflectance, group).run();

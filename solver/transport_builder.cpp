@@ -48,7 +48,7 @@ std::int64_t complete_transport(const PatchSet& scene, const SolveConfig& config
     });
   };
   const bool hemicubes = config.form_factors == "hemicube";
-  const bool same_rows = transport.key == key && (hemicubes || transport.longest() >= rays);
+  const bool same_rows = transport.key == key && (hemicubes || transport.rays() >= rays);
   if (same_rows && wanted.size() == transport.emitters.size() &&
       std::all_of(wanted.begin(), wanted.end(), [&](const Emitter& e) { return kept(e) != transport.emitters.end(); }))
     return 0;

@@ -28,8 +28,9 @@ struct TransportRows {
 
   std::int64_t rows() const { return starts.empty() ? 0 : std::int64_t(starts.size() / 2); }
   std::int64_t length(std::size_t row) const { return std::int64_t(starts[2 * row + 2] - starts[2 * row]); }
-  /// The number of rays of a row none of which start where it is hidden; 0 without rows.
-  int longest() const {
+  /// The rays of each row, before those are left out that start where it is hidden; 0 for rows that are not by rays.
+  int rays() const {
+    if (!weights.empty()) return 0;
     std::int64_t most = 0;
     for (std::int64_t row = 0; row < rows(); ++row) most = std::max(most, length(std::size_t(row)));
     return int(most);
