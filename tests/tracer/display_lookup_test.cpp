@@ -40,7 +40,8 @@ struct Floor {
     const PatchSet& scene = builder.get();
     const RayScene ray_scene(scene);
     const PatchLookup lookup(scene);
-    const std::vector<Color> settings{Color(scale)}, irradiance = irradiance_without_apart(energy, settings, 2);
+    const std::vector<Color> settings{Color(scale)},
+        irradiance = irradiance_without_apart(energy, settings, scene.patches.size());
     const IrradianceLookup patches(scene, lookup, irradiance);
     return DisplayLookup(scene, ray_scene, patches, energy, settings)(0, lookup.patch(0, u, v), u, v);
   }
