@@ -207,10 +207,10 @@ std::int64_t RayRows::cast(int rays, TransportRows& to, Progress& progress) cons
 /// Marks rays of parts that are not exposed, and ends them.
 void RayRows::leave_out(const Half& half, const DirectionTable& table, int first, RayPacket& packet,
                         std::int32_t* ends) const {
-  if (exposed_->part(half.row) == 1.0f) return;
+  if (exposed_->part(half.row, half.half) == 1.0f) return;
   for (int lane = 0; lane < RayPacket::kSize; ++lane) {
     const float x = shifted(table.u[first + lane], half.shift[2]), y = shifted(table.v[first + lane], half.shift[3]);
-    if (exposed_->keeps(half.row, x, y, scramble(half.random ^ std::uint64_t(first + lane)))) continue;
+    if (exposed_->keeps(half.row, half.half, x, y, scramble(half.random ^ std::uint64_t(first + lane)))) continue;
     ends[first + lane] = kLeftOut;
     packet.valid[lane] = 0;
   }

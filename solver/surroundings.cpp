@@ -116,7 +116,7 @@ ExposedParts::ExposedParts(const PatchSet& scene, const RayScene& ray_scene, std
     : at_(scene.patches.size(), -1) {
   constexpr int kBlock = 256;
   const int count = int(scene.patches.size());
-  std::vector<Grid> found(scene.patches.size());
+  std::vector<std::vector<std::array<Grid, 2>>> found((count + kBlock - 1) / kBlock);
   std::vector<std::int64_t> rays((count + kBlock - 1) / kBlock);
   tbb::parallel_for(0, int(rays.size()), [&](int block) {
     _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree wants denormals flushed
@@ -125,22 +125,28 @@ ExposedParts::ExposedParts(const PatchSet& scene, const RayScene& ray_scene, std
       const std::uint64_t random = scramble(seed + std::uint64_t(i));
       rays[block] += RayPacket::kSize + 6;
       if (!closeness(scene, ray_scene, patch, random).to_backs && !is_cut(scene, ray_scene, patch)) continue;
-      found[i] = grid_of(scene, ray_scene, patch, random);
-      rays[block] += kAcross * kAcross * RayPacket::kSize;
+      const std::array<Grid, 2> halves{grid_of(scene, ray_scene, patch, random),
+                                       grid_of(scene, ray_scene, patch, scramble(random))};
+      rays[block] += 2 * kAcross * kAcross * RayPacket::kSize;
+      if (halves[0].mean == 1.0f && halves[1].mean == 1.0f) continue;
+      at_[i] = std::int32_t(found[block].size());
+      found[block].push_back(halves);
     }
   });
   for (const std::int64_t more : rays) cast += more;
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    if (found[i].mean == 1.0f) continue;
-    at_[i] = std::int32_t(grids_.size());
-    grids_.push_back(found[i]);
+  std::vector<std::size_t> first;
+  for (const auto& grids : found) {
+    first.push_back(grids_.size());
+    grids_.insert(grids_.end(), grids.begin(), grids.end());
   }
+  for (int i = 0; i < count; ++i)
+    if (at_[i] >= 0) at_[i] += std::int32_t(first[i / kBlock]);
 }
 
-bool ExposedParts::keeps(std::int32_t i, float x, float y, std::uint64_t random) const {
+bool ExposedParts::keeps(std::int32_t i, int half, float x, float y, std::uint64_t random) const {
   if (at_[i] < 0) return true;
   const auto cell = [](float t) { return std::min(int(t * kAcross), kAcross - 1); };
-  return to_unit(random) < grids_[at_[i]].kept[cell(y) * kAcross + cell(x)];
+  return to_unit(random) < grids_[at_[i]][half].kept[cell(y) * kAcross + cell(x)];
 }
 
 }  // namespace patchlight

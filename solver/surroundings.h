@@ -27,17 +27,19 @@ float exposure(const RayScene& ray_scene, std::int32_t primitive, const SurfaceP
 /// with its unlit back to them. As others see a patch, its parts count by how much they are exposed; so its own mean
 /// must count them, or what is covered would darken the rest.
 ///
-/// A part is the more exposed, the less of its rays end on unlit backs.
+/// A part is the more exposed, the less of its rays end on unlit backs. Both halves of a row have samples of that of
+/// their own, so that their difference tells this error too.
 class ExposedParts {
  public:
   /// The same for any number of threads. Adds the number of rays to `cast`.
   ExposedParts(const PatchSet& scene, const RayScene& ray_scene, std::uint64_t seed, std::int64_t& cast);
 
-  /// Exposed area of patch i over its area; at least a quarter, and 1 for what is not exposed at all.
-  float part(std::int32_t i) const { return grids_.empty() || at_[i] < 0 ? 1.0f : grids_[at_[i]].mean; }
+  /// Exposed area of patch i over its area, as half 0 or 1 has it; at least a quarter, and 1 for what is not exposed at
+  /// all.
+  float part(std::int32_t i, int half) const { return at_[i] < 0 ? 1.0f : grids_[at_[i]][half].mean; }
 
   /// Whether a sample at (x,y) of the patch's unit square counts, for a `random` number of 64 bits.
-  bool keeps(std::int32_t i, float x, float y, std::uint64_t random) const;
+  bool keeps(std::int32_t i, int half, float x, float y, std::uint64_t random) const;
 
  private:
   static constexpr int kAcross = 8;
@@ -49,7 +51,7 @@ class ExposedParts {
   static Grid grid_of(const PatchSet& scene, const RayScene& ray_scene, const Patch& patch, std::uint64_t random);
 
   std::vector<std::int32_t> at_;  ///< [patches], -1: all of it is exposed.
-  std::vector<Grid> grids_;
+  std::vector<std::array<Grid, 2>> grids_;
 };
 
 }  // namespace patchlight

@@ -76,7 +76,7 @@ std::int64_t complete_transport(const PatchSet& scene, const SolveConfig& config
     } else {
       emitters.push_back(direct.sample(emitter, wanted.size(), rays, cast));
       std::vector<float>& factors = emitters.back().factors;
-      for (std::size_t k = 0; k < factors.size(); ++k) factors[k] /= exposed.part(std::int32_t(k / 2));
+      for (std::size_t k = 0; k < factors.size(); ++k) factors[k] /= exposed.part(std::int32_t(k / 2), int(k % 2));
     }
     progress.update(double(emitters.size()) / double(wanted.size()), "direct light");
   }

@@ -126,8 +126,10 @@ TEST(ExposedParts, AreWhatNothingStandsOn) {
   const RayScene ray_scene(builder.get());
   std::int64_t cast = 0;
   const ExposedParts parts(builder.get(), ray_scene, 1, cast);
-  EXPECT_NEAR(parts.part(0), 1 - x, 0.04);
-  for (int i = 1; i < 6; ++i) EXPECT_EQ(parts.part(i), 1.0f);
+  for (const int half : {0, 1}) {
+    EXPECT_NEAR(parts.part(0, half), 1 - x, 0.04);
+    for (int i = 1; i < 6; ++i) EXPECT_EQ(parts.part(i, half), 1.0f);
+  }
 }
 
 TEST(DisplaySolution, IsExactInAFurnace) {
