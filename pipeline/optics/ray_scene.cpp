@@ -1,6 +1,7 @@
 #include "pipeline/optics/ray_scene.h"
 
 #include <ImathBox.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
@@ -88,14 +89,15 @@ RayScene::RayScene(const PatchSet& scene) {
   const Imath::Box3d bounds = bounds_of(scene);
   origin_ = bounds.center();
   offsets_.resize(scene.primitives.size());
-  // One thread builds, so that the tree, and with it who wins between touching surfaces, is always the same.
-  device_ = rtcNewDevice("threads=1,set_affinity=0");
+  device_ = rtcNewDevice("set_affinity=0");
   if (!device_) throw Error(ExitCode::unavailable, "Embree does not start", "", "check the processor and libembree3");
   scene_ = rtcNewScene(device_);
   rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
   add_quads(scene);
   add_spheres(scene);
-  rtcCommitScene(scene_);
+  // One thread builds, so that the tree, and with it who wins between touching surfaces, is always the same. (Saying so
+  // to the device would bind the whole program to one, as long as the device lives.)
+  tbb::task_arena(1).execute([this] { rtcCommitScene(scene_); });
   if (rtcGetDeviceError(device_) == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
 }
 
