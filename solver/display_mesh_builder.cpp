@@ -4,9 +4,11 @@
 #include <xmmintrin.h>
 
 #include <algorithm>
+#include <span>
 
 #include "pipeline/optics/elements.h"
 #include "pipeline/optics/random.h"
+#include "solver/direct_factors.h"
 #include "solver/display_vertices.h"
 #include "solver/surroundings.h"
 
@@ -49,18 +51,13 @@ class Builder {
   /// smooth enough for what they say.
   void plant(std::int64_t& cast) {
     const std::vector<Surroundings> found = look_around(scene_.patches, cast);
+    const DirectFactors::Neighbours neighbours = grid_neighbours(scene_, lookup_);
     for (std::int32_t i = 0; i < std::int32_t(found.size()); ++i) {
       if (found[i].closeness < kNear && !found[i].cut) continue;
-      const Patch& patch = scene_.patches[i];
-      if (is_facet(patch.primitive)) continue;
-      const int rows = lookup_.rows(patch.primitive);
-      const int at = PatchLookup::cell(0.5f * (patch.v0 + patch.v1), rows);
-      for (int k = std::max(0, at - 1); k <= std::min(rows - 1, at + 1); ++k) {
-        const PatchLookup::Row& row = lookup_.row(patch.primitive, k);
-        const int middle = PatchLookup::cell(0.5f * (patch.u0 + patch.u1), row.cells);
-        for (int j = std::max(0, middle - 1); j <= std::min(row.cells - 1, middle + 1); ++j)
-          mesh_.roots[row.first + j] = 0;
-      }
+      if (is_facet(scene_.patches[i].primitive)) continue;
+      mesh_.roots[i] = 0;
+      DirectFactors::Near near;
+      for (const std::int32_t j : std::span(near).first(neighbours(i, near))) mesh_.roots[j] = 0;
     }
     for (std::size_t i = 0; i < mesh_.roots.size(); ++i) {
       if (mesh_.roots[i] < 0) continue;

@@ -8,12 +8,7 @@
 #include <span>
 
 #include "pipeline/model/error.h"
-
-#ifdef __SANITIZE_ADDRESS__  // cannot start programs that choose functions while they load
-#define VECTOR_CODE
-#else
-#define VECTOR_CODE __attribute__((target_clones("avx2", "default")))
-#endif
+#include "solver/vector_code.h"
 
 namespace patchlight {
 

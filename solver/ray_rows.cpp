@@ -10,12 +10,7 @@
 #include "pipeline/optics/mirror.h"
 #include "pipeline/optics/patch_sampling.h"
 #include "pipeline/optics/random.h"
-
-#ifdef __SANITIZE_ADDRESS__  // cannot start programs that choose functions while they load
-#define VECTOR_CODE
-#else
-#define VECTOR_CODE __attribute__((target_clones("avx2", "default")))
-#endif
+#include "solver/vector_code.h"
 
 namespace patchlight {
 
