@@ -21,4 +21,8 @@ constexpr std::int64_t kMostTexels = std::int64_t{1} << 30;
 Vec3d read_texture(std::span<const unsigned char> bytes, TextureEncoding encoding, const std::string& place,
                    std::int64_t& texels_left, Texture* kept);
 
+/// What read_texture loads when it is first called.
+extern "C" void decode_texture(std::span<const unsigned char> bytes, TextureEncoding encoding, const std::string& place,
+                               std::int64_t& texels_left, Texture* kept, Vec3d& mean);
+
 }  // namespace patchlight

@@ -1,8 +1,18 @@
 #include "pipeline/files/image_file.h"
 
-#include <OpenImageIO/imageio.h>
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfInputFile.h>
+#include <ImfOutputFile.h>
+#include <ImfStdIO.h>
+#include <ImfStringAttribute.h>
+#include <png.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <exception>
 #include <fstream>
 
 #include "pipeline/files/temporary_file.h"
@@ -15,18 +25,23 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kMaxSide = 65536;
+constexpr std::int64_t kMostChannelValues = std::int64_t{1} << 31;
 
-void write_image(const fs::path& file, const Image& image, const OIIO::ImageSpec& spec,
-                 const fs::path& temporary_folder) {
-  TemporaryFile temporary(file, temporary_folder);
-  auto output = OIIO::ImageOutput::create(temporary.path().string());
-  if (!output || !output->open(temporary.path().string(), spec))
-    throw Error(ExitCode::cannot_create, "cannot create the image: " + (output ? output->geterror() : OIIO::geterror()),
-                file.string(), "check that its folder is writable");
-  if (!output->write_image(OIIO::TypeDesc::FLOAT, image.pixels.data()) || !output->close())
-    throw Error(ExitCode::io_error, "cannot write the image: " + output->geterror(), file.string(),
-                "check the space left on the disk");
-  temporary.commit();
+[[noreturn]] void refuse(const std::string& what, const fs::path& file) {
+  throw Error(ExitCode::bad_data, what, file.string(), "render it again");
+}
+
+std::ofstream create(const TemporaryFile& temporary) {
+  std::ofstream stream(temporary.path(), std::ios::binary);
+  if (!stream)
+    throw Error(ExitCode::cannot_create, "cannot create the image", temporary.target().string(),
+                "check that its folder is writable");
+  return stream;
+}
+
+[[noreturn]] void cannot_write(const std::string& why, const TemporaryFile& temporary) {
+  throw Error(ExitCode::io_error, "cannot write the image: " + why, temporary.target().string(),
+              "check the space left on the disk");
 }
 
 bool begins_as_exr(const fs::path& file) {
@@ -37,67 +52,107 @@ bool begins_as_exr(const fs::path& file) {
   return magic == std::array<char, 4>{0x76, 0x2f, 0x31, 0x01};
 }
 
-std::unique_ptr<OIIO::ImageInput> open_exr(const fs::path& file) {
+/// The size of what `header` describes and its texts, without pixels.
+Image described(const Imf::Header& header, const fs::path& file) {
+  const Imath::Box2i window = header.dataWindow();
+  const std::int64_t width = std::int64_t{window.max.x} - window.min.x + 1;
+  const std::int64_t height = std::int64_t{window.max.y} - window.min.y + 1;
+  if (width < 1 || height < 1 || width > kMaxSide || height > kMaxSide || width * height * 3 > kMostChannelValues)
+    refuse("an EXR of unexpected size", file);
+  Image image{int(width), int(height), {}, {}};
+  for (auto attribute = header.begin(); attribute != header.end(); ++attribute)
+    if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(&attribute.attribute()))
+      image.metadata[attribute.name()] = text->value();
+  return image;
+}
+
+/// Opens an EXR and does `read` with it.
+template <class Read>
+Image with_exr(const fs::path& file, Read read) {
   if (std::error_code fault; !fs::exists(file, fault))
     throw Error(ExitCode::missing_input, "missing image", file.string(), "check the path");
   if (!begins_as_exr(file)) throw Error(ExitCode::bad_data, "not an EXR", file.string(), "render it again");
-  auto input = OIIO::ImageInput::create("openexr");
-  OIIO::ImageSpec spec;
-  if (!input || !input->open(file.string(), spec))
-    throw Error(ExitCode::bad_data, "not a readable EXR: " + (input ? input->geterror() : OIIO::geterror()),
-                file.string(), "render it again");
-  if (spec.width < 1 || spec.height < 1 || spec.width > kMaxSide || spec.height > kMaxSide || spec.deep)
-    throw Error(ExitCode::bad_data, "an EXR of unexpected size", file.string(), "render it again");
-  return input;
-}
-
-std::map<std::string, std::string> text_attributes(const OIIO::ImageSpec& spec) {
-  std::map<std::string, std::string> texts;
-  for (const auto& attribute : spec.extra_attribs)
-    if (attribute.type() == OIIO::TypeDesc::STRING) texts[attribute.name().string()] = attribute.get_string();
-  return texts;
+  try {
+    Imf::InputFile input(file.c_str(), 0);
+    return read(input);
+  } catch (const Error&) {
+    throw;
+  } catch (const std::exception& fault) {
+    refuse(std::string("a damaged EXR: ") + fault.what(), file);
+  }
 }
 
 }  // namespace
 
 void write_exr(const fs::path& file, const Image& image, const fs::path& temporary_folder) {
-  OIIO::ImageSpec spec(image.width, image.height, 3, OIIO::TypeDesc::HALF);
-  spec.channelnames = {"R", "G", "B"};
-  spec.attribute("compression", "zip");
-  spec.attribute("oiio:ColorSpace", "Linear");
-  for (const auto& [name, value] : image.metadata) spec.attribute(name, value);
-  write_image(file, image, spec, temporary_folder);
+  TemporaryFile temporary(file, temporary_folder);
+  std::ofstream stream = create(temporary);
+  try {
+    Imf::Header header(image.width, image.height);
+    header.compression() = Imf::ZIP_COMPRESSION;
+    for (const auto& [name, value] : image.metadata) header.insert(name.c_str(), Imf::StringAttribute(value));
+    std::vector<Imath::half> halves(image.pixels.size() * 3);
+    for (std::size_t i = 0; i < image.pixels.size(); ++i)
+      for (int k = 0; k < 3; ++k) halves[3 * i + k] = image.pixels[i][k];
+    Imf::FrameBuffer buffer;
+    const std::size_t pixel = 3 * sizeof(Imath::half);
+    for (int k = 0; k < 3; ++k) {
+      const std::string name(1, "RGB"[k]);
+      header.channels().insert(name, Imf::Channel(Imf::HALF));
+      buffer.insert(name, Imf::Slice(Imf::HALF, reinterpret_cast<char*>(halves.data() + k), pixel,
+                                     pixel * std::size_t(image.width)));
+    }
+    Imf::StdOFStream target(stream, temporary.path().c_str());
+    Imf::OutputFile output(target, header, 0);
+    output.setFrameBuffer(buffer);
+    output.writePixels(image.height);
+  } catch (const std::exception& fault) {
+    cannot_write(fault.what(), temporary);
+  }
+  stream.close();
+  if (!stream) cannot_write("it does not fit", temporary);
+  temporary.commit();
 }
 
 void write_png(const fs::path& file, const Image& image, const fs::path& temporary_folder) {
-  OIIO::ImageSpec spec(image.width, image.height, 3, OIIO::TypeDesc::UINT8);
-  spec.attribute("png:compressionLevel", 6);
-  write_image(file, image, spec, temporary_folder);
+  TemporaryFile temporary(file, temporary_folder);
+  create(temporary);
+  std::vector<png_byte> bytes;
+  bytes.reserve(image.pixels.size() * 3);
+  for (const Color& c : image.pixels)
+    for (int k = 0; k < 3; ++k) bytes.push_back(png_byte(std::lround(std::clamp(c[k], 0.0f, 1.0f) * 255.0f)));
+  png_image png{};
+  png.version = PNG_IMAGE_VERSION;
+  png.width = png_uint_32(image.width);
+  png.height = png_uint_32(image.height);
+  png.format = PNG_FORMAT_RGB;
+  if (!png_image_write_to_file(&png, temporary.path().c_str(), 0, bytes.data(), 0, nullptr))
+    cannot_write(png.message, temporary);
+  temporary.commit();
 }
 
 Image read_exr_header(const fs::path& file) {
-  const OIIO::ImageSpec spec = open_exr(file)->spec();
-  return {spec.width, spec.height, {}, text_attributes(spec)};
+  return with_exr(file, [&](Imf::InputFile& input) { return described(input.header(), file); });
 }
 
 Image read_exr(const fs::path& file) {
-  const auto input = open_exr(file);
-  const OIIO::ImageSpec spec = input->spec();
-  Image image{spec.width, spec.height, {}, text_attributes(spec)};
-  std::array<int, 3> channels{};
-  for (int k = 0; k < 3; ++k) {
-    channels[k] = spec.channelindex(std::string(1, "RGB"[k]));
-    if (channels[k] < 0)
-      throw Error(ExitCode::bad_data, "an EXR without channels R, G and B", file.string(), "name another image");
-  }
-  const std::size_t count = std::size_t(spec.width) * spec.height;
-  std::vector<float> values(count * spec.nchannels);
-  if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, values.data()))
-    throw Error(ExitCode::bad_data, "a damaged EXR: " + input->geterror(), file.string(), "render it again");
-  image.pixels.resize(count);
-  for (std::size_t i = 0; i < count; ++i)
-    for (int k = 0; k < 3; ++k) image.pixels[i][k] = values[i * spec.nchannels + channels[k]];
-  return image;
+  return with_exr(file, [&](Imf::InputFile& input) {
+    Image image = described(input.header(), file);
+    const Imath::V2i first = input.header().dataWindow().min;
+    image.pixels.resize(std::size_t(image.width) * image.height);
+    Imf::FrameBuffer buffer;
+    for (int k = 0; k < 3; ++k) {
+      const std::string name(1, "RGB"[k]);
+      const Imf::Channel* channel = input.header().channels().findChannel(name);
+      if (!channel || channel->xSampling != 1 || channel->ySampling != 1)
+        throw Error(ExitCode::bad_data, "an EXR without channels R, G and B", file.string(), "name another image");
+      buffer.insert(name, Imf::Slice::Make(Imf::FLOAT, &image.pixels[0][k], first, image.width, image.height,
+                                           sizeof(Color), sizeof(Color) * std::size_t(image.width)));
+    }
+    input.setFrameBuffer(buffer);
+    input.readPixels(first.y, first.y + image.height - 1);
+    return image;
+  });
 }
 
 }  // namespace patchlight

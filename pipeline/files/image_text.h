@@ -12,4 +12,8 @@ bool draw_text(Image& image, int x, int y, const std::string& text, int size, co
 /// The width in pixels that draw_text would take; 0 without a font.
 int text_width(const std::string& text, int size);
 
+/// What these two load when they are first called.
+extern "C" bool render_text(Image& image, int x, int y, const std::string& text, int size, const Color& color);
+extern "C" int measure_text(const std::string& text, int size);
+
 }  // namespace patchlight
