@@ -52,7 +52,8 @@ std::int64_t complete(const PatchSet& scene, const SolveConfig& config, int rays
     display.mesh = build_display_mesh(scene, ray_scene, PatchLookup(scene), seed, cast);
     const std::vector<Patch> points = receivers(scene, display.mesh);
     const Elements elements(scene, ray_scene, display.mesh);
-    cast += RayRows(scene, ray_scene, points, elements, seed).cast(rays, display.rows, progress);
+    cast += RayRows(scene, ray_scene, points, elements, seed, nullptr, RayRows::Halves::together)
+                .cast(rays, display.rows, progress);
   }
   const std::vector<Patch> leaves = leaf_patches(scene, transport.display->mesh);
   const DirectFactors direct(

@@ -8,7 +8,7 @@
 #include <span>
 
 #include "pipeline/model/error.h"
-#include "solver/vector_code.h"
+#include "pipeline/optics/vector_code.h"
 
 namespace patchlight {
 

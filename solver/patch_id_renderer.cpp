@@ -83,7 +83,7 @@ void PatchIdRenderer::upload_quads(const PatchSet& scene, const PatchLookup& loo
   for (std::int32_t i = 0; i < std::int32_t(scene.primitives.size()); ++i) {
     const Primitive& p = scene.primitives[i];
     if (p.shape != Primitive::Shape::quad || (p.back >= 0 && p.back < i)) continue;
-    const Vec2f shape = quad_shape(p);
+    const Vec2f shape = quad_shape(p.corners);
     const std::array<Vec2f, 4> st{Vec2f(0, 0), Vec2f(1, 0), shape, Vec2f(0, 1)};
     const std::array<int, 6> order{0, 1, 2, 0, 2, 3};
     for (int k = 0; k < (p.is_triangle() ? 3 : 6); ++k)

@@ -10,7 +10,7 @@
 #include "pipeline/optics/mirror.h"
 #include "pipeline/optics/patch_sampling.h"
 #include "pipeline/optics/random.h"
-#include "solver/vector_code.h"
+#include "pipeline/optics/vector_code.h"
 
 namespace patchlight {
 
@@ -55,20 +55,20 @@ inline float sample_linear(float x, float a, float b) {
   return std::min(x * (a + b) / (a + std::sqrt((1.0f - x) * a * a + x * b * b) + kTiny), 1.0f);
 }
 
-VECTOR_CODE void shift_samples(const DirectionTable& table, int first, const std::array<float, 4>& shift,
+VECTOR_CODE void shift_samples(const DirectionTable& table, int first, const std::array<std::uint32_t, 4>& shift,
                                const Samples& to) {
-  const float *x = table.x.data() + first, *y = table.y.data() + first;
-  const float *u = table.u.data() + first, *v = table.v.data() + first;
+  const std::uint32_t *x = table.x.data() + first, *y = table.y.data() + first;
+  const std::uint32_t *u = table.u.data() + first, *v = table.v.data() + first;
   for (int lane = 0; lane < RayPacket::kSize; ++lane) {
-    const float square = shifted(x[lane], shift[0]);
+    const float square = unit_of(x[lane] ^ shift[0]);
     float sine, cosine;
-    turn(shifted(y[lane], shift[1]), sine, cosine);
+    turn(unit_of(y[lane] ^ shift[1]), sine, cosine);
     const float radius = std::sqrt(square);
     to.dx[lane] = radius * cosine;
     to.dy[lane] = radius * sine;
     to.dz[lane] = std::sqrt(1.0f - square);
-    to.u[lane] = shifted(u[lane], shift[2]);
-    to.v[lane] = shifted(v[lane], shift[3]);
+    to.u[lane] = unit_of(u[lane] ^ shift[2]);
+    to.v[lane] = unit_of(v[lane] ^ shift[3]);
   }
 }
 
@@ -112,14 +112,16 @@ void close_ranks(TransportRows& rows) {
 
 /// One half of a row in the making.
 struct RayRows::Half {
-  Half(const RayRows& rows, std::int32_t row_index, int which)
+  Half(const RayRows& rows, const DirectionTable& table, std::int32_t row_index, int which)
       : row(row_index),
         half(which),
         random(scramble(rows.seed_ ^ scramble(2 * std::uint64_t(row_index) + std::uint64_t(which)))),
         patch(rows.receivers_[row_index]),
         primitive(rows.scene_.primitives[patch.primitive]),
         offset(rows.ray_scene_.offset(patch.primitive)) {
-    shift = {to_unit(random), to_unit(random << 24), to_unit(scramble(random)), to_unit(scramble(random) << 24)};
+    shift = table.block(rows.apart_ ? 0 : std::uint32_t(which));
+    const std::uint64_t own = rows.apart_ ? random : scramble(rows.seed_ ^ std::uint64_t(row_index));
+    for (int k = 0; k < 4; ++k) shift[k] ^= std::uint32_t((k < 2 ? own : scramble(own)) >> 32 * (k % 2));
     if (primitive.shape != Primitive::Shape::quad) {
       sampler.emplace(primitive, patch);
       return;
@@ -145,7 +147,7 @@ struct RayRows::Half {
   std::int32_t row;
   int half;
   std::uint64_t random;
-  std::array<float, 4> shift;
+  std::array<std::uint32_t, 4> shift;  ///< See DirectionTable::block().
   const Patch& patch;
   const Primitive& primitive;
   float offset;
@@ -154,13 +156,14 @@ struct RayRows::Half {
 };
 
 RayRows::RayRows(const PatchSet& scene, const RayScene& ray_scene, std::span<const Patch> receivers,
-                 const Elements& elements, std::uint64_t seed, const ExposedParts* exposed)
+                 const Elements& elements, std::uint64_t seed, const ExposedParts* exposed, Halves halves)
     : scene_(scene),
       ray_scene_(ray_scene),
       receivers_(receivers),
       elements_(elements),
       seed_(scramble(seed)),
-      exposed_(exposed) {
+      exposed_(exposed),
+      apart_(halves == Halves::apart) {
   for (const Primitive& p : scene.primitives) {
     metallic_.push_back(scene.materials[p.material].specular != Color(0.0f));
     has_metals_ = has_metals_ || metallic_.back();
@@ -187,7 +190,7 @@ std::int64_t RayRows::cast(int rays, TransportRows& to, Progress& progress) cons
       const std::int32_t first = (done + index) * kBlock, last = std::min(first + kBlock, count);
       for (std::int32_t row = first; row < last; ++row)
         for (int half = 0; half < 2; ++half)
-          cast_half(Half(*this, row, half), table, to.ends.data() + to.starts[2 * row + half], found[index]);
+          cast_half(Half(*this, table, row, half), table, to.ends.data() + to.starts[2 * row + half], found[index]);
     });
     for (const auto& part : found) {
       to.mirrored.insert(to.mirrored.end(), part.begin(), part.end());
@@ -204,7 +207,7 @@ void RayRows::leave_out(const Half& half, const DirectionTable& table, int first
                         std::int32_t* ends) const {
   if (exposed_->part(half.row, half.half) == 1.0f) return;
   for (int lane = 0; lane < RayPacket::kSize; ++lane) {
-    const float x = shifted(table.u[first + lane], half.shift[2]), y = shifted(table.v[first + lane], half.shift[3]);
+    const float x = unit_of(table.u[first + lane] ^ half.shift[2]), y = unit_of(table.v[first + lane] ^ half.shift[3]);
     if (exposed_->keeps(half.row, half.half, x, y, scramble(half.random ^ std::uint64_t(first + lane)))) continue;
     ends[first + lane] = kLeftOut;
     packet.valid[lane] = 0;

@@ -1,11 +1,13 @@
 #pragma once
+#include <array>
+
 #include "pipeline/model/patch_set.h"
 
 namespace patchlight {
 
 /// (a, b) of a planar quad: corner 2 = corner 0 + a (corner 1 - corner 0) + b (corner 3 - corner 0). (1, 1) for a
 /// parallelogram, (0, 1) for a triangle.
-Vec2f quad_shape(const Primitive& quad);
+Vec2f quad_shape(const std::array<Vec3d, 4>& corners);
 
 /// (u,v) of the point (s, t) in the frame of a quad's edges, for the quad's shape (a, b): the solution of
 /// s = u (1 + v (a - 1)), t = v (1 + u (b - 1)), each in [0,1].

@@ -23,6 +23,9 @@ constexpr unsigned kSphereGeometry = 1;
 constexpr float kPlaneOffset = 0x1p-20f;
 constexpr float kSphereOffset = 0x1p-18f;
 
+// How far surfaces reach beyond their edges, in the scene's size, so that no ray slips between neighbours.
+constexpr double kOverlap = 0x1p-21;
+
 float largest(const Vec3f& v) {
   return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
 }
@@ -85,16 +88,20 @@ void RayPacket::set_shadow(int lane, const Vec3f& origin, const Vec3f& direction
   rays.ray.tfar[lane] = distance;
 }
 
-RayScene::RayScene(const PatchSet& scene) {
+RayScene::RayScene(const PatchSet& scene, std::size_t few) {
   const Imath::Box3d bounds = bounds_of(scene);
   origin_ = bounds.center();
   offsets_.resize(scene.primitives.size());
-  device_ = rtcNewDevice("set_affinity=0");
-  if (!device_) throw Error(ExitCode::unavailable, "Embree does not start", "", "check the processor and libembree3");
-  scene_ = rtcNewScene(device_);
-  rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
-  add_quads(scene);
+  if (scene.primitives.size() <= few)
+    few_.emplace();
+  else
+    start_embree();
+  add_quads(scene, largest(Vec3f(bounds.max - origin_)));
   add_spheres(scene);
+  if (few_) {
+    few_->build();
+    return;
+  }
   // One thread builds, so that the tree, and with it who wins between touching surfaces, is always the same. (Saying so
   // to the device would bind the whole program to one, as long as the device lives.)
   tbb::task_arena(1).execute([this] { rtcCommitScene(scene_); });
@@ -102,26 +109,43 @@ RayScene::RayScene(const PatchSet& scene) {
 }
 
 RayScene::~RayScene() {
+  if (!device_) return;
   rtcReleaseScene(scene_);
   rtcReleaseDevice(device_);
 }
 
-void RayScene::add_quads(const PatchSet& scene) {
+void RayScene::start_embree() {
+  device_ = rtcNewDevice("set_affinity=0");
+  if (!device_) throw Error(ExitCode::unavailable, "Embree does not start", "", "check the processor and libembree3");
+  scene_ = rtcNewScene(device_);
+  rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
+}
+
+void RayScene::add_quads(const PatchSet& scene, float extent) {
   std::vector<std::array<Vec3f, 4>> corners;
   for (std::size_t i = 0; i < scene.primitives.size(); ++i) {
     const Primitive& p = scene.primitives[i];
     if (p.shape != Primitive::Shape::quad) continue;
     std::array<Vec3f, 4> local;
-    for (int k = 0; k < 4; ++k) local[k] = to_local(p.corners[k]);
+    std::array<Vec3d, 4> exact;
     float size = 0;
-    for (const auto& corner : local) size = std::max(size, largest(corner));
+    for (int k = 0; k < 4; ++k) {
+      local[k] = to_local(p.corners[k]);
+      exact[k] = Vec3d(local[k]);
+      size = std::max(size, largest(local[k]));
+    }
     offsets_[i] = std::max(size * kPlaneOffset, std::numeric_limits<float>::min());
     if (p.back >= 0 && p.back < std::int32_t(i)) continue;
-    corners.push_back(local);
-    const Vec2f shape = quad_shape(p);
-    quads_.push_back({std::int32_t(i), p.back, shape.x, shape.y});
+    const Vec2f shape = quad_shape(p.corners);
+    const bool plane = few_ && few_->add_quad(exact, extent * kOverlap, std::int32_t(quads_.size()));
+    const Vec3d normal = ((exact[2] - exact[0]) % (exact[3] - exact[1])).normalized();
+    quads_.push_back({std::int32_t(i), p.back, shape.x, shape.y, Vec3f(normal), !plane});
+    if (!few_) corners.push_back(local);
   }
-  if (quads_.empty()) return;
+  if (!corners.empty()) add_quads_to_embree(corners);
+}
+
+void RayScene::add_quads_to_embree(const std::vector<std::array<Vec3f, 4>>& corners) {
   RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_QUAD);
   auto* vertices = static_cast<Vec3f*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
                                                                sizeof(Vec3f), 4 * quads_.size()));
@@ -147,14 +171,20 @@ void RayScene::add_spheres(const PatchSet& scene) {
     const float radius = float(std::abs(p.sphere_radius));
     offsets_[i] = (largest(center) + radius) * kSphereOffset;
     if (p.back >= 0 && p.back < std::int32_t(i)) continue;
-    balls.push_back({center.x, center.y, center.z, radius});
+    if (few_)
+      few_->add_sphere(Vec3d(center), double(radius), std::int32_t(spheres_.size()));
+    else
+      balls.push_back({center.x, center.y, center.z, radius});
     const bool outside = p.sphere_radius > 0;
     spheres_.push_back({outside ? std::int32_t(i) : p.back, outside ? p.back : std::int32_t(i), center});
   }
-  if (spheres_.empty()) return;
+  if (!balls.empty()) add_spheres_to_embree(balls);
+}
+
+void RayScene::add_spheres_to_embree(const std::vector<std::array<float, 4>>& balls) {
   RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_SPHERE_POINT);
-  auto* vertices = static_cast<std::array<float, 4>*>(rtcSetNewGeometryBuffer(
-      geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, 4 * sizeof(float), spheres_.size()));
+  auto* vertices = static_cast<std::array<float, 4>*>(
+      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, 4 * sizeof(float), balls.size()));
   if (!vertices) throw std::bad_alloc();
   std::copy(balls.begin(), balls.end(), vertices);
   rtcCommitGeometry(geometry);
@@ -163,6 +193,7 @@ void RayScene::add_spheres(const PatchSet& scene) {
 }
 
 void RayScene::intersect(RayPacket& packet, bool coherent) const {
+  if (few_) return few_->intersect(packet.rays);
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   context.flags = coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
@@ -170,6 +201,11 @@ void RayScene::intersect(RayPacket& packet, bool coherent) const {
 }
 
 std::uint32_t RayScene::occluded(RayPacket& packet) const {
+  if (few_) {
+    std::uint32_t wanted = 0;
+    for (int lane = 0; lane < RayPacket::kSize; ++lane) wanted |= std::uint32_t(packet.valid[lane] != 0) << lane;
+    return few_->occluded(packet.rays.ray, wanted);
+  }
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   rtcOccluded16(packet.valid.data(), scene_, &context, &packet.rays.ray);
@@ -182,30 +218,30 @@ std::uint32_t RayScene::occluded(RayPacket& packet) const {
 SurfaceHit RayScene::hit(const RayPacket& packet, int lane) const {
   const auto& h = packet.rays.hit;
   if (packet.valid[lane] == 0 || h.geomID[lane] == RTC_INVALID_GEOMETRY_ID) return {};
-  const Vec3f normal(h.Ng_x[lane], h.Ng_y[lane], h.Ng_z[lane]);
   const Vec3f direction = packet.direction(lane);
-  const bool outer = (normal ^ direction) < 0;
   SurfaceHit result;
   result.t = packet.rays.ray.tfar[lane];
   if (h.geomID[lane] == kSphereGeometry) {
     const Sphere& sphere = spheres_[h.primID[lane]];
+    const Vec3f out = packet.origin(lane) + direction * result.t - sphere.center;
+    const bool outer = (out ^ direction) < 0;
     const std::int32_t seen = outer ? sphere.outside : sphere.inside;
     result.front = seen >= 0;
     result.primitive = seen >= 0 ? seen : (outer ? sphere.inside : sphere.outside);
-    const Vec2f uv = sphere_uv(packet.origin(lane) + direction * result.t - sphere.center);
+    const Vec2f uv = sphere_uv(out);
     result.u = uv.x;
     result.v = uv.y;
     return result;
   }
   const Quad& quad = quads_[h.primID[lane]];
+  const bool outer = (quad.normal ^ direction) < 0;
   result.front = outer || quad.back >= 0;
   result.primitive = outer || quad.back < 0 ? quad.front : quad.back;
   result.u = h.u[lane];
   result.v = h.v[lane];
   if (quad.a != 1.0f || quad.b != 1.0f) {
-    // Embree splits a quad into the triangles (0,1,3) and (2,3,1).
     float s = result.u, t = result.v;
-    if (s + t > 1.0f) {
+    if (quad.halves && s + t > 1.0f) {  // of the triangle (2,3,1)
       const float p = 1.0f - s, q = 1.0f - t;
       s = quad.a - p * quad.a + q * (1.0f - quad.a);
       t = quad.b + p * (1.0f - quad.b) - q * quad.b;
@@ -213,6 +249,9 @@ SurfaceHit RayScene::hit(const RayPacket& packet, int lane) const {
     const Vec2f uv = inverse_bilinear(quad.a, quad.b, s, t);
     result.u = uv.x;
     result.v = uv.y;
+  } else {
+    result.u = std::clamp(result.u, 0.0f, 1.0f);
+    result.v = std::clamp(result.v, 0.0f, 1.0f);
   }
   if (!outer && quad.back >= 0) result.u = 1.0f - result.u;
   return result;

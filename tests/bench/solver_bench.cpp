@@ -35,9 +35,10 @@ const PatchSet& scene() {
   return patches;
 }
 
-/// Pre-generated cosine-distributed packets from all patches; traced, and each hit resolved to its patch.
-void raw_embree(benchmark::State& state) {
-  const RayScene rays(scene());
+/// Pre-generated cosine-distributed packets from all patches; traced, by Embree or as the solver does, and each hit
+/// resolved to its patch.
+void raw_rays(benchmark::State& state) {
+  const RayScene rays(scene(), state.range(0) != 0 ? 0 : RayScene::kFew);
   const PatchLookup lookup(scene());
   std::mt19937 random(1);
   std::uniform_real_distribution<float> unit(0.0f, 1.0f);
@@ -69,7 +70,13 @@ void raw_embree(benchmark::State& state) {
   benchmark::DoNotOptimize(sum);
   state.SetItemsProcessed(std::int64_t(state.iterations() * kPackets * RayPacket::kSize));
 }
-BENCHMARK(raw_embree)->Unit(benchmark::kMillisecond)->Repetitions(5)->ReportAggregatesOnly();
+BENCHMARK(raw_rays)
+    ->ArgName("embree")
+    ->Arg(1)
+    ->Arg(0)
+    ->Unit(benchmark::kMillisecond)
+    ->Repetitions(5)
+    ->ReportAggregatesOnly();
 
 void solver_cast(benchmark::State& state) {
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
@@ -97,7 +104,7 @@ void rows_cast(benchmark::State& state) {
 BENCHMARK(rows_cast)
     ->Arg(1)
     ->Arg(2)
-    ->UseRealTime()
+    ->MeasureProcessCPUTime()
     ->Unit(benchmark::kMillisecond)
     ->Repetitions(5)
     ->ReportAggregatesOnly();
@@ -129,6 +136,7 @@ SolveConfig config_of(int rays, double tolerance) {
   SolveConfig config;
   config.rays = rays;
   config.tolerance = tolerance;
+  config.display = false;
   return config;
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <set>
 
 #include "tests/patch_scene.h"
 
@@ -31,15 +32,28 @@ TEST(DirectionTable, SpreadsWithTheDensityOfTheCosine) {
   const DirectionTable table(1024);
   double height = 0, square = 0, across = 0;
   for (int k = 0; k < table.count(); ++k) {
-    const Vec3f d = cosine_direction(table.x[k], table.y[k]);
+    const Vec3f d = cosine_direction(unit_of(table.x[k]), unit_of(table.y[k]));
     height += d.z / 1024;
     square += d.z * d.z / 1024;
     across += d.x / 1024;
-    ASSERT_TRUE(table.u[k] >= 0 && table.u[k] < 1 && table.v[k] >= 0 && table.v[k] < 1);
   }
   EXPECT_NEAR(height, 2.0 / 3, 2e-3);
   EXPECT_NEAR(square, 0.5, 2e-3);
   EXPECT_NEAR(across, 0, 2e-3);
+}
+
+TEST(DirectionTable, HasAPointInEachOfEqualPartsAlsoWhenTurned) {
+  const DirectionTable table(64);
+  for (const std::uint32_t index : {0u, 1u, 5u}) {
+    const std::array<std::uint32_t, 4> shift = table.block(index);
+    for (int bits = 0; bits <= 6; ++bits) {  // a (0,6,2)-net: 2^bits columns, 2^(6 - bits) rows
+      std::set<std::pair<std::uint32_t, std::uint32_t>> cells;
+      for (int k = 0; k < 64; ++k)
+        cells.insert(
+            {std::uint64_t(table.x[k] ^ shift[0]) >> (32 - bits), std::uint64_t(table.y[k] ^ shift[1]) >> (26 + bits)});
+      EXPECT_EQ(cells.size(), 64u) << "block " << index << ", " << bits << " bits of x";
+    }
+  }
 }
 
 TEST(RayRows, HaveTwoHalvesOfEqualLength) {

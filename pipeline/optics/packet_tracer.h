@@ -1,0 +1,74 @@
+#pragma once
+#include <embree3/rtcore.h>
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "pipeline/model/math.h"
+
+namespace patchlight {
+
+/// Finds what packets of sixteen rays that go much the same way meet among a few thousand quads and spheres, or fewer:
+/// all lanes against a bounding box or a surface at a time, in code that the compiler makes vectors of. Coarse
+/// primitives are few, so that this beats a hierarchy for single rays several times over.
+class PacketTracer {
+ public:
+  /// A quad by its corners, the `index`th; one that is not plane to `precision`, m, is the triangles (0,1,3) and
+  /// (2,3,1), as Embree has it, and (s,t) of the second are one minus those in the frame of its edges at corner 2.
+  /// Returns whether it is plane.
+  bool add_quad(const std::array<Vec3d, 4>& corners, double precision, std::int32_t index);
+  void add_sphere(const Vec3d& center, double radius, std::int32_t index);
+  /// To be called once, after all surfaces are there.
+  void build();
+
+  /// The nearest surface in each lane's way between tnear and tfar: sets tfar to its distance, geomID to 0 for a quad
+  /// and 1 for a sphere, primID to its index, and u and v, of quads, to (s,t) in the frame of the edges at corner 0.
+  /// Lanes that meet nothing keep what they have.
+  void intersect(RTCRayHit16& rays) const;
+
+  /// The lanes of `wanted` in whose way something stands, as bits.
+  std::uint32_t occluded(const RTCRay16& rays, std::uint32_t wanted) const;
+
+ private:
+  /// A quad or a triangle, inside which s, t, and two more functions of them are no less than minus their rounding.
+  struct Facet {
+    std::array<float, 3> corner, normal, s, t;  ///< A corner, and the gradients of s and t from it.
+    std::array<float, 2> third, fourth;         ///< The other sides: x (1 - s) + y t and x (1 - t) + y s.
+    std::array<float, 4> rounding;
+    float start, sign;  ///< (s,t) are start + sign * those of the facet.
+  };
+  struct Ball {
+    std::array<float, 3> center;
+    float radius;
+  };
+  struct Item {
+    std::int32_t surface;  ///< Twice its index, and one more for a sphere.
+    std::int32_t shape;    ///< Which facet or ball.
+    std::array<float, 3> low, high;
+  };
+  struct Node {
+    std::array<float, 3> low, high;
+    std::int32_t first;  ///< Of its items, or the first of two children.
+    std::int32_t count;  ///< 0: it has children.
+    std::int32_t axis;   ///< Along which its children stand.
+  };
+  struct Packet;
+
+  void add_facet(const Vec3d& corner, const Vec3d& along_s, const Vec3d& along_t, const Vec2f& shape, double precision,
+                 bool second);
+  void split(std::int32_t node, std::int32_t begin, std::int32_t end, int depth);
+  template <class Visit>
+  void traverse(Packet& packet, Visit visit) const;
+
+  std::vector<Facet> facets_;
+  std::vector<Ball> balls_;
+  std::vector<Item> items_;
+  std::vector<Node> nodes_;
+
+  static bool reaches(const Packet& packet, const Node& node);
+  static void meet(const Facet& facet, std::int32_t surface, Packet& packet);
+  static void meet(const Ball& ball, std::int32_t surface, Packet& packet);
+};
+
+}  // namespace patchlight
