@@ -17,13 +17,10 @@ SpectrumField seen_by(const FormFactorRows& rows, std::size_t patches) {
 
 }  // namespace
 
-std::vector<double> exposed_areas(const PatchSet& scene, const TransportRows& rows) {
+std::vector<double> exposed_areas(const PatchSet& scene, const Transport& transport) {
   std::vector<double> areas;
-  const double all = rows.rays();
-  for (std::size_t i = 0; i < scene.patches.size(); ++i) {
-    const double part = all > 0 ? double(rows.length(i)) / all : 1.0;
-    areas.push_back(part * scene.patches[i].area);
-  }
+  for (std::size_t i = 0; i < scene.patches.size(); ++i)
+    areas.push_back(scene.patches[i].area * (transport.exposed.empty() ? 1.0 : double(transport.exposed[i])));
   return areas;
 }
 
@@ -32,9 +29,9 @@ double reciprocity_error(const Transport& transport, const FormFactorRows& rows,
   std::vector<double> seen_of(n + 1);
   for (std::size_t k = 0; k + 1 < transport.starts.size(); ++k) {
     const std::uint64_t begin = transport.starts[k], end = transport.starts[k + 1];
-    const double share = 0.5 * areas[k / 2] / (transport.weights.empty() ? double(end - begin) : 1.0);
+    const double share = 0.5 * areas[k / 2] * (transport.rays > 0 ? double(transport.shares[k]) : 1.0);
     for (std::uint64_t at = begin; at < end; ++at)
-      seen_of[transport.ends[at]] += share * (transport.weights.empty() ? 1.0 : double(transport.weights[at]));
+      seen_of[transport.ends[at]] += share * (transport.rays > 0 ? 1.0 : double(transport.weights[at]));
   }
   for (const auto& m : transport.mirrored) seen_of[m.patch] += 0.5 * areas[m.row] * Spectrum(m.weight).sum() / 3;
   const SpectrumField seen = seen_by(rows, n);

@@ -52,8 +52,8 @@ std::int64_t complete(const PatchSet& scene, const SolveConfig& config, int rays
     display.mesh = build_display_mesh(scene, ray_scene, PatchLookup(scene), seed, cast);
     const std::vector<Patch> points = receivers(scene, display.mesh);
     const Elements elements(scene, ray_scene, display.mesh);
-    cast += RayRows(scene, ray_scene, points, elements, seed, nullptr, RayRows::Halves::together)
-                .cast(rays, display.rows, progress);
+    cast +=
+        RayRows(scene, ray_scene, points, elements, seed, RayRows::Halves::together).cast(rays, display.rows, progress);
   }
   const std::vector<Patch> leaves = leaf_patches(scene, transport.display->mesh);
   const DirectFactors direct(
@@ -218,7 +218,7 @@ class Gather {
 void add_display_solution(const PatchSet& scene, const SolveConfig& config, Transport& transport, EnergyField& energy,
                           Progress& progress) {
   if (scene.light_groups.empty()) return;
-  energy.rays += complete(scene, config, std::max(config.rays, transport.rays()) / kOfPatch, transport, progress);
+  energy.rays += complete(scene, config, std::max(config.rays, transport.rays) / kOfPatch, transport, progress);
   const FormFactorRows rows(transport.display->rows);
   const SpectrumField reflectance = leaf_reflectance(scene, transport.display->mesh);
   for (auto& group : energy.groups) Gather(scene, transport, rows, reflectance, group).run();

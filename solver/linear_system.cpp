@@ -87,9 +87,9 @@ FormFactorRows::FormFactorRows(const TransportRows& rows) : transport_(rows) {
 Spectrum FormFactorRows::half(std::int64_t k, const SpectrumField& radiosity) const {
   const std::uint64_t begin = transport_.starts[k], end = transport_.starts[k + 1];
   Spectrum sum;
-  if (transport_.weights.empty()) {
+  if (transport_.rays > 0) {
     add_all(std::span(transport_.ends).subspan(begin, end - begin), radiosity.data(), sum);
-    sum *= Spectrum(end > begin ? 1.0 / double(end - begin) : 0.0);
+    sum *= Spectrum(double(transport_.shares[k]));
   } else {
     for (std::uint64_t at = begin; at < end; ++at)
       sum += radiosity[transport_.ends[at]] * Spectrum(double(transport_.weights[at]));

@@ -11,6 +11,7 @@
 #include "pipeline/optics/patch_sampling.h"
 #include "pipeline/optics/random.h"
 #include "pipeline/optics/vector_code.h"
+#include "solver/surroundings.h"
 
 namespace patchlight {
 
@@ -21,7 +22,8 @@ constexpr std::int64_t kRaysAtOnce = 1 << 21;  // between two looks at the signa
 constexpr int kMostMirrors = 256;              // on one ray's way
 constexpr float kSurelyKept = 0.25f;           // throughput from which Russian roulette ends no ray
 
-constexpr std::int32_t kLeftOut = -1;
+constexpr int kMostBlocks = 8;  // of rays, for a row that sees little
+constexpr int kFewBacks = 32;   // one ray in so many may end on a back before a row's parts are looked at
 
 using Lanes = std::array<float, RayPacket::kSize>;
 
@@ -92,36 +94,19 @@ VECTOR_CODE void place_rays(const QuadPatch& patch, const Samples& at, RayPacket
   }
 }
 
-/// Takes out what is left out; what came by mirrors weighs the more.
-void close_ranks(TransportRows& rows) {
-  std::vector<float> scale(2 * std::size_t(rows.rows()), 1.0f);
-  std::uint64_t begin = 0, kept = 0;
-  for (std::size_t k = 0; k + 1 < rows.starts.size(); ++k) {
-    const std::uint64_t end = rows.starts[k + 1], first = kept;
-    for (std::uint64_t at = begin; at < end; ++at)
-      if (rows.ends[at] != kLeftOut) rows.ends[kept++] = rows.ends[at];
-    if (kept > first) scale[k] = float(end - begin) / float(kept - first);
-    rows.starts[k + 1] = kept;
-    begin = end;
-  }
-  rows.ends.resize(kept);
-  for (auto& m : rows.mirrored) m.weight *= scale[2 * std::size_t(m.row) + std::size_t(m.half)];
-}
-
 }  // namespace
 
 /// One half of a row in the making.
 struct RayRows::Half {
-  Half(const RayRows& rows, const DirectionTable& table, std::int32_t row_index, int which)
+  Half(const RayRows& rows, std::int32_t row_index, int which)
       : row(row_index),
         half(which),
         random(scramble(rows.seed_ ^ scramble(2 * std::uint64_t(row_index) + std::uint64_t(which)))),
         patch(rows.receivers_[row_index]),
         primitive(rows.scene_.primitives[patch.primitive]),
         offset(rows.ray_scene_.offset(patch.primitive)) {
-    shift = table.block(rows.apart_ ? 0 : std::uint32_t(which));
     const std::uint64_t own = rows.apart_ ? random : scramble(rows.seed_ ^ std::uint64_t(row_index));
-    for (int k = 0; k < 4; ++k) shift[k] ^= std::uint32_t((k < 2 ? own : scramble(own)) >> 32 * (k % 2));
+    for (int k = 0; k < 4; ++k) turned[k] = std::uint32_t((k < 2 ? own : scramble(own)) >> 32 * (k % 2));
     if (primitive.shape != Primitive::Shape::quad) {
       sampler.emplace(primitive, patch);
       return;
@@ -147,22 +132,30 @@ struct RayRows::Half {
   std::int32_t row;
   int half;
   std::uint64_t random;
-  std::array<std::uint32_t, 4> shift;  ///< See DirectionTable::block().
+  std::array<std::uint32_t, 4> turned;  ///< How the whole sequence is scrambled.
   const Patch& patch;
   const Primitive& primitive;
   float offset;
   std::optional<PatchSampler> sampler;  ///< Of a sphere.
   QuadPatch quad{};
+
+  int block = 0;                                  ///< Of the sequence, that is being cast.
+  std::array<std::uint32_t, 4> shift;             ///< See DirectionTable::block().
+  std::int32_t cast = 0, backs = 0;               ///< Rays, and those that ended on unlit backs.
+  std::vector<std::int32_t> ends;                 ///< Of those that met something lit.
+  std::vector<TransportRows::Mirrored> mirrored;  ///< With weights for one ray.
+
+  std::uint64_t number(int ray) const { return std::uint64_t(block) << 32 | std::uint64_t(ray); }
 };
 
 RayRows::RayRows(const PatchSet& scene, const RayScene& ray_scene, std::span<const Patch> receivers,
-                 const Elements& elements, std::uint64_t seed, const ExposedParts* exposed, Halves halves)
+                 const Elements& elements, std::uint64_t seed, Halves halves, bool exposed_parts)
     : scene_(scene),
       ray_scene_(ray_scene),
       receivers_(receivers),
       elements_(elements),
       seed_(scramble(seed)),
-      exposed_(exposed),
+      exposed_parts_(exposed_parts),
       apart_(halves == Halves::apart) {
   for (const Primitive& p : scene.primitives) {
     metallic_.push_back(scene.materials[p.material].specular != Color(0.0f));
@@ -174,43 +167,62 @@ std::int64_t RayRows::cast(int rays, TransportRows& to, Progress& progress) cons
   const auto count = std::int32_t(receivers_.size());
   const int half_rays = std::max(16, (rays + 31) / 32 * 16);
   const DirectionTable table(half_rays);
-  to.weights.clear();
-  to.mirrored.clear();
-  to.ends.resize(2 * std::size_t(count) * half_rays);
-  to.starts.resize(2 * std::size_t(count) + 1);
-  for (std::size_t k = 0; k < to.starts.size(); ++k) to.starts[k] = k * half_rays;
-
+  to = {};
+  to.rays = 2 * half_rays;
+  to.starts.push_back(0);
+  to.ends.reserve(std::size_t(count) * std::size_t(to.rays));
   const int blocks = (count + kBlock - 1) / kBlock;
   const int blocks_at_once = std::max(1, int(kRaysAtOnce / (2 * half_rays * kBlock)));
-  std::int64_t cast = std::int64_t(to.ends.size());
+  std::int64_t cast = 0;
   for (int done = 0; done < blocks; done += blocks_at_once) {
-    std::vector<std::vector<TransportRows::Mirrored>> found(std::min(blocks_at_once, blocks - done));
+    std::vector<Found> found(std::min(blocks_at_once, blocks - done));
     tbb::parallel_for(0, int(found.size()), [&](int index) {
       _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree wants denormals flushed
       const std::int32_t first = (done + index) * kBlock, last = std::min(first + kBlock, count);
-      for (std::int32_t row = first; row < last; ++row)
-        for (int half = 0; half < 2; ++half)
-          cast_half(Half(*this, table, row, half), table, to.ends.data() + to.starts[2 * row + half], found[index]);
+      for (std::int32_t row = first; row < last; ++row) cast_row(row, table, found[index]);
     });
-    for (const auto& part : found) {
-      to.mirrored.insert(to.mirrored.end(), part.begin(), part.end());
-      cast += std::int64_t(part.size());
+    for (const Found& part : found) {
+      to.ends.insert(to.ends.end(), part.ends.begin(), part.ends.end());
+      to.mirrored.insert(to.mirrored.end(), part.mirrored.begin(), part.mirrored.end());
+      to.shares.insert(to.shares.end(), part.shares.begin(), part.shares.end());
+      to.exposed.insert(to.exposed.end(), part.exposed.begin(), part.exposed.end());
+      for (const std::int32_t hits : part.hits) to.starts.push_back(to.starts.back() + std::uint64_t(hits));
+      cast += part.rays;
     }
     progress.update(double(done) / blocks, "rows of form factors");
   }
-  if (exposed_) close_ranks(to);
+  if (std::all_of(to.exposed.begin(), to.exposed.end(), [](float part) { return part == 1.0f; })) to.exposed.clear();
   return cast;
 }
 
-/// Marks rays of parts that are not exposed, and ends them.
-void RayRows::leave_out(const Half& half, const DirectionTable& table, int first, RayPacket& packet,
-                        std::int32_t* ends) const {
-  if (exposed_->part(half.row, half.half) == 1.0f) return;
-  for (int lane = 0; lane < RayPacket::kSize; ++lane) {
-    const float x = unit_of(table.u[first + lane] ^ half.shift[2]), y = unit_of(table.v[first + lane] ^ half.shift[3]);
-    if (exposed_->keeps(half.row, half.half, x, y, scramble(half.random ^ std::uint64_t(first + lane)))) continue;
-    ends[first + lane] = kLeftOut;
-    packet.valid[lane] = 0;
+/// Rays go on in blocks until about as many have met something lit as the first block has rays. How many blocks that
+/// takes each half learns from the other, so that neither's mean depends on it.
+void RayRows::cast_row(std::int32_t row, const DirectionTable& table, Found& found) const {
+  std::array<Half, 2> halves{Half(*this, row, 0), Half(*this, row, 1)};
+  for (Half& half : halves) cast_block(half, table, half.half * !apart_);
+  const int backs = halves[0].backs + halves[1].backs;
+  float part = 1.0f;
+  if (exposed_parts_ && kFewBacks * backs >= halves[0].cast + halves[1].cast) {
+    part = exposed_part(scene_, ray_scene_, receivers_[row], scramble(halves[0].random));
+    found.rays += kExposedPartRays;
+  }
+  found.exposed.push_back(part);
+  const auto blocks = [&](const Half& other) {
+    const int hits = int(other.ends.size());
+    return hits > 0 ? std::min(kMostBlocks, (table.count() + hits / 2) / hits) : 1;
+  };
+  const std::array<int, 2> wanted{blocks(halves[1]), blocks(halves[0])};
+  for (Half& half : halves) {
+    for (int block = 1; block < wanted[half.half]; ++block)
+      cast_block(half, table, apart_ ? block : 2 * block + half.half);
+    found.ends.insert(found.ends.end(), half.ends.begin(), half.ends.end());
+    found.hits.push_back(std::int32_t(half.ends.size()));
+    found.shares.push_back(1.0f / (float(half.cast) * part));
+    found.rays += half.cast + std::int64_t(half.mirrored.size());
+    for (auto& m : half.mirrored) {
+      m.weight *= found.shares.back();
+      found.mirrored.push_back(m);
+    }
   }
 }
 
@@ -231,25 +243,28 @@ void RayRows::start_packet(const Half& half, const DirectionTable& table, int fi
   place_rays(half.quad, {dx.data(), dy.data(), dz.data(), u.data(), v.data()}, packet);
 }
 
-void RayRows::cast_half(const Half& half, const DirectionTable& table, std::int32_t* ends,
-                        std::vector<TransportRows::Mirrored>& mirrored) const {
-  const std::int32_t nowhere = elements_.count();
+void RayRows::cast_block(Half& half, const DirectionTable& table, int block) const {
   const bool coherent = table.count() >= 128;  // measured: neighbours in a coarser table part too soon
+  half.block = block;
+  half.shift = table.block(std::uint32_t(block));
+  for (int k = 0; k < 4; ++k) half.shift[k] ^= half.turned[k];
+  half.cast += table.count();
   RayPacket packet;
   for (int first = 0; first < table.count(); first += RayPacket::kSize) {
     start_packet(half, table, first, packet);
     ray_scene_.intersect(packet, coherent);
     for (int lane = 0; lane < RayPacket::kSize; ++lane) {
       const SurfaceHit hit = ray_scene_.hit(packet, lane);
-      ends[first + lane] = hit.front ? elements_.at(hit.primitive, hit.u, hit.v) : nowhere;
+      if (hit.front)
+        half.ends.push_back(elements_.at(hit.primitive, hit.u, hit.v));
+      else
+        half.backs += hit.primitive >= 0;
     }
-    if (exposed_) leave_out(half, table, first, packet, ends);
-    if (has_metals_) follow_mirrors(half, first, table.count(), packet, mirrored);
+    if (has_metals_) follow_mirrors(half, first, packet);
   }
 }
 
-void RayRows::follow_mirrors(const Half& half, int first, int rays, RayPacket& packet,
-                             std::vector<TransportRows::Mirrored>& mirrored) const {
+void RayRows::follow_mirrors(Half& half, int first, RayPacket& packet) const {
   std::array<Color, RayPacket::kSize> throughput;
   throughput.fill(Color(1.0f));
   for (int bounce = 0; bounce < kMostMirrors; ++bounce) {
@@ -260,10 +275,10 @@ void RayRows::follow_mirrors(const Half& half, int first, int rays, RayPacket& p
       packet.valid[lane] = 0;
       if (!hit.front) continue;
       Color& kept = throughput[lane];
-      if (bounce > 0)
-        mirrored.push_back({half.row, half.half, elements_.at(hit.primitive, hit.u, hit.v), kept / float(rays)});
+      if (bounce > 0) half.mirrored.push_back({half.row, half.half, elements_.at(hit.primitive, hit.u, hit.v), kept});
       if (!metallic_[hit.primitive]) continue;
-      const std::uint64_t random = scramble(half.random ^ scramble(std::uint64_t(first + lane) << 8 | bounce));
+      const std::uint64_t random =
+          scramble(half.random ^ scramble(half.number(first + lane) << 8 | std::uint64_t(bounce)));
       const Primitive& primitive = scene_.primitives[hit.primitive];
       const SurfacePoint point = point_at(primitive, hit.u, hit.v);
       Vec3f direction = packet.direction(lane);

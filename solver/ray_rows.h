@@ -22,31 +22,37 @@ class RayRows {
   enum class Halves { apart, together };
 
   /// Of `receivers`, patches of the scene's primitives or, of no size, points of them, to `elements`.
-  /// Rays of receivers that start where `exposed` does not keep them are left out of the rows.
+  /// Where `exposed_parts`, rows of patches that are exposed in part alone are of that part.
   RayRows(const PatchSet& scene, const RayScene& ray_scene, std::span<const Patch> receivers, const Elements& elements,
-          std::uint64_t seed, const ExposedParts* exposed = nullptr, Halves halves = Halves::apart);
+          std::uint64_t seed, Halves halves, bool exposed_parts = false);
 
-  /// Sets starts, ends and mirrored of `to`, with `rays` a row, rounded up to a multiple of 32, but for what is left
-  /// out. The same for any number of threads. Returns how many rays were cast, those behind mirrors included. Throws:
-  /// Error (interrupted).
+  /// Sets `to`, with `rays` a row, rounded up to a multiple of 32; up to eight times as many where most meet nothing,
+  /// so that what a row does see is no noisier. The same for any number of threads. Returns how many rays were cast,
+  /// those behind mirrors included. Throws: Error (interrupted).
   std::int64_t cast(int rays, TransportRows& to, Progress& progress) const;
 
  private:
   struct Half;
 
-  void leave_out(const Half& half, const DirectionTable& table, int first, RayPacket& packet, std::int32_t* ends) const;
+  /// What a thread's rows have met, row after row and half after half.
+  struct Found {
+    std::vector<std::int32_t> ends, hits;
+    std::vector<float> shares, exposed;
+    std::vector<TransportRows::Mirrored> mirrored;
+    std::int64_t rays = 0;
+  };
+
+  void cast_row(std::int32_t row, const DirectionTable& table, Found& found) const;
+  void cast_block(Half& half, const DirectionTable& table, int block) const;
   void start_packet(const Half& half, const DirectionTable& table, int first, RayPacket& packet) const;
-  void cast_half(const Half& half, const DirectionTable& table, std::int32_t* ends,
-                 std::vector<TransportRows::Mirrored>& mirrored) const;
-  void follow_mirrors(const Half& half, int first, int rays, RayPacket& packet,
-                      std::vector<TransportRows::Mirrored>& mirrored) const;
+  void follow_mirrors(Half& half, int first, RayPacket& packet) const;
 
   const PatchSet& scene_;
   const RayScene& ray_scene_;
   const std::span<const Patch> receivers_;
   const Elements& elements_;
   std::uint64_t seed_;
-  const ExposedParts* exposed_;
+  const bool exposed_parts_;
   const bool apart_;
   std::vector<char> metallic_;  ///< By primitive.
   bool has_metals_ = false;

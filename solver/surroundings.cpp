@@ -1,8 +1,5 @@
 #include "solver/surroundings.h"
 
-#include <tbb/parallel_for.h>
-#include <xmmintrin.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -89,64 +86,35 @@ bool is_cut(const PatchSet& scene, const RayScene& ray_scene, const Patch& part)
   return ray_scene.occluded(packet) != 0;
 }
 
-ExposedParts::Grid ExposedParts::grid_of(const PatchSet& scene, const RayScene& ray_scene, const Patch& patch,
-                                         std::uint64_t random) {
+float exposed_part(const PatchSet& scene, const RayScene& ray_scene, const Patch& patch, std::uint64_t random) {
+  constexpr int kAcross = 8;  // cells, each with four points of four rays that go all ways
+  const auto point_of = [](int lane) { return (lane ^ lane >> 2) & 3; };
   const PatchSampler sampler(scene.primitives[patch.primitive], patch);
-  Grid grid;
-  float most = 0;
-  for (int k = 0; k < kAcross * kAcross; ++k) {
-    const Vec2f shift = kronecker2(std::uint64_t(k), random);
-    const float x = (float(k % kAcross) + shift.x) / kAcross, y = (float(k / kAcross) + shift.y) / kAcross;
-    grid.kept[k] = exposure(ray_scene, patch.primitive, sampler(x, y), scramble(random + k));
-    most = std::max(most, grid.kept[k]);
-  }
-  if (most == 0) return {};
-  grid.mean = 0;
-  for (float& kept : grid.kept) {
-    kept = std::min(1.0f, kept / (kOpen * most));
-    grid.mean += kept / float(grid.kept.size());
-  }
-  const float lift = std::max(0.0f, (kLeastExposed - grid.mean) / (1.0f - grid.mean));
-  for (float& kept : grid.kept) kept += lift * (1.0f - kept);
-  grid.mean = std::max(grid.mean, kLeastExposed);
-  return grid;
-}
-
-ExposedParts::ExposedParts(const PatchSet& scene, const RayScene& ray_scene, std::uint64_t seed, std::int64_t& cast)
-    : at_(scene.patches.size(), -1) {
-  constexpr int kBlock = 256;
-  const int count = int(scene.patches.size());
-  std::vector<std::vector<std::array<Grid, 2>>> found((count + kBlock - 1) / kBlock);
-  std::vector<std::int64_t> rays((count + kBlock - 1) / kBlock);
-  tbb::parallel_for(0, int(rays.size()), [&](int block) {
-    _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree wants denormals flushed
-    for (int i = block * kBlock; i < std::min((block + 1) * kBlock, count); ++i) {
-      const Patch& patch = scene.patches[i];
-      const std::uint64_t random = scramble(seed + std::uint64_t(i));
-      rays[block] += RayPacket::kSize + 6;
-      if (!closeness(scene, ray_scene, patch, random).to_backs && !is_cut(scene, ray_scene, patch)) continue;
-      const std::array<Grid, 2> halves{grid_of(scene, ray_scene, patch, random),
-                                       grid_of(scene, ray_scene, patch, scramble(random))};
-      rays[block] += 2 * kAcross * kAcross * RayPacket::kSize;
-      if (halves[0].mean == 1.0f && halves[1].mean == 1.0f) continue;
-      at_[i] = std::int32_t(found[block].size());
-      found[block].push_back(halves);
+  const float offset = ray_scene.offset(patch.primitive);
+  std::array<float, 4 * kAcross * kAcross> points;
+  for (int cell = 0; cell < kAcross * kAcross; ++cell) {
+    const std::uint64_t own = scramble(random + std::uint64_t(cell));
+    RayPacket packet;
+    for (int lane = 0; lane < RayPacket::kSize; ++lane) {
+      const Vec2f at = kronecker2(std::uint64_t(point_of(lane)), own);
+      const float x = (float(cell % kAcross) + at.x) / kAcross, y = (float(cell / kAcross) + at.y) / kAcross;
+      set_lane(ray_scene, sampler(x, y), offset, lane, own, packet);
     }
-  });
-  for (const std::int64_t more : rays) cast += more;
-  std::vector<std::size_t> first;
-  for (const auto& grids : found) {
-    first.push_back(grids_.size());
-    grids_.insert(grids_.end(), grids.begin(), grids.end());
+    ray_scene.intersect(packet, false);
+    std::array<int, 4> lit{}, backs{};
+    for (int lane = 0; lane < RayPacket::kSize; ++lane) {
+      const SurfaceHit hit = ray_scene.hit(packet, lane);
+      lit[point_of(lane)] += hit.front;
+      backs[point_of(lane)] += !hit.front && hit.primitive >= 0;
+    }
+    for (int point = 0; point < 4; ++point)
+      points[4 * cell + point] = backs[point] > 0 ? 0.25f * float(lit[point]) : 1.0f;
   }
-  for (int i = 0; i < count; ++i)
-    if (at_[i] >= 0) at_[i] += std::int32_t(first[i / kBlock]);
-}
-
-bool ExposedParts::keeps(std::int32_t i, int half, float x, float y, std::uint64_t random) const {
-  if (at_[i] < 0) return true;
-  const auto cell = [](float t) { return std::min(int(t * kAcross), kAcross - 1); };
-  return to_unit(random) < grids_[at_[i]][half].kept[cell(y) * kAcross + cell(x)];
+  const float most = *std::max_element(points.begin(), points.end());
+  if (most == 0) return 1.0f;
+  float sum = 0;
+  for (const float exposed : points) sum += std::min(1.0f, exposed / (kOpen * most));
+  return std::max(kLeastExposed, sum / float(points.size()));
 }
 
 }  // namespace patchlight

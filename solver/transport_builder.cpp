@@ -1,8 +1,13 @@
 #include "solver/transport_builder.h"
 
+#include <tbb/parallel_for.h>
+#include <xmmintrin.h>
+
 #include <algorithm>
+#include <atomic>
 
 #include "pipeline/files/key.h"
+#include "pipeline/optics/random.h"
 #include "solver/direct_factors.h"
 #include "solver/hemicube.h"
 #include "solver/ray_rows.h"
@@ -33,6 +38,24 @@ void draw_rows(const PatchSet& scene, const SolveConfig& config, Transport& tran
   }
 }
 
+/// Tells which parts of patches that see unlit backs are exposed, and makes their rows rows of these. Returns the
+/// number of rays that that took.
+std::int64_t find_exposed(const PatchSet& scene, const RayScene& ray_scene, std::uint64_t seed, Transport& transport) {
+  transport.exposed.assign(scene.patches.size(), 1.0f);
+  std::atomic<std::int64_t> cast{0};
+  tbb::parallel_for(std::size_t(0), scene.patches.size(), [&](std::size_t i) {
+    _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree wants denormals flushed
+    const std::uint64_t random = scramble(seed + i);
+    cast += RayPacket::kSize;
+    if (!closeness(scene, ray_scene, scene.patches[i], random).to_backs) return;
+    float& part = transport.exposed[i] = exposed_part(scene, ray_scene, scene.patches[i], scramble(random));
+    for (std::uint64_t at = transport.starts[2 * i]; at < transport.starts[2 * i + 2]; ++at)
+      transport.weights[at] /= part;
+    cast += kExposedPartRays;
+  });
+  return cast;
+}
+
 }  // namespace
 
 std::int64_t complete_transport(const PatchSet& scene, const SolveConfig& config, int rays, Transport& transport,
@@ -48,7 +71,7 @@ std::int64_t complete_transport(const PatchSet& scene, const SolveConfig& config
     });
   };
   const bool hemicubes = config.form_factors == "hemicube";
-  const bool same_rows = transport.key == key && (hemicubes || transport.rays() >= rays);
+  const bool same_rows = transport.key == key && (hemicubes || transport.rays >= rays);
   if (same_rows && wanted.size() == transport.emitters.size() &&
       std::all_of(wanted.begin(), wanted.end(), [&](const Emitter& e) { return kept(e) != transport.emitters.end(); }))
     return 0;
@@ -57,14 +80,15 @@ std::int64_t complete_transport(const PatchSet& scene, const SolveConfig& config
   const RayScene ray_scene(scene);
   const PatchLookup lookup(scene);
   std::int64_t cast = 0;
-  const ExposedParts exposed(scene, ray_scene, seed, cast);
   if (!same_rows) {
     transport = {};
     if (hemicubes) {
       draw_rows(scene, config, transport, progress);
+      cast += find_exposed(scene, ray_scene, seed, transport);
     } else {
       const Elements elements(scene);
-      cast += RayRows(scene, ray_scene, scene.patches, elements, seed, &exposed).cast(rays, transport, progress);
+      const RayRows rows(scene, ray_scene, scene.patches, elements, seed, RayRows::Halves::apart, true);
+      cast += rows.cast(rays, transport, progress);
     }
     transport.key = key;
   }
@@ -74,9 +98,9 @@ std::int64_t complete_transport(const PatchSet& scene, const SolveConfig& config
     if (const auto at = kept(emitter); at != transport.emitters.end()) {
       emitters.push_back(std::move(*at));
     } else {
-      emitters.push_back(direct.sample(emitter, wanted.size(), rays, cast));
-      std::vector<float>& factors = emitters.back().factors;
-      for (std::size_t k = 0; k < factors.size(); ++k) factors[k] /= exposed.part(std::int32_t(k / 2), int(k % 2));
+      std::vector<float>& factors = emitters.emplace_back(direct.sample(emitter, wanted.size(), rays, cast)).factors;
+      for (std::size_t i = 0; i < transport.exposed.size(); ++i)
+        for (int half = 0; half < 2; ++half) factors[2 * i + half] /= transport.exposed[i];
     }
     progress.update(double(emitters.size()) / double(wanted.size()), "direct light");
   }

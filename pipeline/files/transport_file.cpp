@@ -10,11 +10,16 @@ namespace patchlight {
 
 namespace {
 
+constexpr std::int64_t kMostRays = 1 << 24;
+
 void write_rows(H5Writer& writer, const std::string& folder, const TransportRows& rows) {
   const std::vector<std::int64_t> starts(rows.starts.begin(), rows.starts.end());
   writer.dataset<std::int64_t>(folder + "/rows/start", starts);
   writer.dataset<std::int32_t>(folder + "/rows/patch", rows.ends);
-  if (!rows.weights.empty()) writer.dataset<float>(folder + "/rows/weight", rows.weights);
+  if (rows.rays == 0)
+    writer.dataset<float>(folder + "/rows/weight", rows.weights);
+  else
+    writer.dataset<float>(folder + "/rows/share", rows.shares);
   if (rows.mirrored.empty()) return;
   std::vector<std::int32_t> places;
   std::vector<float> weights;
@@ -53,8 +58,10 @@ void read_mirrored(const H5Reader& reader, const std::string& folder, std::int64
   }
 }
 
-/// `elements` that rows may end on; -1: as many as there are rows.
-void read_rows(const H5Reader& reader, const std::string& folder, std::int64_t elements, TransportRows& rows) {
+/// `elements` that rows may end on; -1: as many as there are rows. `rays` of a row; 0: not by rays.
+void read_rows(const H5Reader& reader, const std::string& folder, std::int64_t elements, std::int64_t rays,
+               TransportRows& rows) {
+  if (rays < 0 || rays > kMostRays) reader.refuse("a number of rays out of bounds", folder + "/rows/share");
   const std::vector<std::int64_t> starts = reader.dataset<std::int64_t>(folder + "/rows/start", -1);
   rows.ends = reader.dataset<std::int32_t>(folder + "/rows/patch", -1);
   if (starts.size() % 2 == 0 || starts.front() != 0 || starts.back() != std::int64_t(rows.ends.size()) ||
@@ -62,10 +69,14 @@ void read_rows(const H5Reader& reader, const std::string& folder, std::int64_t e
     reader.refuse("rows that do not follow each other", folder + "/rows/start");
   rows.starts.assign(starts.begin(), starts.end());
   if (elements < 0) elements = rows.rows();
-  check_all(reader, folder + "/rows/patch", rows.ends, [&](std::int32_t j) { return j >= 0 && j <= elements; });
-  if (reader.has(folder + "/rows/weight")) {
+  check_all(reader, folder + "/rows/patch", rows.ends, [&](std::int32_t j) { return j >= 0 && j < elements; });
+  if (rays == 0) {
     rows.weights = reader.dataset<float>(folder + "/rows/weight", std::int64_t(rows.ends.size()));
     check_all(reader, folder + "/rows/weight", rows.weights, is_factor);
+  } else {
+    rows.rays = int(rays);
+    rows.shares = reader.dataset<float>(folder + "/rows/share", std::int64_t(starts.size() - 1));
+    check_all(reader, folder + "/rows/share", rows.shares, [](float share) { return share >= 0 && share <= 1; });
   }
   read_mirrored(reader, folder, elements, rows);
 }
@@ -95,7 +106,7 @@ void read_display(const H5Reader& reader, std::int64_t patches, Transport& trans
   if (!reader.has("/display/rows/start")) return;
   auto& display = transport.display.emplace();
   display.mesh = read_display_mesh(reader, patches);
-  read_rows(reader, "/display", patches + display.mesh.elements, display.rows);
+  read_rows(reader, "/display", patches + display.mesh.elements, reader.integer("display_rays"), display.rows);
   if (display.rows.rows() != display.mesh.gathered)
     reader.refuse("another number of rows than of vertices", "/display/rows/start");
 }
@@ -105,6 +116,7 @@ void read_display(const H5Reader& reader, std::int64_t patches, Transport& trans
 void write_transport(const std::filesystem::path& file, const Transport& transport) {
   H5Writer writer(file);
   write_rows(writer, "", transport);
+  if (!transport.exposed.empty()) writer.dataset<float>("/exposed", transport.exposed);
   if (transport.display) {
     write_display_mesh(writer, transport.display->mesh);
     write_rows(writer, "/display", transport.display->rows);
@@ -120,6 +132,8 @@ void write_transport(const std::filesystem::path& file, const Transport& transpo
   writer.attribute("format", kTransportFormat);
   writer.attribute("version", std::int64_t(kTransportVersion));
   writer.attribute("key", transport.key);
+  writer.attribute("rays", std::int64_t(transport.rays));
+  if (transport.display) writer.attribute("display_rays", std::int64_t(transport.display->rows.rays));
   writer.commit();
 }
 
@@ -127,7 +141,11 @@ Transport read_transport(const std::filesystem::path& file) {
   const H5Reader reader(file, kTransportFormat, kTransportVersion);
   Transport transport;
   transport.key = reader.text("key");
-  read_rows(reader, "", -1, transport);
+  read_rows(reader, "", -1, reader.integer("rays"), transport);
+  if (reader.has("/exposed")) {
+    transport.exposed = reader.dataset<float>("/exposed", transport.rows());
+    check_all(reader, "/exposed", transport.exposed, [](float part) { return part > 0 && part <= 1; });
+  }
   read_display(reader, transport.rows(), transport);
   read_emitters(reader, transport.rows(), transport);
   return transport;

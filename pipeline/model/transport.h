@@ -22,19 +22,14 @@ struct TransportRows {
   };
 
   std::vector<std::uint64_t> starts;  ///< [2 rows + 1]: where each row's halves begin in `ends`.
-  std::vector<std::int32_t> ends;     ///< The element that a row sees; their number: none, or an unlit back.
-  std::vector<float> weights;         ///< Form factor of each of `ends` within its half; empty: all of a half equal.
+  std::vector<std::int32_t> ends;     ///< The elements that a row sees.
+  std::vector<float> weights;         ///< Form factor of each of `ends` within its half; empty: rows by rays.
+  std::vector<float> shares;          ///< [2 rows], by rays: form factor of each of a half's `ends`.
   std::vector<Mirrored> mirrored;     ///< By growing row, and half.
+  std::vector<float> exposed;         ///< [rows] Part of each patch that is exposed, see exposed_part(); empty: all.
+  int rays = 0;                       ///< Of a row that meets something wherever it looks; 0: not by rays.
 
   std::int64_t rows() const { return starts.empty() ? 0 : std::int64_t(starts.size() / 2); }
-  std::int64_t length(std::size_t row) const { return std::int64_t(starts[2 * row + 2] - starts[2 * row]); }
-  /// The rays of each row, before those are left out that start where it is hidden; 0 for rows that are not by rays.
-  int rays() const {
-    if (!weights.empty()) return 0;
-    std::int64_t most = 0;
-    for (std::int64_t row = 0; row < rows(); ++row) most = std::max(most, length(std::size_t(row)));
-    return int(most);
-  }
 };
 
 /// The content of transport.h5: form factors of patches to patches, and what the display solution needs, so that other

@@ -17,23 +17,36 @@ using test::TemporaryFolder;
 Transport sample() {
   Transport transport;
   transport.starts = {0, 2, 4, 4, 6};  // two patches
-  transport.ends = {1, 2, 1, 1, 0, 2};
+  transport.ends = {1, 0, 1, 1, 0, 1};
+  transport.shares = {0.25f, 0.5f, 0.25f, 0.5f};
+  transport.exposed = {0.5f, 1.0f};
+  transport.rays = 4;
   transport.mirrored = {{0, 1, 1, Color(0.5f, 0.25f, 0.0f)}, {1, 0, 0, Color(0.1f)}};
   transport.emitters = {{0, 1, {0.1f, 0.2f, 0.3f, -0.01f}}, {1, 1, {0.0f, 0.0f, 0.5f, 0.5f}}};
   transport.key = "key";
   return transport;
 }
 
+/// As rows by hemicubes are.
+void weigh(Transport& transport) {
+  transport.rays = 0;
+  transport.shares.clear();
+  transport.weights = {0.1f, 0.2f, 0.3f, 0.4f, 0.5f, 0.6f};
+}
+
 TEST(TransportFile, ReadsBackWhatWasWritten) {
   const TemporaryFolder folder;
   Transport written = sample();
   for (const bool weighted : {false, true}) {
-    if (weighted) written.weights = {0.1f, 0.2f, 0.3f, 0.4f, 0.5f, 0.6f};
+    if (weighted) weigh(written);
     write_transport(folder / "transport.h5", written);
     const Transport read = read_transport(folder / "transport.h5");
     EXPECT_EQ(read.starts, written.starts);
     EXPECT_EQ(read.ends, written.ends);
     EXPECT_EQ(read.weights, written.weights);
+    EXPECT_EQ(read.shares, written.shares);
+    EXPECT_EQ(read.exposed, written.exposed);
+    EXPECT_EQ(read.rays, written.rays);
     ASSERT_EQ(read.mirrored.size(), 2u);
     EXPECT_EQ(read.mirrored[0].half, 1);
     EXPECT_EQ(read.mirrored[0].weight, written.mirrored[0].weight);
@@ -67,7 +80,9 @@ Transport sample_with_display() {
   Transport transport = sample();
   transport.display = {cut_patch(), {}};
   transport.display->rows.starts = {0, 1, 2, 4, 6};
-  transport.display->rows.ends = {9, 8, 0, 1, 2, 3};  // 2 patches, 7 elements of leaves, nowhere
+  transport.display->rows.ends = {7, 8, 0, 1, 2, 3};  // 2 patches, 7 elements of leaves
+  transport.display->rows.shares = {1.0f, 1.0f, 0.5f, 0.5f};
+  transport.display->rows.rays = 4;
   transport.display->rows.mirrored = {{1, 0, 8, Color(0.5f)}};
   for (auto& emitter : transport.emitters) emitter.display.assign(14, 0.125f);
   return transport;
@@ -115,7 +130,7 @@ TEST(TransportFile, RefusesMeshesThatAreNone) {
       [](Transport::Display& d) { d.mesh.midpoints[0][1] = 4; },
       [](Transport::Display& d) { d.mesh.gathered = 5; },
       [](Transport::Display& d) { d.mesh.gathered = 1; },
-      [](Transport::Display& d) { d.rows.ends[0] = 10; },
+      [](Transport::Display& d) { d.rows.ends[0] = 9; },
       [](Transport::Display& d) { d.rows.mirrored[0].patch = 9; },
       [](Transport::Display& d) { d.rows.mirrored[0].row = 2; },
   };
@@ -146,10 +161,16 @@ TEST(TransportFile, RefusesWhatIsOutOfBounds) {
       [](Transport& t) { t.starts[1] = 5; },
       [](Transport& t) { t.starts.back() = 5; },
       [](Transport& t) { t.starts.push_back(6); },
-      [](Transport& t) { t.ends[0] = 3; },
+      [](Transport& t) { t.ends[0] = 2; },
       [](Transport& t) { t.ends[0] = -1; },
-      [](Transport& t) { t.weights.assign(6, std::numeric_limits<float>::quiet_NaN()); },
-      [](Transport& t) { t.weights.assign(5, 0.1f); },
+      [](Transport& t) { weigh(t), t.weights[1] = std::numeric_limits<float>::quiet_NaN(); },
+      [](Transport& t) { weigh(t), t.weights.pop_back(); },
+      [](Transport& t) { t.shares[1] = std::numeric_limits<float>::quiet_NaN(); },
+      [](Transport& t) { t.shares[1] = 1.5f; },
+      [](Transport& t) { t.shares.pop_back(); },
+      [](Transport& t) { t.rays = -1; },
+      [](Transport& t) { t.exposed[0] = 0.0f; },
+      [](Transport& t) { t.exposed.pop_back(); },
       [](Transport& t) { t.mirrored[0].row = 2; },
       [](Transport& t) { t.mirrored[0].half = 2; },
       [](Transport& t) { t.mirrored[0].patch = 2; },

@@ -17,6 +17,8 @@ Transport random_rows(double share, bool weighted) {
   std::uniform_real_distribution<float> unit(0, 1);
   Transport rows;
   rows.starts.push_back(0);
+  rows.rays = weighted ? 0 : 32;
+  if (!weighted) rows.shares.assign(2 * kPatches, 1.0f / 16);
   for (int half = 0; half < 2 * kPatches; ++half) {
     for (int k = 0; k < 16; ++k) {
       rows.ends.push_back(unit(random) < share ? patch(random) : kPatches);
@@ -111,6 +113,8 @@ TEST(FormFactorRows, TellHowFarTheirHalvesAreApart) {
   Transport transport;
   transport.starts = {0, 2, 3};
   transport.ends = {0, 1, 0};  // the other patch is nowhere
+  transport.shares = {0.5f, 1.0f};
+  transport.rays = 4;
   transport.mirrored = {{0, 1, 0, Color(0.5f, 0.25f, 0.0f)}};
   const FormFactorRows rows(transport);
   SpectrumField light(2), received(1), deviation(1);

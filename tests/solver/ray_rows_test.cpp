@@ -16,16 +16,18 @@ Transport cast(const PatchSet& scene, int rays) {
   const RayScene ray_scene(scene);
   Progress progress({"test", true, ""});
   Transport transport;
-  RayRows(scene, ray_scene, scene.patches, Elements(scene), 1).cast(rays, transport, progress);
+  RayRows(scene, ray_scene, scene.patches, Elements(scene), 1, RayRows::Halves::apart, true)
+      .cast(rays, transport, progress);
   return transport;
 }
 
-/// Part of the rays of the patches from `first` on that end on those from `to` on.
+/// From the patches from `first` on, of equal areas, to those from `to` on.
 double form_factor(const Transport& transport, int first, int rows, int to, int patches) {
-  double hits = 0, all = 0;
-  for (std::uint64_t k = transport.starts[2 * first]; k < transport.starts[2 * (first + rows)]; ++k, ++all)
-    hits += transport.ends[k] >= to && transport.ends[k] < to + patches;
-  return hits / all;
+  double sum = 0;
+  for (int half = 2 * first; half < 2 * (first + rows); ++half)
+    for (std::uint64_t k = transport.starts[half]; k < transport.starts[half + 1]; ++k)
+      if (transport.ends[k] >= to && transport.ends[k] < to + patches) sum += transport.shares[half];
+  return sum / (2 * rows);
 }
 
 TEST(DirectionTable, SpreadsWithTheDensityOfTheCosine) {
@@ -63,6 +65,30 @@ TEST(RayRows, HaveTwoHalvesOfEqualLength) {
   EXPECT_EQ(transport.starts.size(), 2 * builder.get().patches.size() + 1);
   for (std::size_t k = 1; k < transport.starts.size(); ++k)
     EXPECT_EQ(transport.starts[k] - transport.starts[k - 1], 64u) << "128 a row, in multiples of 32";
+}
+
+TEST(RayRows, GoOnWhereMostRaysMeetNothing) {
+  PatchScene builder;
+  builder.quad({{{0, 0, 0}, {0, 0, 1}, {1, 0, 1}, {1, 0, 0}}}, 1, 1, {});
+  builder.quad({{{0, 3, 0}, {1, 3, 0}, {1, 3, 1}, {0, 3, 1}}}, 1, 1, {});
+  const Transport transport = cast(builder.get(), 1 << 12);
+  EXPECT_EQ(transport.shares[0], 1.0f / (8 << 11)) << "up to eight times as many";
+  EXPECT_NEAR(form_factor(transport, 0, 1, 1, 1), 0.032971, 3e-4);  // Howell 2010, C-11
+}
+
+TEST(RayRows, AreOfTheExposedPartOfAPatch) {
+  PatchScene builder;
+  builder.quad({{{0, 0, 0}, {0, 0, 1}, {1, 0, 1}, {1, 0, 0}}}, 1, 1, {});  // a floor, and a block on what is left of x
+  const double x = 0.3;
+  builder.quad({{{x, 0, 0}, {x, 1, 0}, {x, 1, 1}, {x, 0, 1}}}, 1, 1, {});
+  builder.quad({{{-1, 1, 0}, {-1, 1, 1}, {x, 1, 1}, {x, 1, 0}}}, 1, 1, {});
+  builder.quad({{{-1, 0, 1}, {x, 0, 1}, {x, 1, 1}, {-1, 1, 1}}}, 1, 1, {});
+  builder.quad({{{-1, 0, 0}, {-1, 1, 0}, {x, 1, 0}, {x, 0, 0}}}, 1, 1, {});
+  builder.quad({{{-1, 0, 0}, {-1, 0, 1}, {-1, 1, 1}, {-1, 1, 0}}}, 1, 1, {});
+  const Transport transport = cast(builder.get(), 1 << 13);
+  ASSERT_EQ(transport.exposed.size(), builder.get().patches.size());
+  EXPECT_NEAR(transport.exposed[0], 1 - x, 0.01);
+  EXPECT_NEAR(form_factor(transport, 0, 1, 1, 1), 0.24842, 0.004) << "rectangles that share an edge: Howell 2010, C-14";
 }
 
 TEST(RayRows, InAClosedRoomSeePatchesAloneAndNoneOfTheirOwnPlane) {
