@@ -22,8 +22,8 @@ struct SampleCounts {
 /// Renders frames of one solved scene under one setting of its lights. Everything is shared between frames.
 ///
 /// A pixel is the mean of its samples, all of the same weight. How many it has is told by the edges of the scene as
-/// they are seen from the camera, by its neighbours' first samples, and by how much of the lamps is seen: not by its
-/// own samples, since then what few of them meet would count for too little.
+/// they are seen from the camera, by what its neighbours' first samples show, and by the shadows about it. Not by what
+/// its own show: then what few of them meet would count for too little.
 class Integrator {
  public:
   /// Throws: Error (bad_config) for a light group that the scene does not have.

@@ -1,6 +1,7 @@
 #include "tracer/light_spot.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace patchlight {
 

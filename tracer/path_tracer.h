@@ -43,7 +43,8 @@ class PathTracer {
   PathTracer(const PatchSet& scene, const RayScene& ray_scene, const Outlines& outlines, const EnergyField& energy,
              const TraceConfig& config, const std::vector<Color>& settings, const std::vector<Color>& emission);
 
-  /// Adds a path to `packet`, which holds `lane` others, and traces all when it is full. `camera`: for depths.
+  /// Follows the paths of a packet's valid lanes to their ends, and adds what they show to `sums`. They start at
+  /// `camera`. Leaves no lane valid.
   void trace(RayPacket& packet, std::array<Path, RayPacket::kSize>& paths, const CameraRays& camera,
              PathSums& sums) const;
 
