@@ -17,10 +17,25 @@ class CameraRays {
   /// The ray through image point (x, y) in pixels from the upper left corner.
   CameraRay operator()(float x, float y) const;
 
+  bool perspective() const { return camera_.projection == Camera::Projection::perspective; }
+  /// Where rays start, or, for orthographic cameras, a point of the plane where they do.
+  Vec3d eye() const;
+  /// Unit vector along the middle ray.
+  Vec3d forward() const;
+
+  /// A point in the camera's own axes: x to the right, y up, z = -depth, depths growing away from the camera.
+  Vec3d to_camera(const Vec3d& world) const;
+  /// The image point of a point in the camera's axes; in perspective, of one of positive depth.
+  Imath::V2d to_image(const Vec3d& in_camera) const;
+
  private:
   Camera camera_;
+  Matrix4 to_camera_;
   double half_width_, half_height_;  ///< Of the image plane: at distance 1, or in m for orthographic cameras.
   double pixels_across_, pixels_down_;
+  /// In the world: towards the image's upper left corner, or that corner itself in parallel projection, and from one
+  /// pixel to the next.
+  Vec3d first_, across_, down_;
 };
 
 }  // namespace patchlight

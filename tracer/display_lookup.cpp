@@ -21,12 +21,18 @@ DisplayLookup::DisplayLookup(const PatchSet& scene, const RayScene& ray_scene, c
     irradiance_[first_midpoint + k] = (irradiance_[mesh_.midpoints[k][0]] + irradiance_[mesh_.midpoints[k][1]]) * 0.5f;
 }
 
-Color DisplayLookup::operator()(std::int32_t i, std::int32_t patch, float u, float v) const {
-  if (mesh_.roots[patch] < 0) return patches_(i, u, v);
-  return within(mesh_.find(patch, scene_.patches[patch], u, v), i, u, v);
+void DisplayLookup::Seen::start(std::uint32_t pixel) {
+  if (pixel == pixel_) return;
+  pixel_ = pixel;
+  entries_.fill({});
 }
 
-Color DisplayLookup::within(const DisplayMesh::Place& place, std::int32_t i, float u, float v) const {
+Color DisplayLookup::operator()(std::int32_t i, std::int32_t patch, float u, float v, Seen& seen) const {
+  if (mesh_.roots[patch] < 0) return patches_(i, u, v);
+  return within(mesh_.find(patch, scene_.patches[patch], u, v), i, u, v, seen);
+}
+
+Color DisplayLookup::within(const DisplayMesh::Place& place, std::int32_t i, float u, float v, Seen& seen) const {
   std::array<float, 4> weights;
   for (int k = 0; k < 4; ++k) weights[k] = (k % 2 ? place.u : 1.0f - place.u) * (k / 2 ? place.v : 1.0f - place.v);
   const auto& corners = place.leaf->corners;
@@ -37,12 +43,26 @@ Color DisplayLookup::within(const DisplayMesh::Place& place, std::int32_t i, flo
   };
   if (!place.leaf->cut) return mean();
 
-  const std::uint32_t seen = seen_corners(scene_, ray_scene_, mesh_, *place.leaf, i, u, v);
+  const std::uint32_t corners_left = corners_seen(*place.leaf, i, u, v, seen);
   float left = 0;
-  for (int k = 0; k < 4; ++k) left += seen >> k & 1u ? weights[k] : 0.0f;
+  for (int k = 0; k < 4; ++k) left += corners_left >> k & 1u ? weights[k] : 0.0f;
   if (left <= 0) return mean();
-  for (int k = 0; k < 4; ++k) weights[k] = seen >> k & 1u ? weights[k] / left : 0.0f;
+  for (int k = 0; k < 4; ++k) weights[k] = corners_left >> k & 1u ? weights[k] / left : 0.0f;
   return mean();
+}
+
+std::uint32_t DisplayLookup::corners_seen(const DisplayMesh::Cell& leaf, std::int32_t i, float u, float v,
+                                          Seen& seen) const {
+  for (Seen::Entry& entry : seen.entries_)
+    if (entry.leaf == &leaf && entry.uses < Seen::kUses) {
+      ++entry.uses;
+      return entry.corners;
+    }
+  const auto same = std::find_if(seen.entries_.begin(), seen.entries_.end(),
+                                 [&](const Seen::Entry& entry) { return entry.leaf == &leaf; });
+  Seen::Entry& entry = same != seen.entries_.end() ? *same : seen.entries_[seen.next_++ % Seen::kLeaves];
+  entry = {&leaf, seen_corners(scene_, ray_scene_, mesh_, leaf, i, u, v), 1};
+  return entry.corners;
 }
 
 }  // namespace patchlight

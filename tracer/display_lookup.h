@@ -15,11 +15,33 @@ class DisplayLookup {
   DisplayLookup(const PatchSet& scene, const RayScene& ray_scene, const IrradianceLookup& patches,
                 const EnergyField& energy, const std::vector<Color>& settings);
 
+  /// Which corners of leaves the last few places saw, for places near them: those of a pixel.
+  class Seen {
+   public:
+    /// The places that come are of another pixel.
+    void start(std::uint32_t pixel);
+
+   private:
+    friend class DisplayLookup;
+    static constexpr int kLeaves = 4;
+    static constexpr int kUses = 16;  ///< Then it is looked at anew, so that many samples of a pixel have their mean.
+    struct Entry {
+      const DisplayMesh::Cell* leaf = nullptr;
+      std::uint32_t corners = 0;
+      int uses = 0;
+    };
+
+    std::uint32_t pixel_ = 0;
+    std::array<Entry, kLeaves> entries_{};
+    int next_ = 0;
+  };
+
   /// At (u,v) of primitive `i`, which lies on patch `patch`.
-  Color operator()(std::int32_t i, std::int32_t patch, float u, float v) const;
+  Color operator()(std::int32_t i, std::int32_t patch, float u, float v, Seen& seen) const;
 
  private:
-  Color within(const DisplayMesh::Place& place, std::int32_t i, float u, float v) const;
+  Color within(const DisplayMesh::Place& place, std::int32_t i, float u, float v, Seen& seen) const;
+  std::uint32_t corners_seen(const DisplayMesh::Cell& leaf, std::int32_t i, float u, float v, Seen& seen) const;
 
   const PatchSet& scene_;
   const RayScene& ray_scene_;

@@ -4,22 +4,20 @@
 #include <xmmintrin.h>
 
 #include <algorithm>
-#include <cmath>
+#include <utility>
 
 #include "pipeline/files/job_check.h"
-#include "pipeline/optics/patch_sampling.h"
-#include "pipeline/optics/random.h"
-#include "pipeline/optics/texture_lookup.h"
+#include "tracer/pixel_samples.h"
 
 namespace patchlight {
 
 namespace {
 
-constexpr float kMirrorRoughness = 0.05f;  // below it a metal is a perfect mirror
-constexpr float kLeastThroughput = 1e-3f;
-constexpr int kMostMirrors = 64;
-constexpr int kTile = 16;                     // pixels along a tile's edge
-constexpr std::size_t kMostPoints = 1 << 18;  // of a tile that wait for direct light
+constexpr int kTile = 32;                     // pixels along a tile's edge
+constexpr int kMostAtFirst = 64;              // samples of a pixel that all wait for its neighbours'
+constexpr std::size_t kManyPoints = 1 << 16;  // that wait for direct light, after which no other pixel's shall
+constexpr std::size_t kMostPoints = 1 << 18;  // nor any more of this pixel's
+constexpr float kSlack = 1.02f;  // how much farther than all about it an edge may seem to be, and still be seen
 
 std::vector<Color> lit_emission(const PatchSet& scene, const std::vector<Color>& settings) {
   std::vector<Color> emission(scene.patches.size(), Color(0.0f));
@@ -30,155 +28,172 @@ std::vector<Color> lit_emission(const PatchSet& scene, const std::vector<Color>&
   return emission;
 }
 
-/// A shift in [0,1)^2 for each pixel.
-Vec2f pixel_shift(std::size_t pixel) {
-  const std::uint64_t x = scramble(pixel);
-  return {to_unit(x), to_unit(x << 24)};
-}
-
-/// Sample k of n in the pixel: a rank-1 lattice with the golden ratio's step, which stratifies both axes.
-Vec2f sample_point(int k, int n, const Vec2f& shift) {
-  const float x = (float(k) + shift.x) / float(n);
-  const float y = float(double(k) * 0.6180339887498949 - std::floor(double(k) * 0.6180339887498949)) + shift.y;
-  return {x, y >= 1.0f ? y - 1.0f : y};
-}
-
-float largest(const Color& c) {
-  return std::max({c.x, c.y, c.z});
-}
-
 }  // namespace
 
+SampleCounts::SampleCounts(int samples)
+    : few(std::min(samples, std::max(4, samples / 4))),
+      some(samples),
+      edge(samples > 1 ? 4 * samples : 1),
+      first(std::min(few, kMostAtFirst)) {}
+
+/// A tile of a frame, and a margin of one pixel about it, whose first samples its own pixels are compared with.
+class Integrator::Tile {
+ public:
+  Tile(const Integrator& integrator, const CameraRays& rays, const std::vector<float>& outlines, int x0, int y0,
+       Image& image)
+      : frame_(integrator),
+        rays_(rays),
+        outlines_(outlines),
+        image_(image),
+        x0_(x0),
+        y0_(y0),
+        x1_(std::min(x0 + kTile, image.width)),
+        y1_(std::min(y0 + kTile, image.height)),
+        window_{std::max(0, x0 - 1), std::max(0, y0 - 1), 0, 0} {
+    window_.width = std::min(x1_ + 1, image.width) - window_.x0;
+    window_.height = std::min(y1_ + 1, image.height) - window_.y0;
+    const auto pixels = std::size_t(window_.pixels());
+    sums_ = {std::vector<Color>(pixels, Color(0.0f)), {}, std::vector<PixelDetail>(pixels)};
+    packet_.clear();
+  }
+
+  void render() {
+    const SampleCounts& counts = frame_.counts_;
+    for (std::uint32_t p = 0; p < std::uint32_t(window_.pixels()); ++p) add_samples(p, 0, counts.first);
+    finish_paths();
+    const std::vector<PixelDetail> details = std::exchange(sums_.details, {});
+    std::vector<ShadingPoint> points = std::exchange(sums_.points, {});
+    std::vector<int> samples(std::size_t(window_.pixels()), counts.first);
+    smooth_.assign(std::size_t(window_.pixels()), 0);
+    for_each_pixel([&](int x, int y, std::uint32_t p) {
+      samples[p] = samples_at(details, x, y);
+      smooth_[p] = samples[p] < counts.edge || counts.edge == counts.first;
+    });
+    if (frame_.lights_) light_.emplace(*frame_.lights_, window_, counts.some).look(std::move(points), smooth_);
+    for_each_pixel([&](int, int, std::uint32_t p) {
+      if (light_ && (smooth_[p] == 0 || light_->sharp(p))) {
+        samples[p] = std::max(samples[p], counts.some);
+        smooth_[p] = 0;
+      }
+      if (light_) add_first_points(p);
+      add_samples(p, counts.first, samples[p]);
+      if (sums_.points.size() > kManyPoints) add_light();
+    });
+    add_light();
+    for_each_pixel([&](int x, int y, std::uint32_t p) {
+      image_.pixels[std::size_t(y) * image_.width + x] = sums_.pixels[p] / float(samples[p]);
+    });
+  }
+
+ private:
+  std::uint32_t pixel(int x, int y) const { return std::uint32_t((y - window_.y0) * window_.width + x - window_.x0); }
+
+  /// Samples `from` to `to` of a pixel.
+  void add_samples(std::uint32_t p, int from, int to) {
+    const std::uint64_t seed = scramble(window_.place(p));
+    const int x = window_.x0 + int(p) % window_.width, y = window_.y0 + int(p) / window_.width;
+    for (int k = from; k < to; ++k) {
+      const Vec2f at = pixel_sample(std::uint32_t(k), seed);
+      const CameraRay ray = rays_(float(x) + at.x, float(y) + at.y);
+      packet_.set(lane_, frame_.ray_scene_.to_local(ray.origin), ray.direction);
+      going_[lane_] = {p};
+      if (++lane_ < RayPacket::kSize) continue;
+      finish_paths();
+      if (light_ && sums_.points.size() > kMostPoints) add_light();
+    }
+  }
+
+  void finish_paths() {
+    if (lane_ > 0) frame_.paths_.trace(packet_, going_, rays_, sums_);
+    lane_ = 0;
+  }
+
+  void add_first_points(std::uint32_t p) {
+    const std::span<const ShadingPoint> first = light_->points(p);
+    if (smooth_[p] == 0)
+      sums_.points.insert(sums_.points.end(), first.begin(), first.end());
+    else
+      for (const ShadingPoint& point : first) light_->add_seen(point, sums_.pixels);
+  }
+
+  /// Finishes all paths, and adds light to where they lead.
+  void add_light() {
+    finish_paths();
+    if (!light_) return;
+    std::erase_if(sums_.points, [&](const ShadingPoint& point) {
+      return smooth_[point.pixel] != 0 && light_->add_seen(point, sums_.pixels);
+    });
+    light_->add(sums_.points, sums_.pixels);
+    sums_.points.clear();
+  }
+
+  template <typename Function>
+  void for_each_pixel(Function&& function) const {
+    for (int y = y0_; y < y1_; ++y)
+      for (int x = x0_; x < x1_; ++x) function(x, y, pixel(x, y));
+  }
+
+  /// Whether the nearest edge in a pixel is seen, if nothing about it is farther than `farthest`.
+  bool outlined(int x, int y, float farthest) const {
+    return outlines_[std::size_t(y) * image_.width + x] <= farthest * kSlack;
+  }
+
+  int samples_at(const std::vector<PixelDetail>& details, int x, int y) const {
+    PixelDetail around;
+    float farthest = details[pixel(x, y)].farthest();
+    for (int v = std::max(0, y - 1); v <= std::min(image_.height - 1, y + 1); ++v)
+      for (int u = std::max(0, x - 1); u <= std::min(image_.width - 1, x + 1); ++u) {
+        if (u == x && v == y) continue;
+        const PixelDetail& other = details[pixel(u, v)];
+        farthest = std::max(farthest, other.farthest());
+        if (!outlined(u, v, other.farthest())) around.add(other);  // else it is known why its samples differ
+      }
+    const PixelDetail::Level level = around.level();
+    if (level == PixelDetail::Level::edge || outlined(x, y, farthest)) return frame_.counts_.edge;
+    return level == PixelDetail::Level::some ? frame_.counts_.some : frame_.counts_.few;
+  }
+
+  const Integrator& frame_;
+  const CameraRays& rays_;
+  const std::vector<float>& outlines_;
+  Image& image_;
+  const int x0_, y0_, x1_, y1_;
+  TileLight::Window window_;
+  std::vector<std::uint8_t> smooth_;  ///< By pixel: all of it gets as much direct light as its first samples do.
+  std::optional<TileLight> light_;
+  PathSums sums_;
+  RayPacket packet_;
+  std::array<PathTracer::Path, RayPacket::kSize> going_;
+  int lane_ = 0;
+};
+
 Integrator::Integrator(const PatchSet& scene, const EnergyField& energy, const Job& job)
-    : scene_(scene),
-      config_(job.trace),
+    : config_(job.trace),
+      counts_(config_.samples),
       ray_scene_(scene),
-      lookup_(scene),
+      outlines_(scene),
       settings_(light_settings(job, scene)),
       emission_(lit_emission(scene, settings_)),
-      irradiance_(config_.quality == "direct" ? irradiance_without_apart(energy, settings_, scene.patches.size())
-                                              : irradiance(energy, settings_, scene.patches.size())),
-      irradiance_lookup_(scene, lookup_, irradiance_),
-      normals_(scene),
-      shaders_([&scene] { return compile_shaders(scene); }) {
-  if (config_.quality != "direct") return;
-  lights_.emplace(scene, ray_scene_, emission_);
-  if (energy.display) display_.emplace(scene, ray_scene_, irradiance_lookup_, energy, settings_);
+      paths_(scene, ray_scene_, outlines_, energy, config_, settings_, emission_) {
+  if (config_.quality == "direct") lights_.emplace(scene, ray_scene_, emission_);
 }
 
 Image Integrator::render(const Camera& camera, Progress& progress) const {
   const auto [width, height] = config_.resolution;
   Image image{width, height, std::vector<Color>(std::size_t(width) * height, Color(0.0f)), {}};
   const CameraRays rays(camera, width, height);
+  const std::vector<float> outlines = outlines_.draw(rays, width, height);
   const int across = (width + kTile - 1) / kTile, down = (height + kTile - 1) / kTile;
-  constexpr int kRowsAtOnce = 4;  // of tiles, between two looks at the signals
+  constexpr int kRowsAtOnce = 2;  // of tiles, between two looks at the signals
   for (int first = 0; first < down; first += kRowsAtOnce) {
     const int count = std::min(kRowsAtOnce, down - first) * across;
     tbb::parallel_for(0, count, [&](int index) {
       _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree wants denormals flushed
-      render(rays, index % across * kTile, (first + index / across) * kTile, image);
+      Tile(*this, rays, outlines, index % across * kTile, (first + index / across) * kTile, image).render();
     });
     progress.update(double(first + 1) / down, camera.name);
   }
   return image;
-}
-
-void Integrator::render(const CameraRays& rays, int x0, int y0, Image& image) const {
-  Tile tile{std::vector<Color>(kTile * kTile, Color(0.0f)), {}};
-  const std::uint64_t seed = scramble(std::uint64_t(y0) << 32 | std::uint64_t(x0));
-  RayPacket packet;
-  packet.clear();
-  std::array<Path, RayPacket::kSize> paths;
-  int lane = 0;
-  const int x1 = std::min(x0 + kTile, image.width), y1 = std::min(y0 + kTile, image.height);
-  for (int y = y0; y < y1; ++y)
-    for (int x = x0; x < x1; ++x) {
-      const Vec2f shift = pixel_shift(std::size_t(y) * image.width + x);
-      for (int k = 0; k < config_.samples; ++k) {
-        const Vec2f at = sample_point(k, config_.samples, shift);
-        const CameraRay ray = rays(float(x) + at.x, float(y) + at.y);
-        packet.set(lane, ray_scene_.to_local(ray.origin), ray.direction);
-        paths[lane] = {std::uint32_t((y - y0) * kTile + x - x0), Color(1.0f), 0};
-        if (++lane < RayPacket::kSize) continue;
-        trace(packet, paths, tile);
-        lane = 0;
-        if (tile.points.size() > kMostPoints) add_direct_light(tile, seed);
-      }
-    }
-  if (lane > 0) trace(packet, paths, tile);
-  add_direct_light(tile, seed);
-  for (int y = y0; y < y1; ++y)
-    for (int x = x0; x < x1; ++x)
-      image.pixels[std::size_t(y) * image.width + x] = tile.pixels[(y - y0) * kTile + x - x0] / float(config_.samples);
-}
-
-void Integrator::add_direct_light(Tile& tile, std::uint64_t seed) const {
-  if (lights_) lights_->add(tile.points, kTile, seed, tile.pixels);
-  tile.points.clear();
-}
-
-void Integrator::trace(RayPacket& packet, std::array<Path, RayPacket::kSize>& paths, Tile& tile) const {
-  for (bool coherent = true, going = true; going; coherent = false) {
-    ray_scene_.intersect(packet, coherent);
-    going = false;
-    for (int lane = 0; lane < RayPacket::kSize; ++lane) {
-      if (packet.valid[lane] == 0) continue;
-      if (shade(packet, lane, paths[lane], tile))
-        going = true;
-      else
-        packet.valid[lane] = 0;
-    }
-  }
-}
-
-bool Integrator::shade(RayPacket& packet, int lane, Path& path, Tile& tile) const {
-  const SurfaceHit hit = ray_scene_.hit(packet, lane);
-  if (hit.primitive < 0) return false;
-  const Vec3f direction = packet.direction(lane);
-  if (!hit.front) {
-    if (!config_.cull_backfaces) return false;
-    packet.set(lane, ray_scene_.to_local(point_of(hit).position) + direction * ray_scene_.offset(hit.primitive),
-               direction);
-    return ++path.mirrors < kMostMirrors;
-  }
-  const std::int32_t i = lookup_.patch(hit.primitive, hit.u, hit.v);
-  const Material& material = scene_.materials[scene_.primitives[hit.primitive].material];
-  const bool mirror = material.roughness < kMirrorRoughness;
-  Color reflectance = scene_.patches[i].reflectance;
-  Color emission = emission_[i];
-  if (scene_.primitives[hit.primitive].texture >= 0)
-    reflectance = textured_reflectance(scene_, hit.primitive, hit.u, hit.v);
-  if (scene_.primitives[hit.primitive].shader >= 0) apply_shader(hit, reflectance, emission);
-  if (!mirror) reflectance += material.specular;
-  const Color radiance = (emission + reflectance * irradiance_at(hit, i)) / float(kPi);
-  tile.pixels[path.pixel] += path.throughput * radiance;
-  const SurfacePoint point = point_of(hit);
-  const Vec3d off = point.position + Vec3d(point.normal) * double(ray_scene_.offset(hit.primitive));
-  if (lights_)
-    tile.points.push_back({path.pixel, hit.primitive, off, normals_(hit.primitive, hit.u, hit.v, point.normal),
-                           path.throughput * reflectance / float(kPi)});
-  path.throughput *= material.specular;
-  if (!mirror || largest(path.throughput) < kLeastThroughput || ++path.mirrors >= kMostMirrors) return false;
-  packet.set(lane, ray_scene_.to_local(off), direction - point.normal * (2.0f * (point.normal ^ direction)));
-  return true;
-}
-
-/// From (u,v), since the ray's own end is only as exact as the ray is long.
-SurfacePoint Integrator::point_of(const SurfaceHit& hit) const {
-  return point_at(scene_.primitives[hit.primitive], hit.u, hit.v);
-}
-
-Color Integrator::irradiance_at(const SurfaceHit& hit, std::int32_t patch) const {
-  return display_ ? (*display_)(hit.primitive, patch, hit.u, hit.v) : irradiance_lookup_(hit.primitive, hit.u, hit.v);
-}
-
-void Integrator::apply_shader(const SurfaceHit& hit, Color& reflectance, Color& emission) const {
-  const Primitive& p = scene_.primitives[hit.primitive];
-  MaterialShader& shader = shaders_.local()[p.shader];
-  if (shader.reflects()) reflectance = shaded_reflectance(scene_, shader, hit.primitive, hit.u, hit.v);
-  if (!shader.emits()) return;
-  const ExpressionInputs at = shader_inputs(scene_, hit.primitive, hit.u, hit.v);
-  emission = within_range(shader.emission(at), Color(kMostEmission)) * settings_[p.light_group];
 }
 
 }  // namespace patchlight

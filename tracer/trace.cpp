@@ -1,6 +1,7 @@
 #include "tracer/trace.h"
 
 #include <fmt/format.h>
+#include <malloc.h>
 
 #include <chrono>
 
@@ -10,7 +11,20 @@
 
 namespace patchlight {
 
+namespace {
+
+/// Every tile takes some hundred KiB and gives them back. Without this they would go back to the system, and each page
+/// of them would be fetched and cleared anew.
+void keep_freed_memory() {
+  mallopt(M_MMAP_THRESHOLD, 64 << 20);
+  mallopt(M_TRIM_THRESHOLD, 256 << 20);
+  mallopt(M_TOP_PAD, 8 << 20);
+}
+
+}  // namespace
+
 void trace_frames(const Job& job, const PatchSet& scene, const EnergyField& energy, Progress& progress) {
+  keep_freed_memory();
   const std::vector<Frame> frames = job_frames(job, scene);
   const FrameWriter writer(job, scene, energy);
   const Integrator integrator(scene, energy, job);

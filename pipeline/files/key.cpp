@@ -20,7 +20,7 @@ namespace {
 constexpr int kImportVersion = 1;
 constexpr int kTransportKeyVersion = 5;
 constexpr int kSolveVersion = 7;
-constexpr int kTraceVersion = 4;
+constexpr int kTraceVersion = 5;
 
 XXH3_state_t* state_of(void* state) {
   return static_cast<XXH3_state_t*>(state);

@@ -10,7 +10,6 @@ namespace patchlight {
 namespace {
 
 constexpr int kMostApart = 64;
-constexpr double kFar = 4.0;               ///< Radii from where area and solid angle are as good as the same.
 constexpr double kLeastSolidAngle = 1e-3;  ///< sr; below it spherical triangles lose their precision.
 
 bool lit_outside(const Primitive& p) {
@@ -20,33 +19,6 @@ bool lit_outside(const Primitive& p) {
 double signed_area(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& normal) {
   return 0.5 * (((b - a) % (c - a)) ^ normal);
 }
-
-/// A spherical triangle (Arvo 1995): its corners as unit vectors, the angle at the first, and its area.
-struct SphericalTriangle {
-  Vec3d a, b, c;
-  double alpha = 0.0;
-  double area = 0.0;
-
-  SphericalTriangle(const Vec3d& p, const Vec3d& q, const Vec3d& r)
-      : a(p.normalized()), b(q.normalized()), c(r.normalized()) {
-    const Vec3d ab = (a % b).normalized(), bc = (b % c).normalized(), ca = (c % a).normalized();
-    const auto between = [](const Vec3d& s, const Vec3d& t) { return std::acos(std::clamp(-(s ^ t), -1.0, 1.0)); };
-    alpha = between(ab, ca);
-    area = std::max(0.0, alpha + between(ab, bc) + between(bc, ca) - kPi);
-  }
-
-  Vec3d direction(double x, double y) const {
-    const auto across = [](const Vec3d& v, const Vec3d& axis) { return (v - axis * (v ^ axis)).normalized(); };
-    const double s = std::sin(x * area - alpha), t = std::cos(x * area - alpha);
-    const double cos_alpha = std::cos(alpha), sin_alpha = std::sin(alpha);
-    const double k1 = t - cos_alpha, k2 = s + sin_alpha * (a ^ b);
-    const double below = (k2 * s + k1 * t) * sin_alpha;
-    const double q = below != 0 ? std::clamp(((k2 * t - k1 * s) * cos_alpha - k2) / below, -1.0, 1.0) : 1.0;
-    const Vec3d edge = a * q + across(c, a) * std::sqrt(1 - q * q);
-    const double z = 1 - y * (1 - (edge ^ b));
-    return b * z + across(edge, b) * std::sqrt(std::max(0.0, 1 - z * z));
-  }
-};
 
 }  // namespace
 
@@ -160,34 +132,66 @@ double DirectLight::sphere_form_factor(const Vec3d& point, const Vec3d& normal) 
   return std::max(0.0, ((cosine * std::acos(std::clamp(y, -1.0, 1.0)) - x * z) * ratio + std::atan(z / x)) / kPi);
 }
 
-DirectLight::Sample DirectLight::sample(const Vec3d& point, const Vec3f& normal, float x, float y) const {
-  return sphere_ ? sample_sphere(point, Vec3d(normal), x, y) : sample_polygon(point, Vec3d(normal), x, y);
+/// A spherical triangle (Arvo 1995): its corners as unit vectors, the angle at the first, and its area.
+DirectLight::View::Triangle::Triangle(const Vec3d& p, const Vec3d& q, const Vec3d& r)
+    : a(p.normalized()), b(q.normalized()), c(r.normalized()) {
+  const Vec3d ab = (a % b).normalized(), bc = (b % c).normalized(), ca = (c % a).normalized();
+  const auto between = [](const Vec3d& s, const Vec3d& t) { return std::acos(std::clamp(-(s ^ t), -1.0, 1.0)); };
+  angle = between(ab, ca);
+  area = std::max(0.0, angle + between(ab, bc) + between(bc, ca) - kPi);
+  sine = std::sin(angle);
+  cosine = std::cos(angle);
+  toward_c = (c - a * (c ^ a)).normalized();
 }
 
-DirectLight::Sample DirectLight::sample_polygon(const Vec3d& point, const Vec3d& normal, double x, double y) const {
-  const double height = (point - center_) ^ normal_;
-  if (height <= 0) return {};
+Vec3d DirectLight::View::Triangle::direction(double x, double y) const {
+  const double s = std::sin(x * area - angle), t = std::cos(x * area - angle);
+  const double k1 = t - cosine, k2 = s + sine * (a ^ b);
+  const double below = (k2 * s + k1 * t) * sine;
+  const double q = below != 0 ? std::clamp(((k2 * t - k1 * s) * cosine - k2) / below, -1.0, 1.0) : 1.0;
+  const Vec3d edge = a * q + toward_c * std::sqrt(1 - q * q);
+  const double along = edge ^ b, z = 1 - y * (1 - along);
+  return b * z + (edge - b * along).normalized() * std::sqrt(std::max(0.0, 1 - z * z));
+}
+
+DirectLight::View DirectLight::view(const Vec3d& point, const Vec3f& normal, double far) const {
+  View view;
+  view.light_ = this;
+  view.point_ = point;
+  view.normal_ = Vec3d(normal);
+  if (sphere_) return view;
+  view.height_ = (point - center_) ^ normal_;
+  if (view.height_ <= 0 || (point - center_).length2() >= far * far * radius_ * radius_) return view;
+  double all = 0;
+  for (int k = 0; k + 2 < count_; ++k) {
+    view.halves_[k] = View::Triangle(corners_[0] - point, corners_[k + 1] - point, corners_[k + 2] - point);
+    all += view.halves_[k].area;
+  }
+  if (all > kLeastSolidAngle) view.solid_angle_ = all;
+  return view;
+}
+
+DirectLight::Sample DirectLight::View::sample(float x, float y) const {
+  return light_->sphere_ ? of_sphere(x, y) : of_polygon(x, y);
+}
+
+DirectLight::Sample DirectLight::View::of_polygon(double x, double y) const {
+  if (height_ <= 0) return {};
   Vec3d direction;
   double pdf = 0;  // per solid angle
   double distance = 0;
-  if ((point - center_).length2() < kFar * kFar * radius_ * radius_) {
-    const auto triangle = [&](int k) {
-      return SphericalTriangle(corners_[0] - point, corners_[k + 1] - point, corners_[k + 2] - point);
-    };
-    const SphericalTriangle first = triangle(0), second = triangle(count_ - 3);
-    const double all = first.area + (count_ > 3 ? second.area : 0.0);
-    if (all > kLeastSolidAngle) {
-      const double share = first.area / all;
-      direction = x < share || count_ == 3 ? first.direction(std::min(x / share, 1.0), y)
-                                           : second.direction((x - share) / (1 - share), y);
-      const double slope = -(direction ^ normal_);
-      if (slope <= 0) return {};
-      distance = height / slope;
-      pdf = 1 / all;
-    }
-  }
-  if (pdf == 0) {
-    const double all = areas_[0] + areas_[1], share = areas_[0] / all;
+  if (solid_angle_ > 0) {
+    const double share = halves_[0].area / solid_angle_;
+    direction = x < share || light_->count_ == 3 ? halves_[0].direction(std::min(x / share, 1.0), y)
+                                                 : halves_[1].direction((x - share) / (1 - share), y);
+    const double slope = -(direction ^ light_->normal_);
+    if (slope <= 0) return {};
+    distance = height_ / slope;
+    pdf = 1 / solid_angle_;
+  } else {
+    const auto& areas = light_->areas_;
+    const auto& corners = light_->corners_;
+    const double all = areas[0] + areas[1], share = areas[0] / all;
     const int k = x < share ? 0 : 1;
     double s = k == 0 ? x / share : (x - share) / (1 - share), t = y;
     if (t > s) {  // Heitz 2019: the unit square onto a triangle
@@ -197,22 +201,22 @@ DirectLight::Sample DirectLight::sample_polygon(const Vec3d& point, const Vec3d&
       t *= 0.5;
       s -= t;
     }
-    direction = corners_[0] * (1 - s - t) + corners_[k + 1] * s + corners_[k + 2] * t - point;
+    direction = corners[0] * (1 - s - t) + corners[k + 1] * s + corners[k + 2] * t - point_;
     distance = direction.length();
     direction /= distance;
-    const double slope = -(direction ^ normal_);
+    const double slope = -(direction ^ light_->normal_);
     if (!(slope > 0)) return {};
     pdf = distance * distance / (all * slope);
   }
-  const double cosine = direction ^ normal;
+  const double cosine = direction ^ normal_;
   if (cosine <= 0) return {};
-  const double end = std::max(0.0, distance - gap_ * distance / height);
+  const double end = std::max(0.0, distance - light_->gap_ * distance / height_);
   return {Vec3f(direction), float(end), float(cosine / (kPi * pdf))};
 }
 
-DirectLight::Sample DirectLight::sample_sphere(const Vec3d& point, const Vec3d& normal, double x, double y) const {
-  const Vec3d to = center_ - point;
-  const double squared = to.length2(), r2 = radius_ * radius_;
+DirectLight::Sample DirectLight::View::of_sphere(double x, double y) const {
+  const Vec3d to = light_->center_ - point_;
+  const double radius = light_->radius_, squared = to.length2(), r2 = radius * radius;
   if (squared <= r2) return {};
   const double sine2 = r2 / squared, most = sine2 / (1 + std::sqrt(1 - sine2));  // 1 - cosine, without cancellation
   const double off = y * most, sine = std::sqrt(off * (2 - off));
@@ -222,12 +226,12 @@ DirectLight::Sample DirectLight::sample_sphere(const Vec3d& point, const Vec3d& 
   const double turn = 2 * kPi * x;
   const Vec3d direction =
       (axis * (1 - off) + (Vec3d(tangent) * std::cos(turn) + Vec3d(bitangent) * std::sin(turn)) * sine).normalized();
-  const double cosine = direction ^ normal;
+  const double cosine = direction ^ normal_;
   if (cosine <= 0) return {};
   const double half = to ^ direction, inside = r2 - (to - direction * half).length2();
   const double chord = std::sqrt(std::max(inside, 0.0));
-  const double slope = std::max(chord / radius_, 1e-3);
-  return {Vec3f(direction), float(std::max(0.0, half - chord - gap_ / slope)), float(2 * cosine * most)};
+  const double slope = std::max(chord / radius, 1e-3);
+  return {Vec3f(direction), float(std::max(0.0, half - chord - light_->gap_ / slope)), float(2 * cosine * most)};
 }
 
 }  // namespace patchlight

@@ -41,14 +41,45 @@ class DirectLight {
   /// From a point to the sphere about the emitter, or 0 inside it, m.
   double distance(const Vec3d& point) const { return std::max(0.0, (point - center_).length() - radius_); }
 
-  /// A point of the emitter for (x,y) of the unit square: uniform in solid angle, or in area where that is the same.
-  Sample sample(const Vec3d& point, const Vec3f& normal, float x, float y) const;
+  /// The emitter as one point sees it: what its samples have in common, so that many cost little.
+  class View {
+   public:
+    /// A point of the emitter for (x,y) of the unit square: uniform in solid angle, or in area where that is the same.
+    Sample sample(float x, float y) const;
+
+   private:
+    friend class DirectLight;
+    struct Triangle {  ///< On the unit sphere.
+      Vec3d a, b, c;
+      Vec3d toward_c;       ///< At a, at right angles to it.
+      double sine, cosine;  ///< Of `angle`, the one at a.
+      double angle, area;
+
+      Triangle() {}  // not worth clearing: most points do not use it
+      Triangle(const Vec3d& p, const Vec3d& q, const Vec3d& r);
+      Vec3d direction(double x, double y) const;
+    };
+
+    Sample of_polygon(double x, double y) const;
+    Sample of_sphere(double x, double y) const;
+
+    const DirectLight* light_ = nullptr;
+    Vec3d point_{0.0}, normal_{0.0};
+    double height_ = 0.0;             ///< Above a polygon's plane; 0: sees nothing.
+    double solid_angle_ = 0.0;        ///< Of a polygon that is sampled by it; 0: by area.
+    std::array<Triangle, 2> halves_;  ///< Where it is.
+  };
+  /// Beyond `far` radii of the emitter area and solid angle are taken to be the same.
+  View view(const Vec3d& point, const Vec3f& normal, double far = kFar) const;
+  static constexpr double kFar = 4.0;
+
+  Sample sample(const Vec3d& point, const Vec3f& normal, float x, float y) const {
+    return view(point, normal).sample(x, y);
+  }
 
  private:
   double polygon_form_factor(const Vec3d& point, const Vec3d& normal) const;
   double sphere_form_factor(const Vec3d& point, const Vec3d& normal) const;
-  Sample sample_polygon(const Vec3d& point, const Vec3d& normal, double x, double y) const;
-  Sample sample_sphere(const Vec3d& point, const Vec3d& normal, double x, double y) const;
 
   bool sphere_;
   double gap_;                    ///< How far from the emitter a ray must end so as not to meet it, m.

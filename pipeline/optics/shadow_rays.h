@@ -28,6 +28,8 @@ struct Visibility {
     hidden += samples.hidden;
   }
   bool partial() const { return visible > 0 && hidden > 0; }
+  /// In [0,1]; all of it where nobody looked.
+  float part_seen() const { return visible + hidden > 0 ? float(visible) / float(visible + hidden) : 1.0f; }
   bool mostly_seen() const { return visible >= hidden; }
 };
 

@@ -37,5 +37,17 @@ TEST(CameraRays, OfAnOrthographicCameraAreParallel) {
   EXPECT_LT((rays(0, 0).origin - Vec3d(1 - 4, 2 + 2, 3)).length(), 1e-12);
 }
 
+TEST(CameraRays, LeadToThePointsThatTheyShow) {
+  for (const auto projection : {Camera::Projection::perspective, Camera::Projection::orthographic}) {
+    const CameraRays rays(camera_of(projection, 1.0), 80, 60);
+    const CameraRay ray = rays(71.5f, 12.25f);
+    const Vec3d in_camera = rays.to_camera(ray.origin + Vec3d(ray.direction) * 7.0);
+    const Imath::V2d at = rays.to_image(in_camera);
+    EXPECT_NEAR(at.x, 71.5, 1e-4);
+    EXPECT_NEAR(at.y, 12.25, 1e-4);
+    EXPECT_NEAR(-in_camera.z, 7.0 * (ray.direction ^ Vec3f(rays.forward())), 1e-5);
+  }
+}
+
 }  // namespace
 }  // namespace patchlight

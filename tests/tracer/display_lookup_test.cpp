@@ -43,7 +43,8 @@ struct Floor {
     const std::vector<Color> settings{Color(scale)},
         irradiance = irradiance_without_apart(energy, settings, scene.patches.size());
     const IrradianceLookup patches(scene, lookup, irradiance);
-    return DisplayLookup(scene, ray_scene, patches, energy, settings)(0, lookup.patch(0, u, v), u, v);
+    DisplayLookup::Seen seen;
+    return DisplayLookup(scene, ray_scene, patches, energy, settings)(0, lookup.patch(0, u, v), u, v, seen);
   }
 };
 

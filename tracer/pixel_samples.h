@@ -1,0 +1,36 @@
+#pragma once
+#include "pipeline/optics/random.h"
+
+namespace patchlight {
+
+/// Bits of `x`, highest first, each flipped or not by a hash of those above it: Owen's scrambling (Laine and Karras
+/// 2011, as improved by Vegdahl 2021), of a number whose bits are in the opposite order.
+inline std::uint32_t owen_scrambled(std::uint32_t x, std::uint32_t seed) {
+  x ^= x * 0x3d20adea;
+  x += seed;
+  x *= (seed >> 16) | 1;
+  x ^= x * 0x05526c56;
+  x ^= x * 0x53a22864;
+  return x;
+}
+
+inline std::uint32_t reversed_bits(std::uint32_t x) {
+  x = (x >> 16) | (x << 16);
+  x = (x & 0xff00ff00u) >> 8 | (x & 0x00ff00ffu) << 8;
+  x = (x & 0xf0f0f0f0u) >> 4 | (x & 0x0f0f0f0fu) << 4;
+  x = (x & 0xccccccccu) >> 2 | (x & 0x33333333u) << 2;
+  return (x & 0xaaaaaaaau) >> 1 | (x & 0x55555555u) << 1;
+}
+
+/// Place k of a pixel's samples, in [0,1)^2: Sobol's first two dimensions, scrambled. The first 4, 16, 64, ... are each
+/// stratified in both axes and in squares, so that more samples go on from fewer.
+inline Vec2f pixel_sample(std::uint32_t k, std::uint64_t seed) {
+  std::uint32_t second = 0;  // with its bits in the opposite order, as `k` is in the first
+  for (std::uint32_t rest = k, column = 1; rest != 0; rest >>= 1, column ^= column << 1)
+    if (rest & 1u) second ^= column;
+  const std::uint32_t x = reversed_bits(owen_scrambled(k, std::uint32_t(seed)));
+  const std::uint32_t y = reversed_bits(owen_scrambled(second, std::uint32_t(seed >> 32)));
+  return {float(x >> 8) * 0x1p-24f, float(y >> 8) * 0x1p-24f};
+}
+
+}  // namespace patchlight
