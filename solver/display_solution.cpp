@@ -10,6 +10,7 @@
 #include "solver/direct_factors.h"
 #include "solver/display_mesh_builder.h"
 #include "solver/linear_system.h"
+#include "solver/patch_interpolation.h"
 #include "solver/ray_rows.h"
 #include "solver/transport_builder.h"
 
@@ -110,6 +111,7 @@ class Gather {
 
   void run() {
     emit();
+    interpolate_photons();
     for (std::size_t i = 0; i < patches_; ++i)
       radiosity_[i] =
           Spectrum(scene_.patches[i].reflectance) * (Spectrum(group_.direct[i]) + Spectrum(group_.indirect[i]));
@@ -149,6 +151,14 @@ class Gather {
     });
   }
 
+  /// Caustics are patches' means, here as where patches are whole.
+  void interpolate_photons() {
+    if (group_.by_photons.empty()) return;
+    const PatchLookup lookup(scene_);
+    for (const auto& vertex : std::span(mesh_.vertices).first(mesh_.gathered))
+      by_photons_.push_back(interpolate(scene_, lookup, vertex.patch, vertex.u, vertex.v, group_.by_photons));
+  }
+
   bool is_of_group(std::size_t i) const {
     const std::int32_t group = scene_.primitives[scene_.patches[i].primitive].light_group;
     return group >= 0 && scene_.light_groups[group] == group_.name;
@@ -159,6 +169,10 @@ class Gather {
     for (std::size_t i = 0; i < sent.size(); ++i) sent[i] += radiosity_[i];
     at_vertices_.assign(mesh_.gathered, Spectrum());
     rows_.receive(sent, at_vertices_);
+    if (!group_.by_photons.empty()) {
+      for (std::int32_t i = 0; i < mesh_.gathered; ++i) at_vertices_[i] += by_photons_[i];
+      return;
+    }
     if (transport_.display->rows.mirrored.empty()) return;
     SpectrumField by_mirrors(mesh_.gathered);
     rows_.receive_mirrored(apart_, by_mirrors, deviation);
@@ -209,6 +223,7 @@ class Gather {
   const std::size_t patches_;
   SpectrumField radiosity_;       ///< [elements + 1], reflected.
   SpectrumField apart_, others_;  ///< [elements + 1], emitted.
+  SpectrumField by_photons_;      ///< [gathered], of emitters apart; empty: rows tell it.
   SpectrumField direct_;          ///< [mesh elements], of emitters apart.
   SpectrumField at_vertices_;     ///< [gathered].
 };

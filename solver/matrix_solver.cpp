@@ -38,6 +38,7 @@ struct System {
 struct GroupSolution {
   SpectrumField apart, by_rows;  ///< Straight from emitters, sampled apart and not.
   SpectrumField by_mirrors;      ///< From emitters by way of mirrors.
+  SpectrumField by_photons;      ///< The part of it that photons brought, of emitters sampled apart; empty: none.
   SpectrumField reflected;       ///< From what patches reflect.
   SpectrumField apart_deviation, by_rows_deviation, by_mirrors_deviation, reflected_deviation;
   LinearSolve linear;
@@ -77,26 +78,34 @@ void add_emitters(const System& system, const Emission& emission, GroupSolution&
   }
 }
 
-/// Light of emitters that comes by the rows: straight, and by way of mirrors that of all.
+/// Light of emitters that comes by the rows, straight and by way of mirrors.
 void add_rows(const System& system, const Emission& emission, GroupSolution& solution) {
   const std::size_t n = system.areas.size();
-  if (!is_black(emission.others)) {
-    solution.by_rows.resize(n);
-    system.rows.receive(emission.others, solution.by_rows, solution.by_rows_deviation);
+  if (is_black(emission.others)) return;
+  solution.by_rows.resize(n);
+  system.rows.receive(emission.others, solution.by_rows, solution.by_rows_deviation);
+  system.rows.receive_mirrored(emission.others, solution.by_mirrors, solution.by_mirrors_deviation);
+  for (std::size_t i = 0; i < n; ++i) {
+    solution.by_rows[i] -= solution.by_mirrors[i];
+    solution.by_rows_deviation[i] -= solution.by_mirrors_deviation[i];
   }
-  if (system.transport.mirrored.empty()) return;
-  SpectrumField& by_mirrors = solution.by_mirrors;
-  SpectrumField& deviation = solution.by_mirrors_deviation;
-  if (!is_black(emission.others)) {
-    system.rows.receive_mirrored(emission.others, by_mirrors, deviation);
+}
+
+/// Light of emitters sampled apart that comes by way of mirrors.
+void add_photons(const System& system, const Emission& emission, GroupSolution& solution) {
+  const std::size_t n = system.areas.size();
+  for (const auto& emitter : system.transport.emitters) {
+    const Spectrum exitance = emission.apart[emitter.first_patch];
+    if (emitter.mirrored.empty() || exitance.sum() == 0) continue;
+    solution.by_photons.resize(n);
     for (std::size_t i = 0; i < n; ++i) {
-      solution.by_rows[i] -= by_mirrors[i];
-      solution.by_rows_deviation[i] -= deviation[i];
+      const Spectrum a(emitter.mirrored[2 * i]), b(emitter.mirrored[2 * i + 1]);
+      const Spectrum received = exitance * (a + b) * Spectrum(0.5);
+      solution.by_photons[i] += received;
+      solution.by_mirrors[i] += received;
+      solution.by_mirrors_deviation[i] += exitance * (a - b) * Spectrum(0.5);
     }
   }
-  SpectrumField all(n + 1);
-  for (std::size_t i = 0; i < n; ++i) all[i] = emission.apart[i] + emission.others[i];
-  system.rows.receive_mirrored(all, by_mirrors, deviation);
 }
 
 GroupSolution solve_group(const System& system, std::int32_t group, double tolerance, Progress& progress) {
@@ -108,6 +117,7 @@ GroupSolution solve_group(const System& system, std::int32_t group, double toler
     field->resize(n);
   add_emitters(system, emission, solution);
   add_rows(system, emission, solution);
+  add_photons(system, emission, solution);
   SpectrumField direct = solution.apart;
   if (!solution.by_rows.empty())
     for (std::size_t i = 0; i < n; ++i) direct[i] += solution.by_rows[i];
@@ -186,6 +196,8 @@ EnergyField solve_matrix(const PatchSet& scene, const SolveConfig& config, int r
     const std::string& name = scene.light_groups[g];
     energy.groups.push_back(
         {name, to_colors(direct, name), to_colors(indirect, name), to_colors(solution.by_rows, name)});
+    if (!solution.by_photons.empty())
+      energy.groups.back().by_photons = to_colors(mirror_filter.apply(solution.by_photons), name);
   }
   energy.estimate = estimate_error(scene, system.rows, system.reflectance, system.areas, all);
   const std::vector<double> exposed = exposed_areas(scene, transport);

@@ -17,11 +17,17 @@ constexpr double kBase = 40e6;
 constexpr double kOfPatch = 600;         // each, as below
 constexpr double kOfGroup = 300;         // of a patch and light group
 constexpr double kOfEmitter = 10;        // of a patch and emitter
+constexpr double kOfPhotons = 26;        // of a patch and emitter where there are metals
 constexpr double kOfProgressive = 350;   // of a patch and light group
 constexpr double kOfRay = 4;             // a row's: the patch it ends on
 constexpr double kOfDisplay = 250;       // of a patch, and
 constexpr double kDisplayRows = 0.6;     // rows of as many rays as a patch has: of vertices, at most
 constexpr double kOfHemicubePatch = 16;  // in two hemicubes: patch and form factor
+
+bool has_metals(const PatchSet& scene) {
+  return std::any_of(scene.primitives.begin(), scene.primitives.end(),
+                     [&](const Primitive& p) { return scene.materials[p.material].specular != Color(0.0f); });
+}
 
 double gibibytes(double bytes) {
   return bytes / double(1 << 30);
@@ -35,7 +41,9 @@ double memory_needed(const PatchSet& scene, const SolveConfig& config, int rays)
   if (config.method == "progressive") return kBase + n * (kOfPatch + display + kOfProgressive * groups);
   const double cells = 3.0 * config.hemicube_resolution * config.hemicube_resolution;
   const double row = config.form_factors == "rays" ? kOfRay * rays : kOfHemicubePatch * std::min(n, cells);
-  return kBase + n * (kOfPatch + display + kOfGroup * groups + kOfEmitter * double(emitters_apart(scene).size()) + row);
+  const bool photons = config.form_factors == "rays" && has_metals(scene);
+  const double emitter = kOfEmitter + (photons ? kOfPhotons : 0.0);
+  return kBase + n * (kOfPatch + display + kOfGroup * groups + emitter * double(emitters_apart(scene).size()) + row);
 }
 
 double memory_allowed(const SolveConfig& config) {

@@ -7,10 +7,10 @@
 #include <cmath>
 #include <optional>
 
-#include "pipeline/optics/mirror.h"
 #include "pipeline/optics/patch_sampling.h"
 #include "pipeline/optics/random.h"
 #include "pipeline/optics/vector_code.h"
+#include "solver/mirror_path.h"
 #include "solver/surroundings.h"
 
 namespace patchlight {
@@ -19,8 +19,6 @@ namespace {
 
 constexpr int kBlock = 64;                     // rows that a thread casts at a time
 constexpr std::int64_t kRaysAtOnce = 1 << 21;  // between two looks at the signals
-constexpr int kMostMirrors = 256;              // on one ray's way
-constexpr float kSurelyKept = 0.25f;           // throughput from which Russian roulette ends no ray
 
 constexpr int kMostBlocks = 8;  // of rays, for a row that sees little
 constexpr int kFewBacks = 32;   // one ray in so many may end on a back before a row's parts are looked at
@@ -279,18 +277,7 @@ void RayRows::follow_mirrors(Half& half, int first, RayPacket& packet) const {
       if (!metallic_[hit.primitive]) continue;
       const std::uint64_t random =
           scramble(half.random ^ scramble(half.number(first + lane) << 8 | std::uint64_t(bounce)));
-      const Primitive& primitive = scene_.primitives[hit.primitive];
-      const SurfacePoint point = point_at(primitive, hit.u, hit.v);
-      Vec3f direction = packet.direction(lane);
-      if (!reflect(scene_.materials[primitive.material], point.normal, random, direction, kept)) continue;
-      const float most = std::max({kept.x, kept.y, kept.z});
-      if (most < kSurelyKept) {
-        if (to_unit(scramble(~random)) * kSurelyKept >= most) continue;
-        kept *= kSurelyKept / most;
-      }
-      packet.set(lane, ray_scene_.to_local(point.position) + point.normal * ray_scene_.offset(hit.primitive),
-                 direction);
-      going = true;
+      going = go_on(scene_, ray_scene_, hit, random, lane, packet, kept) || going;
     }
     if (!going) return;
     ray_scene_.intersect(packet, false);

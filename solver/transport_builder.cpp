@@ -10,12 +10,15 @@
 #include "pipeline/optics/random.h"
 #include "solver/direct_factors.h"
 #include "solver/hemicube.h"
+#include "solver/photons.h"
 #include "solver/ray_rows.h"
 #include "solver/surroundings.h"
 
 namespace patchlight {
 
 namespace {
+
+constexpr double kPhotons = 0.125;  // of all emitters together, for each ray of the rows
 
 /// Two hemicubes a row, one for each half.
 void draw_rows(const PatchSet& scene, const SolveConfig& config, Transport& transport, Progress& progress) {
@@ -94,13 +97,19 @@ std::int64_t complete_transport(const PatchSet& scene, const SolveConfig& config
   }
   std::vector<Transport::Emitter> emitters;
   const DirectFactors direct(scene, ray_scene, scene.patches, grid_neighbours(scene, lookup), seed);
+  const Photons photons(scene, ray_scene, seed);
   for (const Emitter& emitter : wanted) {
     if (const auto at = kept(emitter); at != transport.emitters.end()) {
       emitters.push_back(std::move(*at));
     } else {
-      std::vector<float>& factors = emitters.emplace_back(direct.sample(emitter, wanted.size(), rays, cast)).factors;
-      for (std::size_t i = 0; i < transport.exposed.size(); ++i)
-        for (int half = 0; half < 2; ++half) factors[2 * i + half] /= transport.exposed[i];
+      Transport::Emitter& added = emitters.emplace_back(direct.sample(emitter, wanted.size(), rays, cast));
+      const double share = kPhotons * rays * double(scene.patches.size()) / double(wanted.size());
+      if (!hemicubes && photons.has_metals()) added.mirrored = photons.shoot(emitter, std::int64_t(share), cast);
+      for (std::size_t k = 0; k < added.factors.size() && !transport.exposed.empty(); ++k) {
+        const float part = transport.exposed[k / 2];
+        added.factors[k] /= part;
+        if (!added.mirrored.empty()) added.mirrored[k] /= part;
+      }
     }
     progress.update(double(emitters.size()) / double(wanted.size()), "direct light");
   }

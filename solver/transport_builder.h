@@ -7,7 +7,8 @@
 namespace patchlight {
 
 /// Brings `transport` up to the scene, the settings and at least `rays` a row: rows where it has others or fewer, and
-/// form factors to every emitter sampled apart that it does not hold yet; those of others go. Returns the number of
+/// form factors to every emitter sampled apart that it does not hold yet, with photons of theirs where rows follow
+/// mirrors; those of others go. Returns the number of
 /// rays cast, 0 if nothing was missing. Throws: Error (interrupted); (unavailable) without OpenGL for hemicubes.
 std::int64_t complete_transport(const PatchSet& scene, const SolveConfig& config, int rays, Transport& transport,
                                 Progress& progress);

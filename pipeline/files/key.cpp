@@ -18,8 +18,8 @@ namespace {
 
 // Raised whenever a stage computes something else from the same inputs.
 constexpr int kImportVersion = 1;
-constexpr int kTransportKeyVersion = 5;
-constexpr int kSolveVersion = 7;
+constexpr int kTransportKeyVersion = 7;
+constexpr int kSolveVersion = 9;
 constexpr int kTraceVersion = 5;
 
 XXH3_state_t* state_of(void* state) {

@@ -81,6 +81,17 @@ void read_rows(const H5Reader& reader, const std::string& folder, std::int64_t e
   read_mirrored(reader, folder, elements, rows);
 }
 
+/// What an emitter sends by way of mirrors; empty where it says nothing of it.
+std::vector<Color> read_photons(const H5Reader& reader, std::int32_t first_patch, std::int64_t patches) {
+  const std::string name = "/emitters/mirrored/" + std::to_string(first_patch);
+  std::vector<Color> photons;
+  if (!reader.has(name)) return photons;
+  const std::vector<float> values = reader.dataset<float>(name, 2 * patches, 3);
+  check_all(reader, name, values, [](float value) { return std::isfinite(value) && value >= 0; });
+  for (std::size_t k = 0; k < values.size(); k += 3) photons.emplace_back(values[k], values[k + 1], values[k + 2]);
+  return photons;
+}
+
 void read_emitters(const H5Reader& reader, std::int64_t patches, Transport& transport) {
   const std::vector<std::int32_t> ranges = reader.dataset<std::int32_t>("/emitters/patches", -1, 2);
   std::int64_t last = 0;
@@ -99,6 +110,9 @@ void read_emitters(const H5Reader& reader, std::int64_t patches, Transport& tran
     emitter.patches = ranges[k + 1];
     emitter.factors = factors("/emitters/factor", patches);
     if (transport.display) emitter.display = factors("/display/factor", transport.display->mesh.elements);
+    emitter.mirrored = read_photons(reader, ranges[k], patches);
+    if (emitter.mirrored.empty() != transport.emitters.front().mirrored.empty())
+      reader.refuse("photons of some emitters alone", "/emitters/patches");
   }
 }
 
@@ -127,6 +141,10 @@ void write_transport(const std::filesystem::path& file, const Transport& transpo
     const std::string name = "/" + std::to_string(emitter.first_patch);
     writer.dataset<float>("/emitters/factor" + name, emitter.factors, 2);
     if (transport.display) writer.dataset<float>("/display/factor" + name, emitter.display, 2);
+    if (emitter.mirrored.empty()) continue;
+    std::vector<float> photons;
+    for (const Color& c : emitter.mirrored) photons.insert(photons.end(), {c.x, c.y, c.z});
+    writer.dataset<float>("/emitters/mirrored" + name, photons, 3);
   }
   writer.dataset<std::int32_t>("/emitters/patches", ranges, 2);
   writer.attribute("format", kTransportFormat);

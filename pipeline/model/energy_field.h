@@ -19,6 +19,9 @@ struct EnergyField {
     std::vector<Color> direct_by_rows{};
     /// [display->gathered] W/m2, at the display mesh's vertices: `indirect` and `direct_by_rows`.
     std::vector<Color> display{};
+    /// [n] W/m2, the part of `indirect` that photons brought from emitters sampled apart, by way of mirrors. It is for
+    /// the display solution, and not in energy.h5. Empty: none; rows tell it where they follow mirrors.
+    std::vector<Color> by_photons{};
   };
 
   /// What a solve says of its own error.

@@ -41,6 +41,8 @@ struct Transport : TransportRows {
     std::int32_t patches = 0;      ///< They emit equally.
     std::vector<float> factors;    ///< [2 n]: of both halves of each row.
     std::vector<float> display{};  ///< [2 mesh elements]: of the display mesh's; empty without one.
+    /// [2 n]: as `factors`, what comes by way of mirrors, times what they reflect; empty where rows follow none.
+    std::vector<Color> mirrored{};
   };
 
   /// See Elements.

@@ -34,6 +34,9 @@ class DirectLight {
 
   DirectLight(const PatchSet& scene, const RayScene& ray_scene, const Emitter& emitter);
 
+  /// A ball, to look at what it holds.
+  DirectLight(const Vec3d& center, double radius) : sphere_(true), gap_(0.0), center_(center), radius_(radius) {}
+
   /// Form factor from a surface element to the whole emitter if nothing hides it, cut at the element's horizon.
   /// Polygons: Lambert's formula (Baum, Rushmeier and Winget 1989, eq. 5); spheres: Snyder 1996.
   double form_factor(const Vec3d& point, const Vec3f& normal) const;

@@ -23,6 +23,7 @@ Transport sample() {
   transport.rays = 4;
   transport.mirrored = {{0, 1, 1, Color(0.5f, 0.25f, 0.0f)}, {1, 0, 0, Color(0.1f)}};
   transport.emitters = {{0, 1, {0.1f, 0.2f, 0.3f, -0.01f}}, {1, 1, {0.0f, 0.0f, 0.5f, 0.5f}}};
+  for (auto& emitter : transport.emitters) emitter.mirrored.assign(4, Color(0.25f, 0.5f, 0.75f));
   transport.key = "key";
   return transport;
 }
@@ -53,6 +54,7 @@ TEST(TransportFile, ReadsBackWhatWasWritten) {
     ASSERT_EQ(read.emitters.size(), 2u);
     EXPECT_EQ(read.emitters[1].first_patch, 1);
     EXPECT_EQ(read.emitters[1].factors, written.emitters[1].factors);
+    EXPECT_EQ(read.emitters[1].mirrored, written.emitters[1].mirrored);
     EXPECT_FALSE(read.changed);
     EXPECT_EQ(read_transport_key(folder / "transport.h5"), "key");
   }
@@ -180,6 +182,10 @@ TEST(TransportFile, RefusesWhatIsOutOfBounds) {
       [](Transport& t) { t.emitters[0].first_patch = -1; },
       [](Transport& t) { t.emitters[0].factors[0] = std::numeric_limits<float>::infinity(); },
       [](Transport& t) { t.emitters[0].factors.resize(2); },
+      [](Transport& t) { t.emitters[0].mirrored.resize(2); },
+      [](Transport& t) { t.emitters[1].mirrored[3].z = std::numeric_limits<float>::quiet_NaN(); },
+      [](Transport& t) { t.emitters[1].mirrored[0].x = -0.1f; },
+      [](Transport& t) { t.emitters[1].mirrored.clear(); },
   };
   const TemporaryFolder folder;
   for (std::size_t k = 0; k < faults.size(); ++k) {

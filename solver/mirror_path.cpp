@@ -1,0 +1,27 @@
+#include "solver/mirror_path.h"
+
+#include <algorithm>
+
+#include "pipeline/optics/mirror.h"
+#include "pipeline/optics/patch_sampling.h"
+#include "pipeline/optics/random.h"
+
+namespace patchlight {
+
+bool go_on(const PatchSet& scene, const RayScene& ray_scene, const SurfaceHit& hit, std::uint64_t random, int lane,
+           RayPacket& packet, Color& throughput) {
+  constexpr float kSurelyKept = 0.25f;  // throughput from which Russian roulette ends no ray
+  const Primitive& primitive = scene.primitives[hit.primitive];
+  const SurfacePoint point = point_at(primitive, hit.u, hit.v);
+  Vec3f direction = packet.direction(lane);
+  if (!reflect(scene.materials[primitive.material], point.normal, random, direction, throughput)) return false;
+  const float most = std::max({throughput.x, throughput.y, throughput.z});
+  if (most < kSurelyKept) {
+    if (to_unit(scramble(~random)) * kSurelyKept >= most) return false;
+    throughput *= kSurelyKept / most;
+  }
+  packet.set(lane, ray_scene.to_local(point.position) + point.normal * ray_scene.offset(hit.primitive), direction);
+  return true;
+}
+
+}  // namespace patchlight
