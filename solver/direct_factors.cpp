@@ -24,7 +24,7 @@ struct Samples {
 
   Samples(int rays, std::size_t emitters) {
     const double share = std::min(1.0, 4.0 / double(emitters));
-    pilot = std::max(emitters > 4 ? 2 : 4, int(share * rays / 16));
+    pilot = std::max(emitters > 4 ? 2 : 4, int(share * rays / 64));
     partial = std::max(8, int(share * rays / 2));
   }
 };

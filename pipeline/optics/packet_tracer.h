@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "pipeline/model/math.h"
+#include "pipeline/optics/packet_kernel.h"
 
 namespace patchlight {
 
@@ -31,44 +32,16 @@ class PacketTracer {
   std::uint32_t occluded(const RTCRay16& rays, std::uint32_t wanted) const;
 
  private:
-  /// A quad or a triangle, inside which s, t, and two more functions of them are no less than minus their rounding.
-  struct Facet {
-    std::array<float, 3> corner, normal, s, t;  ///< A corner, and the gradients of s and t from it.
-    std::array<float, 2> third, fourth;         ///< The other sides: x (1 - s) + y t and x (1 - t) + y s.
-    std::array<float, 4> rounding;
-    float start, sign;  ///< (s,t) are start + sign * those of the facet.
-  };
-  struct Ball {
-    std::array<float, 3> center;
-    float radius;
-  };
-  struct Item {
-    std::int32_t surface;  ///< Twice its index, and one more for a sphere.
-    std::int32_t shape;    ///< Which facet or ball.
-    std::array<float, 3> low, high;
-  };
-  struct Node {
-    std::array<float, 3> low, high;
-    std::int32_t first;  ///< Of its items, or the first of two children.
-    std::int32_t count;  ///< 0: it has children.
-    std::int32_t axis;   ///< Along which its children stand.
-  };
-  struct Packet;
-
   void add_facet(const Vec3d& corner, const Vec3d& along_s, const Vec3d& along_t, const Vec2f& shape, double precision,
                  bool second);
   void split(std::int32_t node, std::int32_t begin, std::int32_t end, int depth);
-  template <class Visit>
-  void traverse(Packet& packet, Visit visit) const;
+  void trace(packet::Rays& rays, std::uint32_t wanted) const;
 
-  std::vector<Facet> facets_;
-  std::vector<Ball> balls_;
-  std::vector<Item> items_;
-  std::vector<Node> nodes_;
-
-  static bool reaches(const Packet& packet, const Node& node);
-  static void meet(const Facet& facet, std::int32_t surface, Packet& packet);
-  static void meet(const Ball& ball, std::int32_t surface, Packet& packet);
+  const packet::Trace trace_ = packet::fastest();
+  std::vector<packet::Facet> facets_;
+  std::vector<packet::Ball> balls_;
+  std::vector<packet::Item> items_;
+  std::vector<packet::Node> nodes_;
 };
 
 }  // namespace patchlight

@@ -1,4 +1,7 @@
+#include <ImathBox.h>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -9,34 +12,39 @@ namespace patchlight {
 
 namespace {
 
-constexpr int kDeepest = 40;
-constexpr float kBox = 0.7f;  // cost of a box over that of a surface, measured
+constexpr float kBox = 1.0f;  // cost of a box over that of a surface, measured
 
-using Corner = std::array<float, 3>;
+using packet::Item;
 
-Corner to_floats(const Vec3d& v) {
-  return {float(v.x), float(v.y), float(v.z)};
-}
-
-float half_area(const Corner& low, const Corner& high) {
-  const float x = high[0] - low[0], y = high[1] - low[1], z = high[2] - low[2];
-  return x * y + y * z + z * x;
+void copy_to(float (&to)[3], const Vec3d& from) {
+  for (int k = 0; k < 3; ++k) to[k] = float(from[k]);
 }
 
 struct Bounds {
-  Corner low, high;
+  float low[3], high[3];
 
   Bounds() {
-    low.fill(std::numeric_limits<float>::infinity());
-    high.fill(-std::numeric_limits<float>::infinity());
+    std::fill_n(low, 3, std::numeric_limits<float>::infinity());
+    std::fill_n(high, 3, -std::numeric_limits<float>::infinity());
   }
-  void add(const Corner& l, const Corner& h) {
+  void add(const Item& item) {
     for (int k = 0; k < 3; ++k) {
-      low[k] = std::min(low[k], l[k]);
-      high[k] = std::max(high[k], h[k]);
+      low[k] = std::min(low[k], item.low[k]);
+      high[k] = std::max(high[k], item.high[k]);
     }
   }
+  float half_area() const {
+    const float x = high[0] - low[0], y = high[1] - low[1], z = high[2] - low[2];
+    return x * y + y * z + z * x;
+  }
 };
+
+Item item_about(std::int32_t surface, std::size_t shape, const Imath::Box3d& box) {
+  Item item{surface, std::int32_t(shape), {}, {}};
+  copy_to(item.low, box.min);
+  copy_to(item.high, box.max);
+  return item;
+}
 
 }  // namespace
 
@@ -46,10 +54,12 @@ bool PacketTracer::add_quad(const std::array<Vec3d, 4>& c, double precision, std
   const Vec2f shape = plane ? quad_shape(c) : Vec2f(0, 1);
   add_facet(c[0], e1, e3, shape, precision, false);
   if (!plane) add_facet(c[2], c[3] - c[2], c[1] - c[2], {0, 1}, precision, true);
-  Bounds bounds;
-  for (const Vec3d& corner : c) bounds.add(to_floats(corner - Vec3d(precision)), to_floats(corner + Vec3d(precision)));
+  Imath::Box3d box;
+  for (const Vec3d& corner : c) box.extendBy(corner);
+  box.min -= Vec3d(precision);
+  box.max += Vec3d(precision);
   for (std::size_t k = facets_.size() - (plane ? 1 : 2); k < facets_.size(); ++k)
-    items_.push_back({2 * index, std::int32_t(k), bounds.low, bounds.high});
+    items_.push_back(item_about(2 * index, k, box));
   return plane;
 }
 
@@ -58,21 +68,27 @@ void PacketTracer::add_facet(const Vec3d& corner, const Vec3d& along_s, const Ve
   const Vec3d normal = along_s % along_t;
   const double scale = 1.0 / (normal ^ normal);
   const Vec3d s = (along_t % normal) * scale, t = (normal % along_s) * scale;
-  Facet f{to_floats(corner), to_floats(normal.normalized()), to_floats(s), to_floats(t), {}, {}, {}, 0.0f, 1.0f};
-  f.third = {shape.y, shape.x - 1.0f};
-  f.fourth = {shape.x, shape.y - 1.0f};
-  const auto rounding = [&](const Vec3d& gradient) { return -float(precision * gradient.length()); };
-  f.rounding = {rounding(s), rounding(t), rounding(t * double(f.third[1]) - s * double(f.third[0])),
-                rounding(s * double(f.fourth[1]) - t * double(f.fourth[0]))};
+  packet::Facet f{};
+  copy_to(f.corner, corner);
+  copy_to(f.normal, normal.normalized());
+  copy_to(f.s, s);
+  copy_to(f.t, t);
+  f.third[0] = shape.y, f.third[1] = shape.x - 1.0f;
+  f.fourth[0] = shape.x, f.fourth[1] = shape.y - 1.0f;
+  const std::array<Vec3d, 4> gradients{s, t, t * double(f.third[1]) - s * double(f.third[0]),
+                                       s * double(f.fourth[1]) - t * double(f.fourth[0])};
+  for (int k = 0; k < 4; ++k) f.rounding[k] = -float(precision * gradients[k].length());
+  f.sign = 1.0f;
   if (second) f.start = 1.0f, f.sign = -1.0f;
   facets_.push_back(f);
 }
 
 void PacketTracer::add_sphere(const Vec3d& center, double radius, std::int32_t index) {
+  packet::Ball ball{{}, float(radius)};
+  copy_to(ball.center, center);
+  balls_.push_back(ball);
   const Vec3d reach(radius * (1 + 1e-6));
-  balls_.push_back({to_floats(center), float(radius)});
-  items_.push_back(
-      {2 * index + 1, std::int32_t(balls_.size() - 1), to_floats(center - reach), to_floats(center + reach)});
+  items_.push_back(item_about(2 * index + 1, balls_.size() - 1, {center - reach, center + reach}));
 }
 
 void PacketTracer::build() {
@@ -84,7 +100,7 @@ void PacketTracer::build() {
 /// By the surface area heuristic (MacDonald and Booth 1990), exactly: every place between two items, along every axis.
 void PacketTracer::split(std::int32_t at, std::int32_t begin, std::int32_t end, int depth) {
   Bounds all;
-  for (std::int32_t k = begin; k < end; ++k) all.add(items_[k].low, items_[k].high);
+  for (std::int32_t k = begin; k < end; ++k) all.add(items_[k]);
   const auto first = items_.begin() + begin, last = items_.begin() + end;
   const auto count = std::size_t(end - begin);
   const auto along = [](int axis) {
@@ -96,28 +112,31 @@ void PacketTracer::split(std::int32_t at, std::int32_t begin, std::int32_t end, 
   int axis = -1;
   std::size_t left = 0;
   std::vector<float> above(count);
-  for (int k = 0; k < 3 && depth < kDeepest; ++k) {
+  for (int k = 0; k < 3 && depth < packet::kDeepest; ++k) {
     std::sort(first, last, along(k));
     Bounds sum;
     for (std::size_t i = count; i-- > 1;) {
-      sum.add(first[i].low, first[i].high);
-      above[i] = half_area(sum.low, sum.high);
+      sum.add(first[i]);
+      above[i] = sum.half_area();
     }
     sum = {};
     for (std::size_t i = 1; i < count; ++i) {
-      sum.add(first[i - 1].low, first[i - 1].high);
-      const float cost =
-          (half_area(sum.low, sum.high) * float(i) + above[i] * float(count - i)) / half_area(all.low, all.high);
+      sum.add(first[i - 1]);
+      const float cost = (sum.half_area() * float(i) + above[i] * float(count - i)) / all.half_area();
       if (cost < best) best = cost, axis = k, left = i;
     }
   }
-  nodes_[at] = {all.low, all.high, begin, end - begin, 0};
+  packet::Node& node = nodes_[at];
+  std::copy_n(all.low, 3, node.low);
+  std::copy_n(all.high, 3, node.high);
+  node.first = begin;
+  node.count = end - begin;
   if (axis < 0) return;
   std::sort(first, last, along(axis));
   const auto child = std::int32_t(nodes_.size());
-  nodes_[at].first = child;
-  nodes_[at].count = 0;
-  nodes_[at].axis = axis;
+  node.first = child;
+  node.count = 0;
+  node.axis = axis;
   nodes_.resize(nodes_.size() + 2);
   split(child, begin, begin + std::int32_t(left), depth + 1);
   split(child + 1, begin + std::int32_t(left), end, depth + 1);

@@ -46,7 +46,7 @@ struct SurfaceHit {
 class RayScene {
  public:
   /// Primitives up to which a PacketTracer is faster; measured.
-  static constexpr std::size_t kFew = 4096;
+  static constexpr std::size_t kFew = 16384;
 
   explicit RayScene(const PatchSet& scene, std::size_t few = kFew);
   ~RayScene();
