@@ -15,7 +15,8 @@ namespace patchlight {
 
 namespace {
 
-constexpr int kBlock = 64;  // rows that a thread samples at a time
+constexpr int kBlock = 64;     // rows that a thread samples at a time
+constexpr double kFar = 30.0;  // of a patch's size: from there on, its middle is as good as its mean, to 1e-4
 
 /// Samples of each half of a row to begin with, and more where visibility is partial. Many emitters share what would be
 /// spent on four.
@@ -24,7 +25,7 @@ struct Samples {
 
   Samples(int rays, std::size_t emitters) {
     const double share = std::min(1.0, 4.0 / double(emitters));
-    pilot = std::max(emitters > 4 ? 2 : 4, int(share * rays / 64));
+    pilot = std::max(emitters > 4 ? 2 : 4, int(share * rays / 32));
     partial = std::max(8, int(share * rays / 2));
   }
 };
@@ -46,7 +47,7 @@ class DirectFactors::Run {
 
   std::vector<float> factors() {
     for_each_row([&](std::int32_t row, ShadowRays& rays) {
-      if (owned(row)) return;
+      if (owned(row) || is_behind(row)) return;
       whole_[row] = float(mean_form_factor(row));
       for (int half = 0; half < 2; ++half) add_samples(row, half, 0, samples_.pilot, pilots_[2 * row + half], rays);
     });
@@ -56,13 +57,15 @@ class DirectFactors::Run {
       const double share = typical > 0 ? std::clamp(whole_[row] / typical, 0.125, 4.0) : 1.0;
       const int total = std::max(8, int(share * samples_.partial));
       for (int half = 0; half < 2; ++half)
-        if (others(row, half).partial()) add_samples(row, half, 1, total, more_[2 * row + half], rays);
+        if (pilots_[2 * row].count > 0 && others(row, half).partial())
+          add_samples(row, half, 1, total, more_[2 * row + half], rays);
     });
     std::vector<float> values(2 * std::size_t(rows_), 0.0f);
     for (std::int32_t row = 0; row < rows_; ++row)
       for (int half = 0; half < 2 && !owned(row); ++half) {
         const std::size_t k = 2 * std::size_t(row) + half;
         const LightSamples& best = more_[k].count > 0 ? more_[k] : pilots_[k];
+        if (best.count == 0) continue;
         values[k] = float(others(row, half).mostly_seen() ? best.from_hidden(whole_[row]) : best.from_seen());
       }
     return values;
@@ -85,6 +88,19 @@ class DirectFactors::Run {
       rays.cast();
     });
     Progress::check_interrupted();
+  }
+
+  bool is_behind(std::int32_t row) const {
+    const Patch& patch = from_.receivers_[row];
+    const Primitive& primitive = from_.scene_.primitives[patch.primitive];
+    if (primitive.shape != Primitive::Shape::quad) return false;
+    const auto& c = primitive.corners;
+    std::array<Vec3d, 4> corners;
+    for (int k = 0; k < 4; ++k) {
+      const double u = k % 2 ? patch.u1 : patch.u0, v = k / 2 ? patch.v1 : patch.v0;
+      corners[k] = (c[0] * (1 - u) + c[1] * u) * (1 - v) + (c[3] * (1 - u) + c[2] * u) * v;
+    }
+    return light_.is_behind(corners, patch.normal);
   }
 
   bool owned(std::int32_t row) const { return from_.receivers_[row].primitive == emitter_.primitive; }
@@ -128,7 +144,8 @@ class DirectFactors::Run {
     }
   }
 
-  /// Over a patch, by Gauss and Legendre's rule: of 2 x 2 points, and of 4 x 4 where the emitter is near.
+  /// Over a patch, by Gauss and Legendre's rule: of a point where the emitter is far, else of 2 x 2 points, and of 4 x
+  /// 4 where it is near.
   double mean_form_factor(std::int32_t row) const {
     constexpr std::array<float, 2> kTwo{0.2113248654f, 0.7886751346f};
     constexpr std::array<float, 4> kFour{0.0694318442f, 0.3300094782f, 0.6699905218f, 0.9305681558f};
@@ -145,6 +162,8 @@ class DirectFactors::Run {
         }
       return sum;
     };
+    if (light_.distance(patch.center) > kFar * std::sqrt(patch.area))
+      return light_.form_factor(patch.center, patch.normal);
     return light_.distance(patch.center) < 5 * std::sqrt(patch.area) ? integrate(kFour, kFourWeights)
                                                                      : integrate(kTwo, kTwoWeights);
   }

@@ -18,7 +18,7 @@ namespace {
 
 // Measured: smaller values cost more vertices than they are worth.
 constexpr float kNear = 0.25f;   // size over harmonic mean distance from which a patch gets vertices of its own
-constexpr float kSplit = 0.35f;  // and from which it is cut
+constexpr float kSplit = 0.25f;  // and from which it is cut
 
 /// How cells lie among other surfaces.
 struct Surroundings {

@@ -18,9 +18,14 @@ namespace patchlight {
 
 namespace {
 
-constexpr int kOfPatch = 2;  // rays of a patch for one of a vertex: there are many vertices where it matters
+constexpr int kOfPatch = 4;  // rays of a patch for one of a vertex: there are many vertices where it matters,
+constexpr int kLeast = 128;  // but few rays of one show as blotches
 constexpr int kFewer = 4;    // of a vertex, for one of those that ask for the direct light of an element
 constexpr int kPasses = 3;   // the first sees whole patches only; the third is for what stands on them
+
+int rays_of_vertex(int rays) {
+  return std::max(std::min(rays, kLeast), rays / kOfPatch);
+}
 
 /// Vertices that gather, as patches of no size.
 std::vector<Patch> receivers(const PatchSet& scene, const DisplayMesh& mesh) {
@@ -233,7 +238,7 @@ class Gather {
 void add_display_solution(const PatchSet& scene, const SolveConfig& config, Transport& transport, EnergyField& energy,
                           Progress& progress) {
   if (scene.light_groups.empty()) return;
-  energy.rays += complete(scene, config, std::max(config.rays, transport.rays) / kOfPatch, transport, progress);
+  energy.rays += complete(scene, config, rays_of_vertex(std::max(config.rays, transport.rays)), transport, progress);
   const FormFactorRows rows(transport.display->rows);
   const SpectrumField reflectance = leaf_reflectance(scene, transport.display->mesh);
   for (auto& group : energy.groups) Gather(scene, transport, rows, reflectance, group).run();

@@ -12,13 +12,14 @@
 #include "pipeline/optics/vector_code.h"
 #include "solver/mirror_path.h"
 #include "solver/surroundings.h"
+#include "solver/touched_memory.h"
 
 namespace patchlight {
 
 namespace {
 
-constexpr int kBlock = 64;                     // rows that a thread casts at a time
-constexpr std::int64_t kRaysAtOnce = 1 << 21;  // between two looks at the signals
+constexpr int kBlock = 16;                     // rows that a thread casts at a time
+constexpr std::int64_t kRaysAtOnce = 1 << 18;  // between two looks at the signals
 
 constexpr int kMostBlocks = 8;  // of rays, for a row that sees little
 constexpr int kFewBacks = 32;   // one ray in so many may end on a back before a row's parts are looked at
@@ -94,15 +95,25 @@ VECTOR_CODE void place_rays(const QuadPatch& patch, const Samples& at, RayPacket
 
 }  // namespace
 
+/// What a row's halves have met, kept from row to row for its memory.
+struct RayRows::Scratch {
+  std::array<std::vector<std::int32_t>, 2> ends;
+  std::array<std::vector<TransportRows::Mirrored>, 2> mirrored;
+};
+
 /// One half of a row in the making.
 struct RayRows::Half {
-  Half(const RayRows& rows, std::int32_t row_index, int which)
+  Half(const RayRows& rows, std::int32_t row_index, int which, Scratch& scratch)
       : row(row_index),
         half(which),
         random(scramble(rows.seed_ ^ scramble(2 * std::uint64_t(row_index) + std::uint64_t(which)))),
         patch(rows.receivers_[row_index]),
         primitive(rows.scene_.primitives[patch.primitive]),
-        offset(rows.ray_scene_.offset(patch.primitive)) {
+        offset(rows.ray_scene_.offset(patch.primitive)),
+        ends(scratch.ends[which]),
+        mirrored(scratch.mirrored[which]) {
+    ends.clear();
+    mirrored.clear();
     const std::uint64_t own = rows.apart_ ? random : scramble(rows.seed_ ^ std::uint64_t(row_index));
     for (int k = 0; k < 4; ++k) turned[k] = std::uint32_t((k < 2 ? own : scramble(own)) >> 32 * (k % 2));
     if (primitive.shape != Primitive::Shape::quad) {
@@ -177,8 +188,13 @@ std::int64_t RayRows::cast(int rays, TransportRows& to, Progress& progress) cons
     tbb::parallel_for(0, int(found.size()), [&](int index) {
       _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree wants denormals flushed
       const std::int32_t first = (done + index) * kBlock, last = std::min(first + kBlock, count);
-      for (std::int32_t row = first; row < last; ++row) cast_row(row, table, found[index]);
+      Scratch scratch;
+      found[index].ends.reserve(std::size_t(last - first) * std::size_t(to.rays));
+      for (std::int32_t row = first; row < last; ++row) cast_row(row, table, scratch, found[index]);
     });
+    std::size_t more = 0;
+    for (const Found& part : found) more += part.ends.size();
+    if (to.ends.size() + more <= to.ends.capacity()) get_memory_for(to.ends, more);
     for (const Found& part : found) {
       to.ends.insert(to.ends.end(), part.ends.begin(), part.ends.end());
       to.mirrored.insert(to.mirrored.end(), part.mirrored.begin(), part.mirrored.end());
@@ -193,10 +209,10 @@ std::int64_t RayRows::cast(int rays, TransportRows& to, Progress& progress) cons
   return cast;
 }
 
-/// Rays go on in blocks until about as many have met something lit as the first block has rays. How many blocks that
-/// takes each half learns from the other, so that neither's mean depends on it.
-void RayRows::cast_row(std::int32_t row, const DirectionTable& table, Found& found) const {
-  std::array<Half, 2> halves{Half(*this, row, 0), Half(*this, row, 1)};
+/// Rays go on in blocks until about as many have met something as the first block has rays. How many blocks that takes
+/// each half learns from the other, so that neither's mean depends on it.
+void RayRows::cast_row(std::int32_t row, const DirectionTable& table, Scratch& scratch, Found& found) const {
+  std::array<Half, 2> halves{Half(*this, row, 0, scratch), Half(*this, row, 1, scratch)};
   for (Half& half : halves) cast_block(half, table, half.half * !apart_);
   const int backs = halves[0].backs + halves[1].backs;
   float part = 1.0f;
@@ -206,8 +222,8 @@ void RayRows::cast_row(std::int32_t row, const DirectionTable& table, Found& fou
   }
   found.exposed.push_back(part);
   const auto blocks = [&](const Half& other) {
-    const int hits = int(other.ends.size());
-    return hits > 0 ? std::min(kMostBlocks, (table.count() + hits / 2) / hits) : 1;
+    const int met = int(other.ends.size()) + other.backs;
+    return other.ends.empty() ? 1 : std::min(kMostBlocks, (table.count() + met / 2) / met);
   };
   const std::array<int, 2> wanted{blocks(halves[1]), blocks(halves[0])};
   for (Half& half : halves) {

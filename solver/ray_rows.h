@@ -33,6 +33,7 @@ class RayRows {
 
  private:
   struct Half;
+  struct Scratch;
 
   /// What a thread's rows have met, row after row and half after half.
   struct Found {
@@ -42,7 +43,7 @@ class RayRows {
     std::int64_t rays = 0;
   };
 
-  void cast_row(std::int32_t row, const DirectionTable& table, Found& found) const;
+  void cast_row(std::int32_t row, const DirectionTable& table, Scratch& scratch, Found& found) const;
   void cast_block(Half& half, const DirectionTable& table, int block) const;
   void start_packet(const Half& half, const DirectionTable& table, int first, RayPacket& packet) const;
   void follow_mirrors(Half& half, int first, RayPacket& packet) const;

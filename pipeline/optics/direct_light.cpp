@@ -89,6 +89,15 @@ double DirectLight::form_factor(const Vec3d& point, const Vec3f& normal) const {
   return sphere_ ? sphere_form_factor(point, Vec3d(normal)) : polygon_form_factor(point, Vec3d(normal));
 }
 
+bool DirectLight::is_behind(std::span<const Vec3d> points, const Vec3f& normal) const {
+  const Vec3d up(normal);
+  if (sphere_) return ((center_ - points[0]) ^ up) <= -radius_;
+  const auto lit = [&](const Vec3d& point) { return ((point - center_) ^ normal_) > 0; };
+  if (std::none_of(points.begin(), points.end(), lit)) return true;
+  const auto above = [&](const Vec3d& corner) { return ((corner - points[0]) ^ up) > 0; };
+  return std::none_of(corners_.begin(), corners_.begin() + count_, above);
+}
+
 double DirectLight::polygon_form_factor(const Vec3d& point, const Vec3d& normal) const {
   if (((point - center_) ^ normal_) <= 0) return 0.0;
   std::array<Vec3d, 4> to;

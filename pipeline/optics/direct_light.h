@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "pipeline/model/patch_set.h"
@@ -40,6 +41,9 @@ class DirectLight {
   /// Form factor from a surface element to the whole emitter if nothing hides it, cut at the element's horizon.
   /// Polygons: Lambert's formula (Baum, Rushmeier and Winget 1989, eq. 5); spheres: Snyder 1996.
   double form_factor(const Vec3d& point, const Vec3f& normal) const;
+
+  /// Whether nothing of the emitter lights any point of a plane piece of surface with these corners.
+  bool is_behind(std::span<const Vec3d> corners, const Vec3f& normal) const;
 
   /// From a point to the sphere about the emitter, or 0 inside it, m.
   double distance(const Vec3d& point) const { return std::max(0.0, (point - center_).length() - radius_); }

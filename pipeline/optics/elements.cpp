@@ -1,5 +1,8 @@
 #include "pipeline/optics/elements.h"
 
+#include <tbb/parallel_for.h>
+#include <xmmintrin.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -7,16 +10,44 @@
 
 namespace patchlight {
 
-int Elements::nearest_corner(const DisplayMesh::Place& place, std::int32_t i, float u, float v) const {
-  const std::uint32_t seen = seen_corners(scene_, *ray_scene_, *mesh_, *place.leaf, i, u, v);
-  int nearest = 0;
-  float most = -1;
-  for (int k = 0; k < 4; ++k) {
-    const float weight = (k % 2 ? place.u : 1 - place.u) * (k / 2 ? place.v : 1 - place.v) + float(seen >> k & 1u);
-    if (weight > most) nearest = k;
-    most = std::max(most, weight);
+Elements::Elements(const PatchSet& scene, const RayScene& ray_scene, const DisplayMesh& mesh)
+    : scene_(scene), lookup_(scene), mesh_(&mesh), cut_(mesh.cells.size(), -1) {
+  struct Cell {
+    std::int32_t index, primitive;
+    float u0, v0, u1, v1;
+  };
+  std::vector<Cell> cells, cut;
+  for (std::size_t i = 0; i < mesh.roots.size(); ++i)
+    if (const Patch& p = scene.patches[i]; mesh.roots[i] >= 0)
+      cells.push_back({mesh.roots[i], p.primitive, p.u0, p.v0, p.u1, p.v1});
+  while (!cells.empty()) {
+    const Cell cell = cells.back();
+    cells.pop_back();
+    const DisplayMesh::Cell& of = mesh.cells[cell.index];
+    const float u = 0.5f * (cell.u0 + cell.u1), v = 0.5f * (cell.v0 + cell.v1);
+    for (int k = 0; k < 4 && of.children >= 0; ++k)
+      cells.push_back({of.children + k, cell.primitive, k % 2 ? u : cell.u0, k / 2 ? v : cell.v0, k % 2 ? cell.u1 : u,
+                       k / 2 ? cell.v1 : v});
+    if (of.children >= 0 || !of.cut) continue;
+    cut_[cell.index] = std::int32_t(cut.size());
+    cut.push_back(cell);
   }
-  return nearest;
+  nearest_.resize(cut.size());
+  tbb::parallel_for(std::size_t(0), cut.size(), [&](std::size_t k) {
+    _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree wants denormals flushed
+    const Cell& cell = cut[k];
+    for (int part = 0; part < kAcross * kAcross; ++part) {
+      const float x = (float(part % kAcross) + 0.5f) / kAcross, y = (float(part / kAcross) + 0.5f) / kAcross;
+      const float u = cell.u0 + x * (cell.u1 - cell.u0), v = cell.v0 + y * (cell.v1 - cell.v0);
+      const std::uint32_t seen = seen_corners(scene, ray_scene, mesh, mesh.cells[cell.index], cell.primitive, u, v);
+      float most = -1;
+      for (int corner = 0; corner < 4; ++corner) {
+        const float near = (corner % 2 ? x : 1 - x) * (corner / 2 ? y : 1 - y) + float(seen >> corner & 1u);
+        if (near > most) nearest_[k][part] = std::uint8_t(corner);
+        most = std::max(most, near);
+      }
+    }
+  });
 }
 
 std::uint32_t seen_corners(const PatchSet& scene, const RayScene& ray_scene, const DisplayMesh& mesh,

@@ -1,4 +1,9 @@
 #pragma once
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <vector>
+
 #include "pipeline/model/display_mesh.h"
 #include "pipeline/optics/patch_lookup.h"
 #include "pipeline/optics/ray_scene.h"
@@ -6,12 +11,12 @@
 namespace patchlight {
 
 /// What rays may end on, by number: the patches, and behind them what stands for those that a display mesh cuts: its
-/// leaves, and of leaves that something stands on, the corner that is nearest among those which a place sees.
+/// leaves, and of leaves that something stands on, the corner that is nearest among those which a place sees, to a
+/// quarter of the leaf.
 class Elements {
  public:
   explicit Elements(const PatchSet& scene) : scene_(scene), lookup_(scene) {}
-  Elements(const PatchSet& scene, const RayScene& ray_scene, const DisplayMesh& mesh)
-      : scene_(scene), lookup_(scene), ray_scene_(&ray_scene), mesh_(&mesh) {}
+  Elements(const PatchSet& scene, const RayScene& ray_scene, const DisplayMesh& mesh);
 
   std::int32_t count() const { return std::int32_t(scene_.patches.size()) + (mesh_ ? mesh_->elements : 0); }
 
@@ -21,16 +26,23 @@ class Elements {
     if (!mesh_ || mesh_->roots[patch] < 0) return patch;
     const DisplayMesh::Place place = mesh_->find(patch, scene_.patches[patch], u, v);
     const std::int32_t first = std::int32_t(scene_.patches.size()) + place.leaf->leaf;
-    return place.leaf->cut ? first + nearest_corner(place, i, u, v) : first;
+    return place.leaf->cut ? first + nearest_corner(place) : first;
   }
 
  private:
-  int nearest_corner(const DisplayMesh::Place& place, std::int32_t i, float u, float v) const;
+  static constexpr int kAcross = 8;
+  using Nearest = std::array<std::uint8_t, kAcross * kAcross>;  ///< Corners, of the parts of a leaf.
+
+  int nearest_corner(const DisplayMesh::Place& place) const {
+    const int x = std::min(int(place.u * kAcross), kAcross - 1), y = std::min(int(place.v * kAcross), kAcross - 1);
+    return nearest_[cut_[place.leaf - mesh_->cells.data()]][y * kAcross + x];
+  }
 
   const PatchSet& scene_;
   const PatchLookup lookup_;
-  const RayScene* const ray_scene_ = nullptr;
   const DisplayMesh* const mesh_ = nullptr;
+  std::vector<std::int32_t> cut_;  ///< [cells]: of leaves that something stands on, their place in `nearest_`.
+  std::vector<Nearest> nearest_;
 };
 
 /// Which corners of a leaf see the place in it that is (u,v) of primitive `i`, as bits; those that are hidden do not.

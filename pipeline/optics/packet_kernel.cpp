@@ -40,11 +40,25 @@ inline bool any(const Ints& mask) {
 #endif
 }
 
-inline bool reaches(const Rays& r, const Node& n) {
+/// One over the directions; a large number for one over nothing, so that all stay numbers.
+struct alignas(64) Inverse {
+  float of[3][kLanes];
+
+  explicit Inverse(const Rays& r) {
+    constexpr float kSteep = 1e30f;
+    for (int k = 0; k < 3; ++k)
+      for (int lane = 0; lane < kLanes; lane += kWidth) {
+        const Floats d = load(r.direction[k] + lane);
+        store(of[k] + lane, (d > 1 / kSteep) | (d < -1 / kSteep) ? 1.0f / d : kSteep - Floats{});
+      }
+  }
+};
+
+inline bool reaches(const Rays& r, const Inverse& inverses, const Node& n) {
   for (int lane = 0; lane < kLanes; lane += kWidth) {
     Floats enter = load(r.near + lane), leave = load(r.far + lane);
     for (int k = 0; k < 3; ++k) {
-      const Floats origin = load(r.origin[k] + lane), inverse = load(r.inverse[k] + lane);
+      const Floats origin = load(r.origin[k] + lane), inverse = load(inverses.of[k] + lane);
       const Floats a = (n.low[k] - origin) * inverse, b = (n.high[k] - origin) * inverse;
       enter = most(enter, least(a, b));
       leave = least(leave, most(a, b));
@@ -122,12 +136,13 @@ std::uint32_t blocked(const Rays& rays) {
 
 /// Nodes from near to far, as the first lane goes.
 void JOIN(trace_by_, PACKET_WIDTH)(const Tree& tree, Rays& rays, std::uint32_t wanted) {
+  const Inverse inverses(rays);
   std::int32_t stack[kDeepest + 2];
   int waiting = 0;
   stack[waiting++] = 0;
   while (waiting > 0) {
     const Node& node = tree.nodes[stack[--waiting]];
-    if (!reaches(rays, node)) continue;
+    if (!reaches(rays, inverses, node)) continue;
     if (node.count == 0) {
       const bool backwards = rays.direction[node.axis][0] < 0;
       stack[waiting++] = node.first + !backwards;

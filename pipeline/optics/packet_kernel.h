@@ -42,11 +42,12 @@ struct Tree {
   const Ball* balls;
 };
 
-/// Rays, and what they have met so far.
-struct alignas(64) Rays {
-  float origin[3][kLanes], direction[3][kLanes], inverse[3][kLanes];
-  float near[kLanes], far[kLanes], s[kLanes], t[kLanes];
-  std::int32_t surface[kLanes];  ///< -1: nothing.
+/// Rays, each array aligned to 64 bytes, and what they meet.
+struct Rays {
+  const float *origin[3], *direction[3], *near;
+  float* far;
+  float *s, *t;
+  alignas(64) std::int32_t surface[kLanes];  ///< -1: nothing.
 };
 
 /// Finds the nearest surface in each lane's way, or, if `wanted` is not 0, goes on until there is any in all of those.

@@ -1,0 +1,23 @@
+#pragma once
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace patchlight {
+
+/// Has the system give the memory of the next `count` values, which must be reserved, all at once: page by page as they
+/// are first touched costs several times more than what is written there.
+template <class Value>
+void get_memory_for(std::vector<Value>& values, std::size_t count) {
+#ifdef MADV_POPULATE_WRITE
+  const auto page = std::uintptr_t(sysconf(_SC_PAGESIZE));
+  const auto begin = reinterpret_cast<std::uintptr_t>(values.data() + values.size()) / page * page;
+  const auto end = reinterpret_cast<std::uintptr_t>(values.data() + values.size() + count) / page * page;
+  if (begin < end) madvise(reinterpret_cast<void*>(begin), end - begin, MADV_POPULATE_WRITE);  // or it is slower
+#endif
+}
+
+}  // namespace patchlight
