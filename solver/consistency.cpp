@@ -20,7 +20,9 @@ SpectrumField seen_by(const FormFactorRows& rows, std::size_t patches) {
 std::vector<double> exposed_areas(const PatchSet& scene, const Transport& transport) {
   std::vector<double> areas;
   for (std::size_t i = 0; i < scene.patches.size(); ++i)
-    areas.push_back(scene.patches[i].area * (transport.exposed.empty() ? 1.0 : double(transport.exposed[i])));
+    areas.push_back(scene.patches[i].area * (transport.exposed.empty()
+                                                 ? 1.0
+                                                 : 0.5 * (transport.exposed[2 * i] + transport.exposed[2 * i + 1])));
   return areas;
 }
 

@@ -14,6 +14,14 @@ constexpr int kDraws = 8;        // where errors reach other patches
 constexpr double kLocal = 0.05;  // part of an error that may come from other patches before that counts
 constexpr double kSpreadTolerance = 0.05;
 constexpr int kSpreadIterations = 100;
+constexpr double kOneIn20 = 1.645;  // standard deviations of a normal variate, on one side
+
+/// What the ratio of two mean squares of `freedom` normal variates each stays below in 19 of 20 (Paulson 1942).
+double bound_of_ratio(double freedom) {
+  constexpr double kLeast = 8;  // degrees of freedom that the approximation is good for
+  const double c = 2 / (9 * std::max(freedom, kLeast)), a = (1 - c) * (1 - c), b = a - kOneIn20 * kOneIn20 * c;
+  return std::pow((a + std::sqrt(a * a - b * b)) / b, 3);
+}
 
 Spectrum root(const Spectrum& s) {
   Spectrum result;
@@ -35,20 +43,22 @@ class Estimator {
     EnergyField::Estimate estimate;
     const std::size_t n = areas_.size();
     double norm = 0, local = 0, spread = 0, bias = 0, bias_variance = 0;
+    std::vector<SpectrumField> smooth;
+    for (const auto& part : solution_.filtered) smooth.push_back(part.filter->apply(part.deviation));
     for (std::size_t i = 0; i < n; ++i) {
-      const Spectrum& a = solution_.deviation[i];
-      const Spectrum& b = solution_.direct_deviation[i];
-      const Spectrum square = (a * a + b * b) * reflectance_[i] * reflectance_[i];
+      Spectrum square = solution_.deviation[i] * solution_.deviation[i];
+      for (const SpectrumField& field : smooth) square += field[i] * field[i];
+      square *= reflectance_[i] * reflectance_[i];
       const Spectrum deviation = root(square);
       estimate.deviation.emplace_back(float(deviation.c[0]), float(deviation.c[1]), float(deviation.c[2]));
       norm += squared_at(i, solution_.irradiance);
       if (!counts(i)) continue;
       local += areas_[i] * square.sum();
       double correlated = 1;
-      for (const IrradianceFilter* filter : solution_.filters) {
-        bias += areas_[i] * filter->bias(i).square;
-        bias_variance += areas_[i] * areas_[i] * filter->bias(i).variance;
-        correlated = std::max(correlated, filter->correlated(i));
+      for (const auto& part : solution_.filtered) {
+        bias += areas_[i] * part.filter->bias(i).square;
+        bias_variance += areas_[i] * areas_[i] * part.filter->bias(i).variance;
+        correlated = std::max(correlated, part.filter->correlated(i));
       }
       spread += areas_[i] * areas_[i] * square.sum() * square.sum() * correlated;
     }
@@ -57,21 +67,21 @@ class Estimator {
     double relative_spread = local > 0 ? std::sqrt(2 * 2 * spread) / local : 0.0;
     double square = local;
     if (local > 0) {
-      std::vector<double> draws{draw(0)};
-      if (std::abs(std::sqrt(draws[0] / local) - 1) > kLocal) {
-        while (int(draws.size()) < kDraws) draws.push_back(draw(draws.size()));
-        double mean = 0, variance = 0;
-        for (const double d : draws) mean += d / kDraws;
-        for (const double d : draws) variance += (d - mean) * (d - mean) / (kDraws - 1);
-        square = std::max(mean, local);
-        relative_spread = std::max(relative_spread, std::sqrt(2 * variance) / mean);
-      }
+      // Against its own patches' squares, a draw tells well what reaches others.
+      std::vector<double> draws{local * draw(0)};
+      if (std::abs(std::sqrt(draws[0] / local) - 1) > kLocal)
+        while (int(draws.size()) < kDraws) draws.push_back(local * draw(draws.size()));
+      double mean = 0, variance = 0;
+      for (const double d : draws) mean += d / double(draws.size());
+      for (const double d : draws) variance += (d - mean) * (d - mean) / std::max(1.0, double(draws.size()) - 1);
+      square = std::max(mean, local);
+      relative_spread = std::max(relative_spread, std::sqrt(2 * variance) / mean);
     }
-    constexpr double kOneIn20 = 1.645;
-    const double uncertain = std::sqrt(square * square * relative_spread * relative_spread + bias_variance);
+    const double above = square * (bound_of_ratio(4 / (relative_spread * relative_spread)) - 1);
+    const double uncertain = std::sqrt(above * above + kOneIn20 * kOneIn20 * bias_variance);
     square += std::max(bias, 0.0);
     estimate.error = std::sqrt(square / norm);
-    estimate.error_bound = std::sqrt((square + kOneIn20 * uncertain) / norm) + solution_.residual;
+    estimate.error_bound = std::sqrt((square + uncertain) / norm) + solution_.residual;
     return estimate;
   }
 
@@ -83,19 +93,30 @@ class Estimator {
     return counts(i) ? areas_[i] * (reflected * reflected).sum() : 0.0;
   }
 
-  /// Squared norm of an error as likely as the true one.
+  /// Squared norm of an error as likely as the true one, over that of what each patch's own samples bring to it.
   double draw(std::uint64_t index) const {
-    SpectrumField source(areas_.size());
-    for (std::size_t i = 0; i < source.size(); ++i) {
-      const std::uint64_t random = scramble(scramble(index) + i);
-      source[i] = signed_by(solution_.deviation[i], random & 1) + signed_by(solution_.direct_deviation[i], random & 2);
+    const auto signs = [&](const SpectrumField& deviation, std::uint64_t which) {
+      SpectrumField drawn;
+      for (std::size_t i = 0; i < areas_.size(); ++i)
+        drawn.push_back(signed_by(deviation[i], scramble(scramble(index) + i) >> which & 1));
+      return drawn;
+    };
+    SpectrumField source = signs(solution_.deviation, 0);
+    for (std::size_t k = 0; k < solution_.filtered.size();
+         ++k) {  // what patches share through a filter, they share here
+      const auto& part = solution_.filtered[k];
+      const SpectrumField smooth = part.filter->apply(signs(part.deviation, k + 1));
+      for (std::size_t i = 0; i < source.size(); ++i) source[i] += smooth[i];
     }
     SpectrumField error = source;
     solve_irradiance(rows_, reflectance_, areas_, source, kSpreadTolerance, kSpreadIterations, error,
                      [](double) { Progress::check_interrupted(); });
-    double square = 0;
-    for (std::size_t i = 0; i < error.size(); ++i) square += squared_at(i, error);
-    return square;
+    double square = 0, own = 0;
+    for (std::size_t i = 0; i < error.size(); ++i) {
+      square += squared_at(i, error);
+      own += squared_at(i, source);
+    }
+    return own > 0 ? square / own : 1.0;
   }
 
   const PatchSet& scene_;

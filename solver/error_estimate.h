@@ -5,13 +5,17 @@
 
 namespace patchlight {
 
-/// What a solve found, and how far half its samples are from it.
+/// What a solve found, and how far half its samples are from it: half the difference of the halves, W/m2.
 struct SampledSolution {
-  SpectrumField irradiance;        ///< [n] W/m2, direct and indirect.
-  SpectrumField deviation;         ///< [n] W/m2, of what rows receive: half the difference of their halves.
-  SpectrumField direct_deviation;  ///< [n] W/m2, of emitters that are sampled apart.
-  std::vector<const IrradianceFilter*> filters;  ///< What went over parts of what rows receive.
-  double residual = 0.0;                         ///< Of the linear system.
+  struct Filtered {
+    const IrradianceFilter* filter;
+    SpectrumField deviation;  ///< [n] Before the filter.
+  };
+
+  SpectrumField irradiance;  ///< [n] W/m2, direct and indirect.
+  SpectrumField deviation;   ///< [n] Of what no filter went over.
+  std::vector<Filtered> filtered;
+  double residual = 0.0;  ///< Of the linear system.
 };
 
 /// Estimates a solution's error: every patch's deviations, each with a sign of its own at random, are errors as likely

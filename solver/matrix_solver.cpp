@@ -175,13 +175,8 @@ EnergyField solve_matrix(const PatchSet& scene, const SolveConfig& config, int r
                                 reflected);
   const IrradianceFilter mirror_filter(lookup, scene.primitives.size(), by_mirrors, by_mirrors_deviation,
                                        system.reflectance, reflected);
-  SampledSolution all{SpectrumField(n),
-                      filter.apply(reflected_deviation),
-                      SpectrumField(n),
-                      {&filter, &mirror_filter},
-                      energy.residual};
-  by_mirrors_deviation = mirror_filter.apply(by_mirrors_deviation);
-  for (std::size_t i = 0; i < n; ++i) all.deviation[i] += by_mirrors_deviation[i];
+  SampledSolution all{SpectrumField(n), SpectrumField(n), {{&filter, reflected_deviation}}, energy.residual};
+  if (!is_black(by_mirrors)) all.filtered.push_back({&mirror_filter, by_mirrors_deviation});
   for (std::size_t g = 0; g < groups.size(); ++g) {
     const GroupSolution& solution = groups[g];
     SpectrumField direct = solution.apart, indirect = filter.apply(solution.reflected);
@@ -190,8 +185,7 @@ EnergyField solve_matrix(const PatchSet& scene, const SolveConfig& config, int r
       if (!solution.by_rows.empty()) direct[i] += solution.by_rows[i];
       indirect[i] += by_mirrors[i];
       all.irradiance[i] += direct[i] + indirect[i];
-      all.deviation[i] += solution.by_rows_deviation[i];
-      all.direct_deviation[i] += solution.apart_deviation[i];
+      all.deviation[i] += solution.by_rows_deviation[i] + solution.apart_deviation[i];
     }
     const std::string& name = scene.light_groups[g];
     energy.groups.push_back(

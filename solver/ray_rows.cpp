@@ -21,8 +21,9 @@ namespace {
 constexpr int kBlock = 16;                     // rows that a thread casts at a time
 constexpr std::int64_t kRaysAtOnce = 1 << 18;  // between two looks at the signals
 
-constexpr int kMostBlocks = 8;  // of rays, for a row that sees little
-constexpr int kFewBacks = 32;   // one ray in so many may end on a back before a row's parts are looked at
+constexpr int kMostBlocks = 8;       // of rays, for a row that sees little
+constexpr int kLeastForPart = 1024;  // rays, to tell which part of a patch is exposed
+constexpr int kFewBacks = 64;        // one ray in so many may end on a back before a row's parts are looked at
 
 using Lanes = std::array<float, RayPacket::kSize>;
 
@@ -215,12 +216,14 @@ void RayRows::cast_row(std::int32_t row, const DirectionTable& table, Scratch& s
   std::array<Half, 2> halves{Half(*this, row, 0, scratch), Half(*this, row, 1, scratch)};
   for (Half& half : halves) cast_block(half, table, half.half * !apart_);
   const int backs = halves[0].backs + halves[1].backs;
-  float part = 1.0f;
-  if (exposed_parts_ && kFewBacks * backs >= halves[0].cast + halves[1].cast) {
-    part = exposed_part(scene_, ray_scene_, receivers_[row], scramble(halves[0].random));
-    found.rays += kExposedPartRays;
-  }
-  found.exposed.push_back(part);
+  std::array<float, 2> parts{1.0f, 1.0f};
+  if (exposed_parts_ && kFewBacks * backs >= halves[0].cast + halves[1].cast)
+    for (int half = 0; half < 2; ++half) {
+      const int rays = std::max(kLeastForPart, 2 * table.count());
+      parts[half] = exposed_part(scene_, ray_scene_, receivers_[row], rays, scramble(halves[half].random));
+      found.rays += rays;
+    }
+  found.exposed.insert(found.exposed.end(), parts.begin(), parts.end());
   const auto blocks = [&](const Half& other) {
     const int met = int(other.ends.size()) + other.backs;
     return other.ends.empty() ? 1 : std::min(kMostBlocks, (table.count() + met / 2) / met);
@@ -231,7 +234,7 @@ void RayRows::cast_row(std::int32_t row, const DirectionTable& table, Scratch& s
       cast_block(half, table, apart_ ? block : 2 * block + half.half);
     found.ends.insert(found.ends.end(), half.ends.begin(), half.ends.end());
     found.hits.push_back(std::int32_t(half.ends.size()));
-    found.shares.push_back(1.0f / (float(half.cast) * part));
+    found.shares.push_back(1.0f / (float(half.cast) * parts[half.half]));
     found.rays += half.cast + std::int64_t(half.mirrored.size());
     for (auto& m : half.mirrored) {
       m.weight *= found.shares.back();

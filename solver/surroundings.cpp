@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "pipeline/optics/patch_sampling.h"
 #include "pipeline/optics/random.h"
@@ -86,19 +87,18 @@ bool is_cut(const PatchSet& scene, const RayScene& ray_scene, const Patch& part)
   return ray_scene.occluded(packet) != 0;
 }
 
-float exposed_part(const PatchSet& scene, const RayScene& ray_scene, const Patch& patch, std::uint64_t random) {
-  constexpr int kAcross = 8;  // cells, each with four points of four rays that go all ways
+float exposed_part(const PatchSet& scene, const RayScene& ray_scene, const Patch& patch, int rays,
+                   std::uint64_t random) {
   const auto point_of = [](int lane) { return (lane ^ lane >> 2) & 3; };
   const PatchSampler sampler(scene.primitives[patch.primitive], patch);
   const float offset = ray_scene.offset(patch.primitive);
-  std::array<float, 4 * kAcross * kAcross> points;
-  for (int cell = 0; cell < kAcross * kAcross; ++cell) {
-    const std::uint64_t own = scramble(random + std::uint64_t(cell));
+  std::vector<float> points;  // each with four rays that go all ways
+  for (int first = 0; first < rays / 4; first += 4) {
+    const std::uint64_t own = scramble(random + std::uint64_t(first));
     RayPacket packet;
     for (int lane = 0; lane < RayPacket::kSize; ++lane) {
-      const Vec2f at = kronecker2(std::uint64_t(point_of(lane)), own);
-      const float x = (float(cell % kAcross) + at.x) / kAcross, y = (float(cell / kAcross) + at.y) / kAcross;
-      set_lane(ray_scene, sampler(x, y), offset, lane, own, packet);
+      const Vec2f at = kronecker2(std::uint64_t(first + point_of(lane)), random);
+      set_lane(ray_scene, sampler(at.x, at.y), offset, lane, own, packet);
     }
     ray_scene.intersect(packet, false);
     std::array<int, 4> lit{}, backs{};
@@ -107,8 +107,7 @@ float exposed_part(const PatchSet& scene, const RayScene& ray_scene, const Patch
       lit[point_of(lane)] += hit.front;
       backs[point_of(lane)] += !hit.front && hit.primitive >= 0;
     }
-    for (int point = 0; point < 4; ++point)
-      points[4 * cell + point] = backs[point] > 0 ? 0.25f * float(lit[point]) : 1.0f;
+    for (int k = 0; k < 4; ++k) points.push_back(backs[k] > 0 ? 0.25f * float(lit[k]) : 1.0f);
   }
   const float most = *std::max_element(points.begin(), points.end());
   if (most == 0) return 1.0f;

@@ -18,6 +18,7 @@ namespace patchlight {
 
 namespace {
 
+constexpr int kExposedPartRays = 1024;
 constexpr double kPhotons = 0.125;  // of all emitters together, for each ray of the rows
 
 /// Two hemicubes a row, one for each half.
@@ -44,17 +45,21 @@ void draw_rows(const PatchSet& scene, const SolveConfig& config, Transport& tran
 /// Tells which parts of patches that see unlit backs are exposed, and makes their rows rows of these. Returns the
 /// number of rays that that took.
 std::int64_t find_exposed(const PatchSet& scene, const RayScene& ray_scene, std::uint64_t seed, Transport& transport) {
-  transport.exposed.assign(scene.patches.size(), 1.0f);
+  transport.exposed.assign(2 * scene.patches.size(), 1.0f);
   std::atomic<std::int64_t> cast{0};
   tbb::parallel_for(std::size_t(0), scene.patches.size(), [&](std::size_t i) {
     _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree wants denormals flushed
-    const std::uint64_t random = scramble(seed + i);
+    std::uint64_t random = scramble(seed + i);
     cast += RayPacket::kSize;
     if (!closeness(scene, ray_scene, scene.patches[i], random).to_backs) return;
-    float& part = transport.exposed[i] = exposed_part(scene, ray_scene, scene.patches[i], scramble(random));
-    for (std::uint64_t at = transport.starts[2 * i]; at < transport.starts[2 * i + 2]; ++at)
-      transport.weights[at] /= part;
-    cast += kExposedPartRays;
+    for (const std::size_t half : {2 * i, 2 * i + 1}) {
+      random = scramble(random);
+      const float part = transport.exposed[half] =
+          exposed_part(scene, ray_scene, scene.patches[i], kExposedPartRays, random);
+      for (std::uint64_t at = transport.starts[half]; at < transport.starts[half + 1]; ++at)
+        transport.weights[at] /= part;
+      cast += kExposedPartRays;
+    }
   });
   return cast;
 }
@@ -106,7 +111,7 @@ std::int64_t complete_transport(const PatchSet& scene, const SolveConfig& config
       const double share = kPhotons * rays * double(scene.patches.size()) / double(wanted.size());
       if (!hemicubes && photons.has_metals()) added.mirrored = photons.shoot(emitter, std::int64_t(share), cast);
       for (std::size_t k = 0; k < added.factors.size() && !transport.exposed.empty(); ++k) {
-        const float part = transport.exposed[k / 2];
+        const float part = transport.exposed[k];
         added.factors[k] /= part;
         if (!added.mirrored.empty()) added.mirrored[k] /= part;
       }

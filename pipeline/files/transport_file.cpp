@@ -130,7 +130,7 @@ void read_display(const H5Reader& reader, std::int64_t patches, Transport& trans
 void write_transport(const std::filesystem::path& file, const Transport& transport) {
   H5Writer writer(file);
   write_rows(writer, "", transport);
-  if (!transport.exposed.empty()) writer.dataset<float>("/exposed", transport.exposed);
+  if (!transport.exposed.empty()) writer.dataset<float>("/exposed", transport.exposed, 2);
   if (transport.display) {
     write_display_mesh(writer, transport.display->mesh);
     write_rows(writer, "/display", transport.display->rows);
@@ -161,7 +161,7 @@ Transport read_transport(const std::filesystem::path& file) {
   transport.key = reader.text("key");
   read_rows(reader, "", -1, reader.integer("rays"), transport);
   if (reader.has("/exposed")) {
-    transport.exposed = reader.dataset<float>("/exposed", transport.rows());
+    transport.exposed = reader.dataset<float>("/exposed", transport.rows(), 2);
     check_all(reader, "/exposed", transport.exposed, [](float part) { return part > 0 && part <= 1; });
   }
   read_display(reader, transport.rows(), transport);

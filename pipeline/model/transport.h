@@ -26,7 +26,7 @@ struct TransportRows {
   std::vector<float> weights;         ///< Form factor of each of `ends` within its half; empty: rows by rays.
   std::vector<float> shares;          ///< [2 rows], by rays: form factor of each of a half's `ends`.
   std::vector<Mirrored> mirrored;     ///< By growing row, and half.
-  std::vector<float> exposed;         ///< [rows] Part of each patch that is exposed, see exposed_part(); empty: all.
+  std::vector<float> exposed;         ///< [2 rows] Part of each patch that is exposed, as each half has it; empty: all.
   int rays = 0;                       ///< Of a row that meets something wherever it looks; 0: not by rays.
 
   std::int64_t rows() const { return starts.empty() ? 0 : std::int64_t(starts.size() / 2); }

@@ -19,7 +19,7 @@ Transport sample() {
   transport.starts = {0, 2, 4, 4, 6};  // two patches
   transport.ends = {1, 0, 1, 1, 0, 1};
   transport.shares = {0.25f, 0.5f, 0.25f, 0.5f};
-  transport.exposed = {0.5f, 1.0f};
+  transport.exposed = {0.5f, 0.5f, 1.0f, 1.0f};
   transport.rays = 4;
   transport.mirrored = {{0, 1, 1, Color(0.5f, 0.25f, 0.0f)}, {1, 0, 0, Color(0.1f)}};
   transport.emitters = {{0, 1, {0.1f, 0.2f, 0.3f, -0.01f}}, {1, 1, {0.0f, 0.0f, 0.5f, 0.5f}}};

@@ -124,7 +124,7 @@ TEST(ExposedPart, IsWhatNothingStandsOn) {
   builder.quad({{{-1, 0, 0}, {-1, 1, 0}, {x, 1, 0}, {x, 0, 0}}}, 1, 1, {});
   builder.quad({{{-1, 0, 0}, {-1, 0, 1}, {-1, 1, 1}, {-1, 1, 0}}}, 1, 1, {});
   const RayScene ray_scene(builder.get());
-  const auto part = [&](int i) { return exposed_part(builder.get(), ray_scene, builder.get().patches[i], 1); };
+  const auto part = [&](int i) { return exposed_part(builder.get(), ray_scene, builder.get().patches[i], 1024, 1); };
   EXPECT_NEAR(part(0), 1 - x, 0.01);
   for (int i = 1; i < 6; ++i) EXPECT_EQ(part(i), 1.0f);
 }

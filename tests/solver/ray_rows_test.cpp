@@ -86,7 +86,7 @@ TEST(RayRows, AreOfTheExposedPartOfAPatch) {
   builder.quad({{{-1, 0, 0}, {-1, 1, 0}, {x, 1, 0}, {x, 0, 0}}}, 1, 1, {});
   builder.quad({{{-1, 0, 0}, {-1, 0, 1}, {-1, 1, 1}, {-1, 1, 0}}}, 1, 1, {});
   const Transport transport = cast(builder.get(), 1 << 13);
-  ASSERT_EQ(transport.exposed.size(), builder.get().patches.size());
+  ASSERT_EQ(transport.exposed.size(), 2 * builder.get().patches.size());
   EXPECT_NEAR(transport.exposed[0], 1 - x, 0.01);
   EXPECT_NEAR(form_factor(transport, 0, 1, 1, 1), 0.24842, 0.004) << "rectangles that share an edge: Howell 2010, C-14";
 }
