@@ -60,8 +60,8 @@ inline bool reaches(const Rays& r, const Inverse& inverses, const Node& n) {
     for (int k = 0; k < 3; ++k) {
       const Floats origin = load(r.origin[k] + lane), inverse = load(inverses.of[k] + lane);
       const Floats a = (n.low[k] - origin) * inverse, b = (n.high[k] - origin) * inverse;
-      enter = most(enter, least(a, b));
-      leave = least(leave, most(a, b));
+      enter = most(least(a, b), enter);  // in this order, what is not a number changes nothing
+      leave = least(most(a, b), leave);
     }
     if (any(enter <= leave)) return true;
   }

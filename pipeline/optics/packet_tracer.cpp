@@ -1,6 +1,7 @@
 #include "pipeline/optics/packet_tracer.h"
 
 #include <array>
+#include <limits>
 
 namespace patchlight {
 
@@ -8,8 +9,11 @@ namespace {
 
 using packet::kLanes;
 
-packet::Rays rays_of(const RTCRay16& r, float* far, float* s, float* t) {
-  packet::Rays rays{{r.org_x, r.org_y, r.org_z}, {r.dir_x, r.dir_y, r.dir_z}, r.tnear, far, s, t, {}};
+// From here to minus here, nothing is met, whatever else a lane holds.
+constexpr float kEndless = std::numeric_limits<float>::infinity();
+
+packet::Rays rays_of(const RTCRay16& r, const float* near, float* far, float* s, float* t) {
+  packet::Rays rays{{r.org_x, r.org_y, r.org_z}, {r.dir_x, r.dir_y, r.dir_z}, near, far, s, t, {}};
   for (std::int32_t& surface : rays.surface) surface = -1;
   return rays;
 }
@@ -25,8 +29,10 @@ void PacketTracer::trace(packet::Rays& rays, std::uint32_t wanted) const {
   if (!nodes_.empty()) trace_({nodes_.data(), items_.data(), facets_.data(), balls_.data()}, rays, wanted);
 }
 
-void PacketTracer::intersect(RTCRayHit16& to) const {
-  packet::Rays rays = rays_of(to.ray, to.ray.tfar, to.hit.u, to.hit.v);
+void PacketTracer::intersect(RTCRayHit16& to, std::uint32_t wanted) const {
+  for (int lane = 0; lane < kLanes; ++lane)
+    if (!(wanted >> lane & 1u)) to.ray.tnear[lane] = kEndless, to.ray.tfar[lane] = -kEndless;
+  packet::Rays rays = rays_of(to.ray, to.ray.tnear, to.ray.tfar, to.hit.u, to.hit.v);
   trace(rays, 0);
   for (int lane = 0; lane < kLanes; ++lane) {
     if (rays.surface[lane] < 0) continue;
@@ -37,9 +43,13 @@ void PacketTracer::intersect(RTCRayHit16& to) const {
 
 std::uint32_t PacketTracer::occluded(const RTCRay16& from, std::uint32_t wanted) const {
   if (wanted == 0) return 0;
-  alignas(64) std::array<float, kLanes> far, s{}, t{};
-  for (int lane = 0; lane < kLanes; ++lane) far[lane] = from.tfar[lane];
-  packet::Rays rays = rays_of(from, far.data(), s.data(), t.data());
+  alignas(64) std::array<float, kLanes> near, far, s{}, t{};
+  for (int lane = 0; lane < kLanes; ++lane) {
+    const bool asked = wanted >> lane & 1u;
+    near[lane] = asked ? from.tnear[lane] : kEndless;
+    far[lane] = asked ? from.tfar[lane] : -kEndless;
+  }
+  packet::Rays rays = rays_of(from, near.data(), far.data(), s.data(), t.data());
   trace(rays, wanted);
   std::uint32_t blocked = 0;
   for (int lane = 0; lane < kLanes; ++lane) blocked |= std::uint32_t(rays.surface[lane] >= 0) << lane;

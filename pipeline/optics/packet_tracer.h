@@ -26,7 +26,8 @@ class PacketTracer {
   /// The nearest surface in each lane's way between tnear and tfar: sets tfar to its distance, geomID to 0 for a quad
   /// and 1 for a sphere, primID to its index, and u and v, of quads, to (s,t) in the frame of the edges at corner 0.
   /// Lanes that meet nothing keep what they have.
-  void intersect(RTCRayHit16& rays) const;
+  /// Lanes that are not `wanted` cost nothing, whatever they hold, and lose their ends.
+  void intersect(RTCRayHit16& rays, std::uint32_t wanted) const;
 
   /// The lanes of `wanted` in whose way something stands, as bits.
   std::uint32_t occluded(const RTCRay16& rays, std::uint32_t wanted) const;

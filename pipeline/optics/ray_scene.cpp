@@ -43,6 +43,12 @@ Imath::Box3d bounds_of(const PatchSet& scene) {
   return bounds;
 }
 
+std::uint32_t wanted_lanes(const RayPacket& packet) {
+  std::uint32_t wanted = 0;
+  for (int lane = 0; lane < RayPacket::kSize; ++lane) wanted |= std::uint32_t(packet.valid[lane] != 0) << lane;
+  return wanted;
+}
+
 }  // namespace
 
 void RayPacket::clear() {
@@ -193,7 +199,7 @@ void RayScene::add_spheres_to_embree(const std::vector<std::array<float, 4>>& ba
 }
 
 void RayScene::intersect(RayPacket& packet, bool coherent) const {
-  if (few_) return few_->intersect(packet.rays);
+  if (few_) return few_->intersect(packet.rays, wanted_lanes(packet));
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   context.flags = coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
@@ -201,11 +207,7 @@ void RayScene::intersect(RayPacket& packet, bool coherent) const {
 }
 
 std::uint32_t RayScene::occluded(RayPacket& packet) const {
-  if (few_) {
-    std::uint32_t wanted = 0;
-    for (int lane = 0; lane < RayPacket::kSize; ++lane) wanted |= std::uint32_t(packet.valid[lane] != 0) << lane;
-    return few_->occluded(packet.rays.ray, wanted);
-  }
+  if (few_) return few_->occluded(packet.rays.ray, wanted_lanes(packet));
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   rtcOccluded16(packet.valid.data(), scene_, &context, &packet.rays.ray);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <random>
 
 #include "pipeline/optics/ray_scene.h"
@@ -105,6 +106,34 @@ TEST(PacketTracer, LetsNoRayThroughBetweenNeighbours) {
       rays.intersect(packet, false);
       for (int lane = 0; lane < RayPacket::kSize; ++lane) ASSERT_GE(rays.hit(packet, lane).primitive, 0);
     }
+  }
+}
+
+TEST(PacketTracer, LeavesOutLanesWhateverTheyHold) {
+  const PatchSet scene = clutter(60, 0.5);
+  const RayScene rays(scene);
+  std::mt19937 random(4);
+  const float values[] = {
+      0.0f, -1e30f, 1e30f, 1e-42f, std::numeric_limits<float>::quiet_NaN(), -std::numeric_limits<float>::infinity()};
+  for (int k = 0; k < 600; ++k) {
+    RayPacket clean = random_packet(random, 0.5);
+    for (int lane = 3; lane < RayPacket::kSize; ++lane) clean.valid[lane] = 0;
+    RayPacket other = clean;
+    for (int lane = 3; lane < RayPacket::kSize; ++lane) {
+      auto& ray = other.rays.ray;
+      for (float* field : {ray.org_x, ray.org_y, ray.org_z, ray.dir_x, ray.dir_y, ray.dir_z, ray.tnear, ray.tfar})
+        field[lane] = values[random() % 6];
+    }
+    RayPacket shadows = other;
+    rays.intersect(clean, true);
+    rays.intersect(other, true);
+    std::uint32_t met = 0;
+    for (int lane = 0; lane < RayPacket::kSize; ++lane) {
+      EXPECT_EQ(rays.hit(other, lane).primitive, rays.hit(clean, lane).primitive);
+      EXPECT_EQ(rays.hit(other, lane).t, rays.hit(clean, lane).t);
+      met |= std::uint32_t(rays.hit(clean, lane).primitive >= 0) << lane;
+    }
+    EXPECT_EQ(rays.occluded(shadows), met);
   }
 }
 
