@@ -94,12 +94,9 @@ class DirectFactors::Run {
     const Patch& patch = from_.receivers_[row];
     const Primitive& primitive = from_.scene_.primitives[patch.primitive];
     if (primitive.shape != Primitive::Shape::quad) return false;
-    const auto& c = primitive.corners;
     std::array<Vec3d, 4> corners;
-    for (int k = 0; k < 4; ++k) {
-      const double u = k % 2 ? patch.u1 : patch.u0, v = k / 2 ? patch.v1 : patch.v0;
-      corners[k] = (c[0] * (1 - u) + c[1] * u) * (1 - v) + (c[3] * (1 - u) + c[2] * u) * v;
-    }
+    for (int k = 0; k < 4; ++k)
+      corners[k] = position_at(primitive.corners, k % 2 ? patch.u1 : patch.u0, k / 2 ? patch.v1 : patch.v0);
     return light_.is_behind(corners, patch.normal);
   }
 

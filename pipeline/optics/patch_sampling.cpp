@@ -7,10 +7,6 @@ namespace patchlight {
 
 namespace {
 
-Vec3d bilinear(const std::array<Vec3d, 4>& c, double u, double v) {
-  return (c[0] * (1 - u) + c[1] * u) * (1 - v) + (c[3] * (1 - u) + c[2] * u) * v;
-}
-
 /// Inverts the distribution whose density runs linearly from a to b over [0,1] (Pharr et al. 2023, section A.5.1).
 double sample_linear(double x, double a, double b) {
   if (a == b) return x;
@@ -25,6 +21,10 @@ double area_density(const std::array<Vec3d, 4>& c, double u, double v) {
 
 }  // namespace
 
+Vec3d position_at(const std::array<Vec3d, 4>& c, double u, double v) {
+  return (c[0] * (1 - u) + c[1] * u) * (1 - v) + (c[3] * (1 - u) + c[2] * u) * v;
+}
+
 SurfacePoint point_at(const Primitive& p, double u, double v) {
   if (p.shape == Primitive::Shape::sphere) {
     const double phi = 2 * kPi * u, theta = kPi * v;
@@ -33,7 +33,7 @@ SurfacePoint point_at(const Primitive& p, double u, double v) {
   }
   // The diagonals' cross product is the normal of quads and of triangles alike.
   const Vec3d normal = (p.corners[2] - p.corners[0]) % (p.corners[3] - p.corners[1]);
-  return {bilinear(p.corners, u, v), Vec3f(normal.normalized())};
+  return {position_at(p.corners, u, v), Vec3f(normal.normalized())};
 }
 
 PatchSampler::PatchSampler(const Primitive& primitive, const Patch& patch) : primitive_(primitive), patch_(patch) {
@@ -49,7 +49,7 @@ PatchSampler::PatchSampler(const Primitive& primitive, const Patch& patch) : pri
 SurfacePoint PatchSampler::operator()(float x, float y) const {
   const Imath::V2d at = uv(x, y);
   if (primitive_.shape == Primitive::Shape::sphere) return point_at(primitive_, at.x, at.y);
-  return {bilinear(primitive_.corners, at.x, at.y), patch_.normal};
+  return {position_at(primitive_.corners, at.x, at.y), patch_.normal};
 }
 
 Imath::V2d PatchSampler::uv(float x, float y) const {

@@ -1,4 +1,6 @@
 #pragma once
+#include <array>
+
 #include "pipeline/model/patch_set.h"
 
 namespace patchlight {
@@ -8,6 +10,9 @@ struct SurfacePoint {
   Vec3d position;
   Vec3f normal;
 };
+
+/// The place of a quad's point at (u,v).
+Vec3d position_at(const std::array<Vec3d, 4>& corners, double u, double v);
 
 /// The point of a primitive at (u,v).
 SurfacePoint point_at(const Primitive& primitive, double u, double v);
