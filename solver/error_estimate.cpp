@@ -102,8 +102,8 @@ class Estimator {
       return drawn;
     };
     SpectrumField source = signs(solution_.deviation, 0);
-    for (std::size_t k = 0; k < solution_.filtered.size();
-         ++k) {  // what patches share through a filter, they share here
+    // What patches share through a filter they share here.
+    for (std::size_t k = 0; k < solution_.filtered.size(); ++k) {
       const auto& part = solution_.filtered[k];
       const SpectrumField smooth = part.filter->apply(signs(part.deviation, k + 1));
       for (std::size_t i = 0; i < source.size(); ++i) source[i] += smooth[i];

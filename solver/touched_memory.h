@@ -8,8 +8,8 @@
 
 namespace patchlight {
 
-/// Has the system give the memory of the next `count` values, which must be reserved, all at once: page by page as they
-/// are first touched costs several times more than what is written there.
+/// Has the system give the memory of the next `count` values, which must be reserved, all at once, which takes less
+/// time than page by page as they are first touched.
 template <class Value>
 void get_memory_for(std::vector<Value>& values, std::size_t count) {
 #ifdef MADV_POPULATE_WRITE

@@ -45,7 +45,8 @@ struct SurfaceHit {
 /// threads.
 class RayScene {
  public:
-  /// Primitives up to which a PacketTracer is faster; measured.
+  /// Primitives up to which a PacketTracer serves. It is faster where that was measured, at 20 and 7,342 of them; its
+  /// tree takes longer to build than Embree's.
   static constexpr std::size_t kFew = 16384;
 
   explicit RayScene(const PatchSet& scene, std::size_t few = kFew);
