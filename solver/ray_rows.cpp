@@ -149,11 +149,11 @@ struct RayRows::Half {
   std::optional<PatchSampler> sampler;  ///< Of a sphere.
   QuadPatch quad{};
 
-  int block = 0;                                  ///< Of the sequence, that is being cast.
-  std::array<std::uint32_t, 4> shift;             ///< See DirectionTable::block().
-  std::int32_t cast = 0, backs = 0;               ///< Rays, and those that ended on unlit backs.
-  std::vector<std::int32_t> ends;                 ///< Of those that met something lit.
-  std::vector<TransportRows::Mirrored> mirrored;  ///< With weights for one ray.
+  int block = 0;                                   ///< Of the sequence, that is being cast.
+  std::array<std::uint32_t, 4> shift;              ///< See DirectionTable::block().
+  std::int32_t cast = 0, backs = 0;                ///< Rays, and those that ended on unlit backs.
+  std::vector<std::int32_t>& ends;                 ///< Of those that met something lit.
+  std::vector<TransportRows::Mirrored>& mirrored;  ///< With weights for one ray.
 
   std::uint64_t number(int ray) const { return std::uint64_t(block) << 32 | std::uint64_t(ray); }
 };
