@@ -9,8 +9,7 @@ namespace {
 
 /// What each patch sees of all others: 1 in a closed scene without mirrors.
 SpectrumField seen_by(const FormFactorRows& rows, std::size_t patches) {
-  SpectrumField ones(patches + 1, Spectrum(1.0)), seen(patches);
-  ones.back() = Spectrum();
+  SpectrumField ones(patches, Spectrum(1.0)), seen(patches);
   rows.receive(ones, seen);
   return seen;
 }
@@ -28,7 +27,7 @@ std::vector<double> exposed_areas(const PatchSet& scene, const Transport& transp
 
 double reciprocity_error(const Transport& transport, const FormFactorRows& rows, const std::vector<double>& areas) {
   const std::size_t n = areas.size();
-  std::vector<double> seen_of(n + 1);
+  std::vector<double> seen_of(n);
   for (std::size_t k = 0; k + 1 < transport.starts.size(); ++k) {
     const std::uint64_t begin = transport.starts[k], end = transport.starts[k + 1];
     const double share = 0.5 * areas[k / 2] * (transport.rays > 0 ? double(transport.shares[k]) : 1.0);

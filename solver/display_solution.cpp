@@ -112,7 +112,7 @@ class Gather {
         leaf_reflectance_(leaf_reflectance),
         group_(group),
         patches_(scene.patches.size()),
-        radiosity_(patches_ + mesh_.elements + 1) {}
+        radiosity_(patches_ + mesh_.elements) {}
 
   void run() {
     emit();
@@ -226,8 +226,8 @@ class Gather {
   const SpectrumField& leaf_reflectance_;
   EnergyField::Group& group_;
   const std::size_t patches_;
-  SpectrumField radiosity_;       ///< [elements + 1], reflected.
-  SpectrumField apart_, others_;  ///< [elements + 1], emitted.
+  SpectrumField radiosity_;       ///< [elements], reflected.
+  SpectrumField apart_, others_;  ///< [elements], emitted.
   SpectrumField by_photons_;      ///< [gathered], of emitters apart; empty: rows tell it.
   SpectrumField direct_;          ///< [mesh elements], of emitters apart.
   SpectrumField at_vertices_;     ///< [gathered].

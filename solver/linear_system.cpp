@@ -130,7 +130,7 @@ LinearSolve solve_irradiance(const FormFactorRows& rows, const SpectrumField& re
                              const std::vector<double>& areas, const SpectrumField& source, double tolerance,
                              int max_iterations, SpectrumField& x, const std::function<void(double)>& step) {
   const std::size_t n = areas.size();
-  SpectrumField reflected(n + 1);
+  SpectrumField reflected(n);
   const auto dot = [&](const SpectrumField& a, const SpectrumField& b) {
     return sum_of(n, [&](std::size_t i) { return a[i] * b[i] * Spectrum(areas[i]); });
   };

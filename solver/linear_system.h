@@ -38,7 +38,7 @@ struct alignas(32) Spectrum {
   }
 };
 
-/// A value for each patch; where it feeds rows of form factors, one more that stays zero, for what they see of nothing.
+/// A value for each patch or element.
 using SpectrumField = std::vector<Spectrum>;
 
 /// For files: negative values count as 0. Throws: Error (bad_data), naming the light group, if one is too large.
@@ -49,7 +49,7 @@ class FormFactorRows {
  public:
   explicit FormFactorRows(const TransportRows& rows);
 
-  /// What each row receives from `radiosity` [n + 1], directly and by mirrors. Shape: [n].
+  /// What each row receives from `radiosity` [elements], directly and by mirrors. Shape: [n].
   void receive(const SpectrumField& radiosity, SpectrumField& irradiance) const;
 
   /// The same and how far each half is from the mean: half the difference of the first half and the second.

@@ -44,14 +44,14 @@ struct GroupSolution {
   LinearSolve linear;
 };
 
-/// Emission of a group: of emitters that are sampled apart, and of the others. Shape: [n + 1].
+/// Emission of a group: of emitters that are sampled apart, and of the others. Shape: [n].
 struct Emission {
   SpectrumField apart, others;
 };
 
 Emission emission_of(const System& system, std::int32_t group) {
   const std::size_t n = system.areas.size();
-  Emission emission{SpectrumField(n + 1), SpectrumField(n + 1)};
+  Emission emission{SpectrumField(n), SpectrumField(n)};
   for (std::size_t i = 0; i < n; ++i)
     if (const Patch& patch = system.scene.patches[i]; system.scene.primitives[patch.primitive].light_group == group)
       emission.others[i] = Spectrum(patch.emission);
@@ -122,7 +122,7 @@ GroupSolution solve_group(const System& system, std::int32_t group, double toler
   if (!solution.by_rows.empty())
     for (std::size_t i = 0; i < n; ++i) direct[i] += solution.by_rows[i];
 
-  SpectrumField reflected(n + 1), source(n), indirect(n);
+  SpectrumField reflected(n), source(n), indirect(n);
   for (std::size_t i = 0; i < n; ++i) reflected[i] = system.reflectance[i] * direct[i];
   system.rows.receive(reflected, source);
   for (std::size_t i = 0; i < n; ++i) source[i] += solution.by_mirrors[i];

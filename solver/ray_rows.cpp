@@ -21,9 +21,8 @@ namespace {
 constexpr int kBlock = 16;                     // rows that a thread casts at a time
 constexpr std::int64_t kRaysAtOnce = 1 << 18;  // between two looks at the signals
 
-constexpr int kMostBlocks = 8;       // of rays, for a row that sees little
-constexpr int kLeastForPart = 1024;  // rays, to tell which part of a patch is exposed
-constexpr int kFewBacks = 64;        // one ray in so many may end on a back before a row's parts are looked at
+constexpr int kMostBlocks = 8;  // of rays, for a row that sees little
+constexpr int kFewBacks = 64;   // one ray in so many may end on a back before a row's parts are looked at
 
 using Lanes = std::array<float, RayPacket::kSize>;
 
@@ -219,7 +218,7 @@ void RayRows::cast_row(std::int32_t row, const DirectionTable& table, Scratch& s
   std::array<float, 2> parts{1.0f, 1.0f};
   if (exposed_parts_ && kFewBacks * backs >= halves[0].cast + halves[1].cast)
     for (int half = 0; half < 2; ++half) {
-      const int rays = std::max(kLeastForPart, 2 * table.count());
+      const int rays = std::max(kLeastForExposedPart, 2 * table.count());
       parts[half] = exposed_part(scene_, ray_scene_, receivers_[row], rays, scramble(halves[half].random));
       found.rays += rays;
     }

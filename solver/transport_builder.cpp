@@ -18,7 +18,6 @@ namespace patchlight {
 
 namespace {
 
-constexpr int kExposedPartRays = 1024;
 constexpr double kPhotons = 0.125;  // of all emitters together, for each ray of the rows
 
 /// Two hemicubes a row, one for each half.
@@ -55,10 +54,10 @@ std::int64_t find_exposed(const PatchSet& scene, const RayScene& ray_scene, std:
     for (const std::size_t half : {2 * i, 2 * i + 1}) {
       random = scramble(random);
       const float part = transport.exposed[half] =
-          exposed_part(scene, ray_scene, scene.patches[i], kExposedPartRays, random);
+          exposed_part(scene, ray_scene, scene.patches[i], kLeastForExposedPart, random);
       for (std::uint64_t at = transport.starts[half]; at < transport.starts[half + 1]; ++at)
         transport.weights[at] /= part;
-      cast += kExposedPartRays;
+      cast += kLeastForExposedPart;
     }
   });
   return cast;

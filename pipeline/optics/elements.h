@@ -18,8 +18,6 @@ class Elements {
   explicit Elements(const PatchSet& scene) : scene_(scene), lookup_(scene) {}
   Elements(const PatchSet& scene, const RayScene& ray_scene, const DisplayMesh& mesh);
 
-  std::int32_t count() const { return std::int32_t(scene_.patches.size()) + (mesh_ ? mesh_->elements : 0); }
-
   /// The element at (u,v) of primitive `i`.
   std::int32_t at(std::int32_t i, float u, float v) const {
     const std::int32_t patch = lookup_.patch(i, u, v);

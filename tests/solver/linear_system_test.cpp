@@ -21,7 +21,8 @@ Transport random_rows(double share, bool weighted) {
   if (!weighted) rows.shares.assign(2 * kPatches, 1.0f / 16);
   for (int half = 0; half < 2 * kPatches; ++half) {
     for (int k = 0; k < 16; ++k) {
-      rows.ends.push_back(unit(random) < share ? patch(random) : kPatches);
+      if (unit(random) >= share) continue;
+      rows.ends.push_back(patch(random));
       if (weighted) rows.weights.push_back(unit(random) / 16);
     }
     rows.starts.push_back(rows.ends.size());
@@ -40,7 +41,7 @@ SpectrumField random_field(float low, float high) {
 /// Largest difference of x from source + F rho x, over the largest source.
 double residual(const FormFactorRows& rows, const SpectrumField& reflectance, const SpectrumField& source,
                 const SpectrumField& x) {
-  SpectrumField reflected(kPatches + 1), received(kPatches);
+  SpectrumField reflected(kPatches), received(kPatches);
   for (int i = 0; i < kPatches; ++i) reflected[i] = reflectance[i] * x[i];
   rows.receive(reflected, received);
   double worst = 0, largest = 0;
@@ -112,7 +113,7 @@ TEST(LinearSystem, StopsAtItsLimitAndSaysWhatIsLeft) {
 TEST(FormFactorRows, TellHowFarTheirHalvesAreApart) {
   Transport transport;
   transport.starts = {0, 2, 3};
-  transport.ends = {0, 1, 0};  // the other patch is nowhere
+  transport.ends = {0, 1, 0};
   transport.shares = {0.5f, 1.0f};
   transport.rays = 4;
   transport.mirrored = {{0, 1, 0, Color(0.5f, 0.25f, 0.0f)}};
