@@ -1,5 +1,6 @@
 // Light that hardly fades, does not fade, or is not there.
 #include <algorithm>
+#include <tuple>
 
 #include "tests/end_to_end/hard_cases.h"
 
@@ -38,14 +39,55 @@ TEST_F(HardCases, ReflectancesNearOne) {
   }
 }
 
-TEST_F(HardCases, LightThatHardlyFadesBehindASlit) {
-  PatchScene builder;
-  const PatchScene::Surface white{0.9999f, 0.0f};
-  builder.room(1, 6, white);
-  builder.quad({{{0.01, -1, -1}, {0.01, 0.9, -1}, {0.01, 0.9, 1}, {0.01, -1, 1}}}, 5, 5, white);
-  builder.quad({{{-0.01, -1, -1}, {-0.01, -1, 1}, {-0.01, 0.9, 1}, {-0.01, 0.9, -1}}}, 5, 5, white);
+constexpr PatchScene::Surface kWhite{0.9999f, 0.0f};
+
+/// A lamp in one of two rooms, and between them two walls, 2 cm apart, that leave a slit under the ceiling.
+void add_walls_and_lamp(PatchScene& builder) {
+  builder.quad({{{0.01, -1, -1}, {0.01, 0.9, -1}, {0.01, 0.9, 1}, {0.01, -1, 1}}}, 5, 5, kWhite);
+  builder.quad({{{-0.01, -1, -1}, {-0.01, -1, 1}, {-0.01, 0.9, 1}, {-0.01, 0.9, -1}}}, 5, 5, kWhite);
   builder.quad({{{-0.9, 0.9, -0.3}, {-0.5, 0.9, -0.3}, {-0.5, 0.9, 0.3}, {-0.9, 0.9, 0.3}}}, 2, 2, {0.0f, 9.0f});
-  const PatchSet& scene = builder.get();
+}
+
+PatchSet two_rooms() {
+  PatchScene builder;
+  builder.room(1, 6, kWhite);
+  add_walls_and_lamp(builder);
+  return builder.get();
+}
+
+/// The same, with no patch that runs on behind a wall.
+PatchSet two_rooms_cut_at_the_walls() {
+  PatchScene builder;
+  builder.quad({{{-1, -1, -1}, {-1, 1, -1}, {-1, 1, 1}, {-1, -1, 1}}}, 6, 6, kWhite);
+  builder.quad({{{1, -1, -1}, {1, -1, 1}, {1, 1, 1}, {1, 1, -1}}}, 6, 6, kWhite);
+  for (const auto& [x, end, cells] : {std::tuple(-1.0, -0.01, 3), {-0.01, 0.01, 1}, {0.01, 1.0, 3}}) {
+    builder.quad({{{x, -1, -1}, {x, -1, 1}, {end, -1, 1}, {end, -1, -1}}}, 6, cells, kWhite);
+    builder.quad({{{x, 1, -1}, {end, 1, -1}, {end, 1, 1}, {x, 1, 1}}}, cells, 6, kWhite);
+    builder.quad({{{x, -1, -1}, {end, -1, -1}, {end, 1, -1}, {x, 1, -1}}}, cells, 6, kWhite);
+    builder.quad({{{x, -1, 1}, {x, 1, 1}, {end, 1, 1}, {end, -1, 1}}}, 6, cells, kWhite);
+  }
+  add_walls_and_lamp(builder);
+  return builder.get();
+}
+
+TEST_F(HardCases, PatchesThatRunOnBehindAWall) {
+  const auto far_room = [](const PatchSet& scene) {
+    SolveConfig config = hard_case_config();
+    config.rays = 1 << 13;
+    const EnergyField energy = solve_quietly(scene, kPairs[0], config);
+    double power = 0, area = 0;
+    for (std::size_t i = 0; i < scene.patches.size(); ++i)
+      if (const Patch& patch = scene.patches[i]; patch.center.x > 0.4) {
+        power += patch.area * irradiance_at(energy, i);
+        area += patch.area;
+      }
+    return power / area;
+  };
+  EXPECT_NEAR(far_room(two_rooms()) / far_room(two_rooms_cut_at_the_walls()), 1, 0.01);
+}
+
+TEST_F(HardCases, LightThatHardlyFadesBehindASlit) {
+  const PatchSet scene = two_rooms();
   SolveConfig many = hard_case_config();
   many.rays = 1 << 15;
   many.seed = 2;
