@@ -11,30 +11,46 @@ namespace patchlight {
 
 namespace {
 
-constexpr float kLeast = 0.05f;         // of a part's size: distances below count as this
-constexpr float kLift = 1e-3f;          // of a part's size: how far above it its corners look for each other
-constexpr float kInset = 0.02f;         // and how far inside its borders
-constexpr float kOpen = 0.75f;          // of the most exposed place: from there on, all of a place counts
-constexpr float kLeastExposed = 0.25f;  // part of a patch: the less there is, the noisier
-
-/// A ray of a point, lane k of 16 that are stratified over the hemisphere.
-void set_lane(const RayScene& ray_scene, const SurfacePoint& point, float offset, int k, std::uint64_t random,
-              RayPacket& packet) {
-  const float x = shifted((float(k) + 0.5f) / float(RayPacket::kSize), to_unit(random << 24));
-  const Vec3f d = cosine_direction(x, shifted(radical_inverse(std::uint32_t(k)), to_unit(random)));
-  Vec3f tangent, bitangent;
-  orthonormal_frame(point.normal, tangent, bitangent);
-  packet.set(k, ray_scene.to_local(point.position) + point.normal * offset,
-             tangent * d.x + bitangent * d.y + point.normal * d.z);
-}
+constexpr float kLeast = 0.05f;  // of a part's size: distances below count as this
+constexpr float kLift = 1e-3f;   // of a part's size: how far above it its corners look for each other
+constexpr float kInset = 0.02f;  // and how far inside its borders
 
 }  // namespace
 
+StratifiedDirections::StratifiedDirections(std::uint64_t random) {
+  static const std::array<Vec2f, RayPacket::kSize> kAround = [] {
+    std::array<Vec2f, RayPacket::kSize> around;
+    for (int k = 0; k < RayPacket::kSize; ++k) {
+      const float angle = float(2 * kPi) * radical_inverse(std::uint32_t(k));
+      around[k] = Vec2f(std::cos(angle), std::sin(angle));
+    }
+    return around;
+  }();
+  const float shift = to_unit(random << 24), turn = float(2 * kPi) * to_unit(random);
+  const float cosine = std::cos(turn), sine = std::sin(turn);
+  for (int k = 0; k < RayPacket::kSize; ++k) {
+    const float square = shifted((float(k) + 0.5f) / float(RayPacket::kSize), shift);
+    const float radius = std::sqrt(square);
+    about_z_[k] = Vec3f(radius * (kAround[k].x * cosine - kAround[k].y * sine),
+                        radius * (kAround[k].x * sine + kAround[k].y * cosine), std::sqrt(1.0f - square));
+  }
+}
+
+void StratifiedDirections::set(int lane, const RayScene& ray_scene, const SurfacePoint& point, float offset,
+                               RayPacket& packet) const {
+  const Vec3f& d = about_z_[lane];
+  Vec3f tangent, bitangent;
+  orthonormal_frame(point.normal, tangent, bitangent);
+  packet.set(lane, ray_scene.to_local(point.position) + point.normal * offset,
+             tangent * d.x + bitangent * d.y + point.normal * d.z);
+}
+
 float exposure(const RayScene& ray_scene, std::int32_t primitive, const SurfacePoint& point, std::uint64_t random) {
+  const StratifiedDirections directions(random);
   RayPacket packet;
   packet.clear();
   for (int lane = 0; lane < RayPacket::kSize; ++lane)
-    set_lane(ray_scene, point, ray_scene.offset(primitive), lane, random, packet);
+    directions.set(lane, ray_scene, point, ray_scene.offset(primitive), packet);
   ray_scene.intersect(packet, false);
   int lit = 0, backs = 0;
   for (int lane = 0; lane < RayPacket::kSize; ++lane) {
@@ -48,11 +64,12 @@ float exposure(const RayScene& ray_scene, std::int32_t primitive, const SurfaceP
 Closeness closeness(const PatchSet& scene, const RayScene& ray_scene, const Patch& part, std::uint64_t random) {
   const PatchSampler sampler(scene.primitives[part.primitive], part);
   const float size = float(std::sqrt(part.area));
+  const StratifiedDirections directions(random);
   RayPacket packet;
   packet.clear();
   for (int lane = 0; lane < RayPacket::kSize; ++lane) {
     const Vec2f at = kronecker2(std::uint64_t(lane), random);
-    set_lane(ray_scene, sampler(at.x, at.y), ray_scene.offset(part.primitive), lane, random, packet);
+    directions.set(lane, ray_scene, sampler(at.x, at.y), ray_scene.offset(part.primitive), packet);
   }
   ray_scene.intersect(packet, false);
   Closeness result;
@@ -85,35 +102,6 @@ bool is_cut(const PatchSet& scene, const RayScene& ray_scene, const Patch& part)
       if (distance > 0) packet.set_shadow(lane++, corners[a], across / distance, distance);
     }
   return ray_scene.occluded(packet) != 0;
-}
-
-float exposed_part(const PatchSet& scene, const RayScene& ray_scene, const Patch& patch, int rays,
-                   std::uint64_t random) {
-  const auto point_of = [](int lane) { return (lane ^ lane >> 2) & 3; };
-  const PatchSampler sampler(scene.primitives[patch.primitive], patch);
-  const float offset = ray_scene.offset(patch.primitive);
-  std::vector<float> points;  // each with four rays that go all ways
-  for (int first = 0; first < rays / 4; first += 4) {
-    const std::uint64_t own = scramble(random + std::uint64_t(first));
-    RayPacket packet;
-    for (int lane = 0; lane < RayPacket::kSize; ++lane) {
-      const Vec2f at = kronecker2(std::uint64_t(first + point_of(lane)), random);
-      set_lane(ray_scene, sampler(at.x, at.y), offset, lane, own, packet);
-    }
-    ray_scene.intersect(packet, false);
-    std::array<int, 4> lit{}, backs{};
-    for (int lane = 0; lane < RayPacket::kSize; ++lane) {
-      const SurfaceHit hit = ray_scene.hit(packet, lane);
-      lit[point_of(lane)] += hit.front;
-      backs[point_of(lane)] += !hit.front && hit.primitive >= 0;
-    }
-    for (int k = 0; k < 4; ++k) points.push_back(backs[k] > 0 ? 0.25f * float(lit[k]) : 1.0f);
-  }
-  const float most = *std::max_element(points.begin(), points.end());
-  if (most == 0) return 1.0f;
-  float sum = 0;
-  for (const float exposed : points) sum += std::min(1.0f, exposed / (kOpen * most));
-  return std::max(kLeastExposed, sum / float(points.size()));
 }
 
 }  // namespace patchlight

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 
 #include "pipeline/optics/patch_sampling.h"
@@ -21,13 +22,16 @@ bool is_cut(const PatchSet& scene, const RayScene& ray_scene, const Patch& part)
 /// in sight, nowhere. (Beside a back, nowhere is mostly below a floor or outside a room.)
 float exposure(const RayScene& ray_scene, std::int32_t primitive, const SurfacePoint& point, std::uint64_t random);
 
-/// The part of a patch that is exposed: seen from where light is, and not under or behind something that stands there
-/// with its unlit back to it. What others see of a patch is its exposed part; so its own mean must be over that alone,
-/// or what is covered would darken the rest. A place is the more exposed, the less of its rays end on unlit backs. At
-/// least a quarter, since less cannot be told well; 1 for what is not exposed at all.
-/// By `rays`, a multiple of 16; fewer than the least do not tell it well.
-constexpr int kLeastForExposedPart = 1024;
-float exposed_part(const PatchSet& scene, const RayScene& ray_scene, const Patch& patch, int rays,
-                   std::uint64_t random);
+/// Directions of a packet's rays from surfaces, each lane's own of 16 that are stratified over the hemisphere.
+class StratifiedDirections {
+ public:
+  explicit StratifiedDirections(std::uint64_t random);
+
+  /// Sets a lane to go from a point of a surface, `offset` above it.
+  void set(int lane, const RayScene& ray_scene, const SurfacePoint& point, float offset, RayPacket& packet) const;
+
+ private:
+  std::array<Vec3f, RayPacket::kSize> about_z_;
+};
 
 }  // namespace patchlight

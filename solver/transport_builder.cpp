@@ -9,6 +9,7 @@
 #include "pipeline/files/key.h"
 #include "pipeline/optics/random.h"
 #include "solver/direct_factors.h"
+#include "solver/exposed_part.h"
 #include "solver/hemicube.h"
 #include "solver/photons.h"
 #include "solver/ray_rows.h"
@@ -51,14 +52,14 @@ std::int64_t find_exposed(const PatchSet& scene, const RayScene& ray_scene, std:
     std::uint64_t random = scramble(seed + i);
     cast += RayPacket::kSize;
     if (!closeness(scene, ray_scene, scene.patches[i], random).to_backs) return;
+    std::int64_t own = 0;
     for (const std::size_t half : {2 * i, 2 * i + 1}) {
       random = scramble(random);
-      const float part = transport.exposed[half] =
-          exposed_part(scene, ray_scene, scene.patches[i], kLeastForExposedPart, random);
+      const float part = transport.exposed[half] = exposed_part(scene, ray_scene, scene.patches[i], random, own);
       for (std::uint64_t at = transport.starts[half]; at < transport.starts[half + 1]; ++at)
         transport.weights[at] /= part;
-      cast += kLeastForExposedPart;
     }
+    cast += own;
   });
   return cast;
 }

@@ -7,8 +7,8 @@
 
 #include "pipeline/optics/elements.h"
 #include "solver/display_mesh_builder.h"
+#include "solver/exposed_part.h"
 #include "solver/solve.h"
-#include "solver/surroundings.h"
 #include "tests/patch_scene.h"
 
 namespace patchlight {
@@ -114,19 +114,29 @@ TEST(DisplayMesh, LeavesFacetsOfCurvedMeshesWhole) {
   EXPECT_EQ(mesh_of(builder.get()).cells.size(), 0u);
 }
 
-TEST(ExposedPart, IsWhatNothingStandsOn) {
+/// A floor of one square metre, seen from +y, and the sides and top of a block on it from (x0,z0) to (x1,z1).
+float exposed_floor(double x0, double x1, double z0, double z1, std::uint64_t random) {
   PatchScene builder;
-  builder.quad({{{0, 0, 0}, {0, 0, 1}, {1, 0, 1}, {1, 0, 0}}}, 1, 1, {});  // the floor, seen from +y
-  const double x = 0.3;                                                    // a block stands on what is left of it
-  builder.quad({{{x, 0, 0}, {x, 1, 0}, {x, 1, 1}, {x, 0, 1}}}, 1, 1, {});
-  builder.quad({{{-1, 1, 0}, {-1, 1, 1}, {x, 1, 1}, {x, 1, 0}}}, 1, 1, {});
-  builder.quad({{{-1, 0, 1}, {x, 0, 1}, {x, 1, 1}, {-1, 1, 1}}}, 1, 1, {});
-  builder.quad({{{-1, 0, 0}, {-1, 1, 0}, {x, 1, 0}, {x, 0, 0}}}, 1, 1, {});
-  builder.quad({{{-1, 0, 0}, {-1, 0, 1}, {-1, 1, 1}, {-1, 1, 0}}}, 1, 1, {});
+  builder.quad({{{0, 0, 0}, {0, 0, 1}, {1, 0, 1}, {1, 0, 0}}}, 1, 1, {});
+  builder.quad({{{x1, 0, z0}, {x1, 1, z0}, {x1, 1, z1}, {x1, 0, z1}}}, 1, 1, {});
+  builder.quad({{{x0, 1, z0}, {x0, 1, z1}, {x1, 1, z1}, {x1, 1, z0}}}, 1, 1, {});
+  builder.quad({{{x0, 0, z1}, {x1, 0, z1}, {x1, 1, z1}, {x0, 1, z1}}}, 1, 1, {});
+  builder.quad({{{x0, 0, z0}, {x0, 1, z0}, {x1, 1, z0}, {x1, 0, z0}}}, 1, 1, {});
+  builder.quad({{{x0, 0, z0}, {x0, 0, z1}, {x0, 1, z1}, {x0, 1, z0}}}, 1, 1, {});
   const RayScene ray_scene(builder.get());
-  const auto part = [&](int i) { return exposed_part(builder.get(), ray_scene, builder.get().patches[i], 1024, 1); };
-  EXPECT_NEAR(part(0), 1 - x, 0.01);
-  for (int i = 1; i < 6; ++i) EXPECT_EQ(part(i), 1.0f);
+  std::int64_t cast = 0;
+  for (std::size_t i = 1; i < 6; ++i)
+    EXPECT_EQ(exposed_part(builder.get(), ray_scene, builder.get().patches[i], random, cast), 1.0f);
+  return exposed_part(builder.get(), ray_scene, builder.get().patches[0], random, cast);
+}
+
+TEST(ExposedPart, IsWhatNothingStandsOn) {
+  for (std::uint64_t random = 0; random < 8; ++random) {
+    EXPECT_NEAR(exposed_floor(-1, 0.3, 0, 1, random), 0.7, 0.004) << "one border";
+    EXPECT_NEAR(exposed_floor(-1, 0.3, -1, 0.6, random), 1 - 0.3 * 0.6, 0.01) << "a corner";
+    EXPECT_NEAR(exposed_floor(0.3, 0.7, 0.2, 0.7, random), 1 - 0.4 * 0.5, 0.03) << "in the middle";
+    EXPECT_EQ(exposed_floor(1.5, 1.7, 0.2, 0.7, random), 1.0f) << "beside it";
+  }
 }
 
 TEST(DisplaySolution, IsExactInAFurnace) {
