@@ -61,7 +61,7 @@ std::uint32_t DisplayLookup::corners_seen(const DisplayMesh::Cell& leaf, std::in
   const auto same = std::find_if(seen.entries_.begin(), seen.entries_.end(),
                                  [&](const Seen::Entry& entry) { return entry.leaf == &leaf; });
   Seen::Entry& entry = same != seen.entries_.end() ? *same : seen.entries_[seen.next_++ % Seen::kLeaves];
-  entry = {&leaf, seen_corners(scene_, ray_scene_, mesh_, leaf, i, u, v), 1};
+  entry = {&leaf, seen_corners(scene_, ray_scene_, mesh_, leaf, i, std::array{Vec2f(u, v)}), 1};
   return entry.corners;
 }
 

@@ -33,41 +33,57 @@ Elements::Elements(const PatchSet& scene, const RayScene& ray_scene, const Displ
     cut.push_back(cell);
   }
   nearest_.resize(cut.size());
-  tbb::parallel_for(std::size_t(0), cut.size(), [&](std::size_t k) {
+  tbb::parallel_for(std::size_t(0), cut.size(), [&](std::size_t at) {
     _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree wants denormals flushed
-    const Cell& cell = cut[k];
-    for (int part = 0; part < kAcross * kAcross; ++part) {
-      const float x = (float(part % kAcross) + 0.5f) / kAcross, y = (float(part / kAcross) + 0.5f) / kAcross;
-      const float u = cell.u0 + x * (cell.u1 - cell.u0), v = cell.v0 + y * (cell.v1 - cell.v0);
-      const std::uint32_t seen = seen_corners(scene, ray_scene, mesh, mesh.cells[cell.index], cell.primitive, u, v);
-      float most = -1;
-      for (int corner = 0; corner < 4; ++corner) {
-        const float near = (corner % 2 ? x : 1 - x) * (corner / 2 ? y : 1 - y) + float(seen >> corner & 1u);
-        if (near > most) nearest_[k][part] = std::uint8_t(corner);
-        most = std::max(most, near);
+    const Cell& cell = cut[at];
+    for (int first = 0; first < kAcross * kAcross; first += 4) {
+      std::array<Vec2f, 4> inside, places;
+      for (int k = 0; k < 4; ++k) {
+        inside[k] = (Vec2f(float((first + k) % kAcross), float((first + k) / kAcross)) + Vec2f(0.5f)) / float(kAcross);
+        places[k] = Vec2f(cell.u0 + inside[k].x * (cell.u1 - cell.u0), cell.v0 + inside[k].y * (cell.v1 - cell.v0));
+      }
+      const std::uint32_t seen = seen_corners(scene, ray_scene, mesh, mesh.cells[cell.index], cell.primitive, places);
+      for (int k = 0; k < 4; ++k) {
+        const auto [x, y] = std::array{inside[k].x, inside[k].y};
+        float most = -1;
+        for (int corner = 0; corner < 4; ++corner) {
+          const float near = (corner % 2 ? x : 1 - x) * (corner / 2 ? y : 1 - y) + float(seen >> (4 * k + corner) & 1u);
+          if (near > most) nearest_[at][first + k] = std::uint8_t(corner);
+          most = std::max(most, near);
+        }
       }
     }
   });
 }
 
 std::uint32_t seen_corners(const PatchSet& scene, const RayScene& ray_scene, const DisplayMesh& mesh,
-                           const DisplayMesh::Cell& leaf, std::int32_t i, float u, float v) {
+                           const DisplayMesh::Cell& leaf, std::int32_t i, std::span<const Vec2f> places) {
   constexpr float kLift = 0.02f;  // of the way to a corner, so as to look across what is not quite even
   const Primitive& primitive = scene.primitives[i];
-  const SurfacePoint point = point_at(primitive, u, v);
-  RayPacket packet;
-  packet.clear();
+  std::array<Vec3d, 4> corners;
   std::uint32_t hidden = 0;
   for (int k = 0; k < 4; ++k) {
     const DisplayMesh::Vertex& corner = mesh.vertices[leaf.corners[k]];
+    corners[k] = point_at(primitive, corner.u, corner.v).position;
     hidden |= std::uint32_t(corner.hidden) << k;
-    const Vec3f to = Vec3f(point_at(primitive, corner.u, corner.v).position - point.position);
-    const float distance = to.length();
-    if (distance <= 0) continue;
-    const float lift = ray_scene.offset(i) + kLift * distance;
-    packet.set_shadow(k, ray_scene.to_local(point.position) + point.normal * lift, to / distance, distance);
   }
-  return ~(ray_scene.occluded(packet) | hidden) & 15u;
+  RayPacket packet;
+  packet.clear();
+  std::uint32_t unseen = 0;
+  for (int place = 0; place < int(places.size()); ++place) {
+    const SurfacePoint point = point_at(primitive, places[place].x, places[place].y);
+    unseen |= hidden << 4 * place;
+    for (int k = 0; k < 4; ++k) {
+      const Vec3f to = Vec3f(corners[k] - point.position);
+      const float distance = to.length();
+      if (distance <= 0) continue;
+      const float lift = ray_scene.offset(i) + kLift * distance;
+      packet.set_shadow(4 * place + k, ray_scene.to_local(point.position) + point.normal * lift, to / distance,
+                        distance);
+    }
+  }
+  unseen |= ray_scene.occluded(packet);
+  return ~unseen & ((1u << 4 * places.size()) - 1);
 }
 
 Patch part_of(const PatchSet& scene, const Patch& patch, float u0, float v0, float u1, float v1) {

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "pipeline/model/display_mesh.h"
@@ -43,9 +44,10 @@ class Elements {
   std::vector<Nearest> nearest_;
 };
 
-/// Which corners of a leaf see the place in it that is (u,v) of primitive `i`, as bits; those that are hidden do not.
+/// Which corners of a leaf see places in it, up to four (u,v) of primitive `i`: four bits for each, the first lowest.
+/// Corners that are hidden see none.
 std::uint32_t seen_corners(const PatchSet& scene, const RayScene& ray_scene, const DisplayMesh& mesh,
-                           const DisplayMesh::Cell& leaf, std::int32_t i, float u, float v);
+                           const DisplayMesh::Cell& leaf, std::int32_t i, std::span<const Vec2f> places);
 
 /// The part of a patch with these (u,v) on its primitive, as a patch of its own.
 Patch part_of(const PatchSet& scene, const Patch& patch, float u0, float v0, float u1, float v1);
