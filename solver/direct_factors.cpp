@@ -15,7 +15,9 @@ namespace patchlight {
 
 namespace {
 
-constexpr int kBlock = 64;     // rows that a thread samples at a time
+constexpr int kBlock = 64;  // rows that a thread samples at a time
+constexpr double kFarOfPilots =
+    1.5;                       // radii of an emitter, beyond which pilots look at its area: they tell what is seen
 constexpr double kFar = 30.0;  // of a patch's size: from there on, its middle is as good as its mean, to 1e-4
 
 /// Samples of each half of a row to begin with, and more where visibility is partial. Many emitters share what would be
@@ -135,7 +137,8 @@ class DirectFactors::Run {
                      shifted(radical_inverse(std::uint32_t(k)), to_unit(scramble(random + 2))));
       const SurfacePoint point = sampler(at.x, at.y);
       const Vec3d start = point.position + Vec3d(point.normal) * offset;
-      const DirectLight::Sample sample = light_.sample(start, point.normal, to.x, to.y);
+      const double far = round == 0 ? kFarOfPilots : DirectLight::kFar;
+      const DirectLight::Sample sample = light_.view(start, point.normal, far).sample(to.x, to.y);
       ++sums.count;
       if (sample.weight > 0) rays.add(start, sample, sums);
     }
