@@ -18,7 +18,7 @@ namespace patchlight {
 
 namespace {
 
-constexpr int kOfPatch = 4;  // rays of a patch for one of a vertex: there are many vertices where it matters,
+constexpr int kOfPatch = 2;  // rays of a patch for one of a vertex: there are many vertices where it matters,
 constexpr int kLeast = 128;  // but few rays of one show as blotches
 constexpr int kFewer = 4;    // of a vertex, for one of those that ask for the direct light of an element
 constexpr int kPasses = 3;   // the first sees whole patches only; the third is for what stands on them

@@ -221,8 +221,8 @@ void RayRows::cast_row(std::int32_t row, const DirectionTable& table, Scratch& s
       parts[half] = exposed_part(scene_, ray_scene_, receivers_[row], scramble(halves[half].random), found.rays);
   found.exposed.insert(found.exposed.end(), parts.begin(), parts.end());
   const auto blocks = [&](const Half& other) {
-    const int met = int(other.ends.size()) + other.backs;
-    return other.ends.empty() ? 1 : std::min(kMostBlocks, (table.count() + met / 2) / met);
+    const int met = int(other.ends.size());
+    return met == 0 ? 1 : std::min(kMostBlocks, (table.count() + met / 2) / met);
   };
   const std::array<int, 2> wanted{blocks(halves[1]), blocks(halves[0])};
   for (Half& half : halves) {
