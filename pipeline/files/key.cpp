@@ -18,8 +18,8 @@ namespace {
 
 // Raised whenever a stage computes something else from the same inputs.
 constexpr int kImportVersion = 1;
-constexpr int kTransportKeyVersion = 9;
-constexpr int kSolveVersion = 11;
+constexpr int kTransportKeyVersion = 10;
+constexpr int kSolveVersion = 12;
 constexpr int kTraceVersion = 5;
 
 XXH3_state_t* state_of(void* state) {
