@@ -9,6 +9,7 @@
 #include "pipeline/optics/elements.h"
 #include "pipeline/optics/random.h"
 #include "solver/direct_factors.h"
+#include "solver/display_facets.h"
 #include "solver/display_vertices.h"
 #include "solver/surroundings.h"
 
@@ -42,6 +43,7 @@ class Builder {
       if (cell.children < 0) cell.leaf = mesh_.elements;
       mesh_.elements += cell.elements();
     }
+    add_display_facets(scene_, ray_scene_, lookup_, close_facets_, mesh_);
     cast += std::int64_t(mesh_.vertices.size()) * RayPacket::kSize;
     return std::move(mesh_);
   }
@@ -54,7 +56,10 @@ class Builder {
     const DirectFactors::Neighbours neighbours = grid_neighbours(scene_, lookup_);
     for (std::int32_t i = 0; i < std::int32_t(found.size()); ++i) {
       if (found[i].closeness < kNear && !found[i].cut) continue;
-      if (is_facet(scene_.patches[i].primitive)) continue;
+      if (is_facet(scene_.patches[i].primitive)) {
+        close_facets_.push_back(i);
+        continue;
+      }
       mesh_.roots[i] = 0;
       DirectFactors::Near near;
       for (const std::int32_t j : std::span(near).first(neighbours(i, near))) mesh_.roots[j] = 0;
@@ -114,7 +119,8 @@ class Builder {
   const SmoothEdges smooth_;
   const std::uint64_t seed_;
   DisplayMesh mesh_;
-  std::vector<Patch> parts_;  ///< [cells].
+  std::vector<Patch> parts_;                ///< [cells].
+  std::vector<std::int32_t> close_facets_;  ///< Patches.
 };
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include "pipeline/optics/material_shader.h"
 #include "pipeline/optics/patch_sampling.h"
 #include "pipeline/optics/random.h"
+#include "pipeline/optics/smooth_normals.h"
 #include "pipeline/optics/texture_lookup.h"
 #include "solver/direct_factors.h"
 #include "solver/display_mesh_builder.h"
@@ -27,11 +28,15 @@ int rays_of_vertex(int rays) {
   return std::max(std::min(rays, kLeast), rays / kOfPatch);
 }
 
-/// Vertices that gather, as patches of no size.
+/// Vertices that gather, as patches of no size, with the smooth normals of curved meshes.
 std::vector<Patch> receivers(const PatchSet& scene, const DisplayMesh& mesh) {
+  const SmoothNormals normals(scene);
   std::vector<Patch> points;
-  for (const auto& vertex : std::span(mesh.vertices).first(mesh.gathered))
-    points.push_back(part_of(scene, scene.patches[vertex.patch], vertex.u, vertex.v, vertex.u, vertex.v));
+  for (const auto& vertex : std::span(mesh.vertices).first(mesh.gathered)) {
+    Patch& point =
+        points.emplace_back(part_of(scene, scene.patches[vertex.patch], vertex.u, vertex.v, vertex.u, vertex.v));
+    point.normal = normals(point.primitive, vertex.u, vertex.v, point.normal);
+  }
   return points;
 }
 

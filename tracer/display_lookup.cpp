@@ -19,6 +19,15 @@ DisplayLookup::DisplayLookup(const PatchSet& scene, const RayScene& ray_scene, c
   }
   for (std::size_t k = 0; k < mesh_.midpoints.size(); ++k)
     irradiance_[first_midpoint + k] = (irradiance_[mesh_.midpoints[k][0]] + irradiance_[mesh_.midpoints[k][1]]) * 0.5f;
+  if (!mesh_.facets.empty()) facet_of_.assign(scene.patches.size(), -1);
+  for (const auto& facet : mesh_.facets) {
+    const std::int32_t primitive = scene.patches[facet.patch].primitive;
+    facet_of_[facet.patch] = std::int32_t(facets_.size());
+    auto& corners = facets_.emplace_back();
+    for (int k = 0; k < 4; ++k)
+      corners[k] =
+          facet.corners[k] >= 0 ? irradiance_[facet.corners[k]] : patches_(primitive, float(k % 2), float(k / 2));
+  }
 }
 
 void DisplayLookup::Seen::start(std::uint32_t pixel) {
@@ -28,7 +37,11 @@ void DisplayLookup::Seen::start(std::uint32_t pixel) {
 }
 
 Color DisplayLookup::operator()(std::int32_t i, std::int32_t patch, float u, float v, Seen& seen) const {
-  if (mesh_.roots[patch] < 0) return patches_(i, u, v);
+  if (mesh_.roots[patch] < 0) {
+    if (facet_of_.empty() || facet_of_[patch] < 0) return patches_(i, u, v);
+    const auto& at = facets_[facet_of_[patch]];
+    return (at[0] * (1 - u) + at[1] * u) * (1 - v) + (at[2] * (1 - u) + at[3] * u) * v;
+  }
   return within(mesh_.find(patch, scene_.patches[patch], u, v), i, u, v, seen);
 }
 

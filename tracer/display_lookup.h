@@ -6,7 +6,7 @@
 namespace patchlight {
 
 /// Irradiance of the display solution, W/m2: on the patches that a DisplayMesh cuts, bilinear between the corners of
-/// its leaves, on others between patches.
+/// its leaves, on facets between vertices of their own, on others between patches.
 ///
 /// Where something stands between a leaf's corners, those that a point does not see have no say.
 class DisplayLookup {
@@ -47,7 +47,9 @@ class DisplayLookup {
   const RayScene& ray_scene_;
   const IrradianceLookup& patches_;
   const DisplayMesh& mesh_;
-  std::vector<Color> irradiance_;  ///< [vertices].
+  std::vector<Color> irradiance_;               ///< [vertices].
+  std::vector<std::int32_t> facet_of_;          ///< [patches], into `facets_`; -1: none. Empty: no facets.
+  std::vector<std::array<Color, 4>> facets_{};  ///< At their corners, in rows of growing u.
 };
 
 }  // namespace patchlight

@@ -8,12 +8,12 @@
 #include "pipeline/optics/material_shader.h"
 #include "pipeline/optics/patch_sampling.h"
 #include "pipeline/optics/ray_scene.h"
+#include "pipeline/optics/smooth_normals.h"
 #include "tracer/display_lookup.h"
 #include "tracer/irradiance_lookup.h"
 #include "tracer/outlines.h"
 #include "tracer/pixel_detail.h"
 #include "tracer/pixel_light.h"
-#include "tracer/smooth_normals.h"
 
 namespace patchlight {
 

@@ -9,6 +9,7 @@ namespace {
 
 constexpr int kMostLevels = 16;
 const char* const kCells = "/display/mesh/cells";
+const char* const kFacets = "/display/mesh/facets";
 const char* const kVertices = "/display/mesh/vertices";
 
 /// Children stand behind their parents, and no cell has two: then there is no cycle, and a depth to each.
@@ -36,6 +37,15 @@ void check_tree(const H5Reader& reader, DisplayMesh& mesh) {
   }
 }
 
+void check_facets(const H5Reader& reader, const DisplayMesh& mesh) {
+  for (const auto& facet : mesh.facets) {
+    if (facet.patch < 0 || facet.patch >= std::int64_t(mesh.roots.size()) || mesh.roots[facet.patch] >= 0)
+      reader.refuse("a patch that is no facet", kFacets);
+    for (const std::int32_t corner : facet.corners)
+      if (corner < -1 || corner >= mesh.gathered) reader.refuse("a corner out of bounds", kFacets);
+  }
+}
+
 void check_vertices(const H5Reader& reader, const DisplayMesh& mesh, std::int64_t patches) {
   const auto count = std::int64_t(mesh.vertices.size()), midpoints = std::int64_t(mesh.midpoints.size());
   if (mesh.gathered < 0 || mesh.gathered + midpoints > count) reader.refuse("a number out of bounds", kVertices);
@@ -53,11 +63,15 @@ void check_vertices(const H5Reader& reader, const DisplayMesh& mesh, std::int64_
 }  // namespace
 
 void write_display_mesh(H5Writer& writer, const DisplayMesh& mesh) {
-  std::vector<std::int32_t> cells, patches, midpoints;
+  std::vector<std::int32_t> cells, facets, patches, midpoints;
   std::vector<float> places;
   for (const auto& cell : mesh.cells) {
     cells.insert(cells.end(), {cell.children, cell.cut});
     cells.insert(cells.end(), cell.corners.begin(), cell.corners.end());
+  }
+  for (const auto& facet : mesh.facets) {
+    facets.push_back(facet.patch);
+    facets.insert(facets.end(), facet.corners.begin(), facet.corners.end());
   }
   for (const auto& vertex : mesh.vertices) {
     patches.push_back(vertex.patch);
@@ -67,6 +81,7 @@ void write_display_mesh(H5Writer& writer, const DisplayMesh& mesh) {
   for (const auto& ends : mesh.midpoints) midpoints.insert(midpoints.end(), ends.begin(), ends.end());
   writer.dataset<std::int32_t>("/display/mesh/roots", mesh.roots);
   writer.dataset<std::int32_t>(kCells, cells, 6);
+  writer.dataset<std::int32_t>(kFacets, facets, 5);
   writer.dataset<std::int32_t>("/display/mesh/vertex_patch", patches, 2);
   writer.dataset<float>(kVertices, places, 2);
   writer.dataset<std::int32_t>("/display/mesh/midpoints", midpoints, 2);
@@ -80,6 +95,9 @@ DisplayMesh read_display_mesh(const H5Reader& reader, std::int64_t patches) {
   const std::vector<std::int32_t> cells = reader.dataset<std::int32_t>(kCells, -1, 6);
   for (std::size_t k = 0; k < cells.size(); k += 6)
     mesh.cells.push_back({cells[k], -1, cells[k + 1] != 0, {cells[k + 2], cells[k + 3], cells[k + 4], cells[k + 5]}});
+  const std::vector<std::int32_t> facets = reader.dataset<std::int32_t>(kFacets, -1, 5);
+  for (std::size_t k = 0; k < facets.size(); k += 5)
+    mesh.facets.push_back({facets[k], {facets[k + 1], facets[k + 2], facets[k + 3], facets[k + 4]}});
   const std::vector<float> places = reader.dataset<float>(kVertices, -1, 2);
   const auto count = std::int64_t(places.size() / 2);
   const std::vector<std::int32_t> owners = reader.dataset<std::int32_t>("/display/mesh/vertex_patch", count, 2);
@@ -91,6 +109,7 @@ DisplayMesh read_display_mesh(const H5Reader& reader, std::int64_t patches) {
   if (gathered < 0 || gathered > count) reader.refuse("a number out of bounds", kVertices);
   mesh.gathered = std::int32_t(gathered);
   check_tree(reader, mesh);
+  check_facets(reader, mesh);
   check_vertices(reader, mesh, patches);
   return mesh;
 }

@@ -6,7 +6,7 @@
 namespace patchlight {
 
 constexpr const char* kEnergyFormat = "patchlight-energy";
-constexpr int kEnergyVersion = 1;
+constexpr int kEnergyVersion = 2;
 
 /// Writes energy.h5.
 /// Throws: Error (cannot_create, io_error).

@@ -18,9 +18,9 @@ namespace {
 
 // Raised whenever a stage computes something else from the same inputs.
 constexpr int kImportVersion = 1;
-constexpr int kTransportKeyVersion = 10;
-constexpr int kSolveVersion = 12;
-constexpr int kTraceVersion = 5;
+constexpr int kTransportKeyVersion = 11;
+constexpr int kSolveVersion = 13;
+constexpr int kTraceVersion = 6;
 
 XXH3_state_t* state_of(void* state) {
   return static_cast<XXH3_state_t*>(state);

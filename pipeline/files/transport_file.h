@@ -6,7 +6,7 @@
 namespace patchlight {
 
 constexpr const char* kTransportFormat = "patchlight-transport";
-constexpr int kTransportVersion = 2;
+constexpr int kTransportVersion = 3;
 
 /// Writes transport.h5. Throws: Error (cannot_create, io_error).
 void write_transport(const std::filesystem::path& file, const Transport& transport);

@@ -24,8 +24,15 @@ struct DisplayMesh {
     bool hidden = false;     ///< What it says holds for covered places only: of no use for others.
   };
 
+  /// A facet of a curved mesh, a patch by itself, some of whose corners have irradiance of their own.
+  struct Facet {
+    std::int32_t patch = 0;
+    std::array<std::int32_t, 4> corners{-1, -1, -1, -1};  ///< Vertices, in rows of growing u; -1: as patches say.
+  };
+
   std::vector<std::int32_t> roots;  ///< [patches]: the cell that stands for a patch; -1: none.
   std::vector<Cell> cells;          ///< Children behind their parents.
+  std::vector<Facet> facets;        ///< Of patches that no cell stands for.
   std::int32_t elements = 0;        ///< Of leaves: one each, four of those that are cut.
 
   /// First those that have irradiance of their own, then those that take what patches say, since they border on patches

@@ -75,6 +75,7 @@ DisplayMesh cut_patch() {
   mesh.vertices = {{1, 0.5f, 0.5f}, {1, 0.6f, 0.5f}, {1, 0.7f, 0.5f}, {1, 0.5f, 0.0f}, {1, 0.5f, 0.25f}};
   mesh.gathered = 2;
   mesh.midpoints = {{0, 3}};
+  mesh.facets = {{0, {1, -1, 0, -1}}};
   return mesh;
 }
 
@@ -100,6 +101,8 @@ TEST(TransportFile, ReadsBackWhatTheDisplaySolutionNeeds) {
   EXPECT_EQ(read.display->rows.mirrored[0].patch, 8);
   EXPECT_EQ(read.emitters[1].display, written.emitters[1].display);
   const DisplayMesh &mesh = read.display->mesh, &cut = written.display->mesh;
+  ASSERT_EQ(mesh.facets.size(), 1u);
+  EXPECT_EQ(mesh.facets[0].corners, cut.facets[0].corners);
   EXPECT_EQ(mesh.roots, cut.roots);
   EXPECT_EQ(mesh.elements, 7);
   EXPECT_EQ(mesh.gathered, 2);
@@ -130,6 +133,10 @@ TEST(TransportFile, RefusesMeshesThatAreNone) {
       [](Transport::Display& d) { d.mesh.vertices[0].u = std::numeric_limits<float>::quiet_NaN(); },
       [](Transport::Display& d) { d.mesh.vertices[0].v = 1.5f; },
       [](Transport::Display& d) { d.mesh.midpoints[0][1] = 4; },
+      [](Transport::Display& d) { d.mesh.facets[0].patch = 1; },
+      [](Transport::Display& d) { d.mesh.facets[0].patch = 2; },
+      [](Transport::Display& d) { d.mesh.facets[0].corners[1] = -2; },
+      [](Transport::Display& d) { d.mesh.facets[0].corners[1] = 2; },
       [](Transport::Display& d) { d.mesh.gathered = 5; },
       [](Transport::Display& d) { d.mesh.gathered = 1; },
       [](Transport::Display& d) { d.rows.ends[0] = 9; },

@@ -114,6 +114,60 @@ TEST(DisplayMesh, LeavesFacetsOfCurvedMeshesWhole) {
   EXPECT_EQ(mesh_of(builder.get()).cells.size(), 0u);
 }
 
+/// A drum of 16 facets about the y axis, from `low` to 2, in `rings` rings, above a floor at 0, each facet a patch.
+PatchScene drum_above_a_floor(double low, int rings, int floor_cells = 32) {
+  constexpr int kAround = 16;
+  PatchScene builder;
+  builder.quad({{{-4, 0, -4}, {-4, 0, 4}, {4, 0, 4}, {4, 0, -4}}}, floor_cells, floor_cells, {0.8f, 0.0f});
+  const auto at = [](int k, double y) {
+    return Vec3d(std::cos(2 * kPi * k / kAround), y, -std::sin(2 * kPi * k / kAround));
+  };
+  for (int j = 0; j < rings; ++j) {
+    const double y0 = low + (2 - low) * j / rings, y1 = low + (2 - low) * (j + 1) / rings;
+    for (int k = 0; k < kAround; ++k) {
+      const int facet = builder.quad({{at(k, y0), at(k + 1, y0), at(k + 1, y1), at(k, y1)}}, 1, 1, {0.5f, 0.0f});
+      const int next = (k + 1) % kAround;
+      builder.get().primitives[facet].smooth_vertices = {kAround * j + k, kAround * j + next, kAround * (j + 1) + next,
+                                                         kAround * (j + 1) + k};
+    }
+  }
+  return builder;
+}
+
+TEST(DisplayMesh, GivesFacetsNearOtherSurfacesVerticesOfTheirOwn) {
+  const PatchScene near = drum_above_a_floor(0, 8), far = drum_above_a_floor(1.9, 1);
+  EXPECT_EQ(mesh_of(PatchScene(far).get()).facets.size(), 0u);
+  const DisplayMesh mesh = mesh_of(PatchScene(near).get());
+  ASSERT_GE(mesh.facets.size(), 32u) << "the lowest ring, and the one above it that has its vertices too";
+  ASSERT_LT(mesh.facets.size(), 128u);
+  const DisplayMesh::Facet &first = mesh.facets[0], &second = mesh.facets[1];
+  EXPECT_EQ(first.patch, 1024);
+  EXPECT_EQ(first.corners[1], second.corners[0]) << "neighbours share vertices";
+  EXPECT_EQ(first.corners[3], second.corners[2]);
+  for (const auto& facet : mesh.facets)
+    for (const std::int32_t corner : facet.corners) EXPECT_LT(corner, mesh.gathered);
+}
+
+TEST(DisplaySolution, AtTheFootOfACurvedMeshIsNearerToTheTruthThanFacets) {
+  const auto under_a_sky = [](int rings, int floor_cells) {
+    PatchScene builder = drum_above_a_floor(0, rings, floor_cells);
+    const int sky = builder.quad({{{-40, 20, -40}, {40, 20, -40}, {40, 20, 40}, {-40, 20, 40}}}, 1, 1, {0.0f, 1.0f});
+    builder.get().primitives[sky].light_group = 0;
+    return builder;
+  };
+  const auto vertices_at_foot = [](const EnergyField& energy) {
+    double sum = 0;
+    for (std::size_t i = 0; i < 16; ++i) sum += energy.groups[0].display[energy.display->facets[i].corners[0]].y / 16;
+    return sum;
+  };
+  const Solved coarse(under_a_sky(8, 32).get(), 1024);
+  const double truth = vertices_at_foot(Solved(under_a_sky(32, 128).get(), 256).energy);
+  double facets = 0;
+  for (int i = 0; i < 16; ++i) facets += coarse.energy.groups[0].indirect[32 * 32 + i].y / 16;
+  EXPECT_GT(facets / truth, 1.15);
+  EXPECT_NEAR(vertices_at_foot(coarse.energy) / truth, 1, 0.06);
+}
+
 /// A floor of one square metre, seen from +y, and the sides and top of a block on it from (x0,z0) to (x1,z1).
 float exposed_floor(double x0, double x1, double z0, double z1, std::uint64_t random) {
   PatchScene builder;

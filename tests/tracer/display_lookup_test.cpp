@@ -57,6 +57,15 @@ TEST(DisplayLookup, IsBilinearInLeavesAndContinuousTowardsPatches) {
   EXPECT_NEAR(floor.at(1.0f, 0.9f).x, 3, 1e-5);
 }
 
+TEST(DisplayLookup, IsBilinearOnFacetsBetweenTheirVerticesAndWhatPatchesSay) {
+  Floor floor;
+  floor.energy.display->facets = {{0, {0, 3, -1, -1}}};
+  EXPECT_NEAR(floor.at(0.0f, 0.0f).x, 2, 1e-5);
+  EXPECT_NEAR(floor.at(0.4f, 0.0f).x, 2.4, 1e-5);
+  EXPECT_NEAR(floor.at(0.0f, 1.0f).x, 1, 1e-5);
+  EXPECT_NEAR(floor.at(0.4f, 0.5f).x, 1.7, 1e-5);
+}
+
 TEST(DisplayLookup, FollowsTheSettingsOfTheLights) {
   Floor floor;
   EXPECT_NEAR(floor.at(0.625f, 0.3f, 2.0f).x, 3, 1e-5);

@@ -1,4 +1,4 @@
-#include "tracer/smooth_normals.h"
+#include "pipeline/optics/smooth_normals.h"
 
 #include <algorithm>
 #include <cmath>
