@@ -4,50 +4,25 @@
 
 #include <algorithm>
 #include <array>
-#include <map>
 #include <set>
 
-#include "importers/gltf_json.h"
+#include "importers/gltf_accessor_check.h"
+#include "importers/gltf_lists.h"
+#include "importers/gltf_mesh_check.h"
 #include "importers/gltf_reduce.h"
-#include "importers/gltf_texcoord_check.h"
 #include "importers/gltf_tree_check.h"
 #include "pipeline/model/error.h"
 
 namespace patchlight {
 namespace {
 
-constexpr std::array kSupportedExtensions{"KHR_materials_emissive_strength", "KHR_materials_specular",
-                                          "KHR_materials_ior", "KHR_materials_unlit"};
-
-constexpr std::array kLists{"buffers",  "bufferViews", "images",  "accessors", "meshes", "materials",
-                            "textures", "samplers",    "cameras", "nodes",     "scenes", "animations"};
+constexpr std::array kSupportedExtensions{
+    "KHR_materials_emissive_strength", "KHR_materials_specular",     "KHR_materials_ior",      "KHR_materials_unlit",
+    "KHR_mesh_quantization",           "KHR_draco_mesh_compression", "EXT_meshopt_compression"};
 
 constexpr std::size_t kMostTexcoords = 1000;  // sets of them that a mesh may have
 
-/// A glTF file while it is checked.
-struct Check {
-  Check(const Json& gltf_root, const std::string& file_name) : root(gltf_root), file(file_name) {
-    for (const char* key : kLists) lists[key] = &object_list(root, key, file);
-  }
-
-  const Json& root;
-  const std::string& file;
-  std::map<std::string_view, const Json*> lists;
-  std::set<std::string> ignored;
-
-  const Json& list(const char* key) const { return *lists.at(key); }
-  std::size_t count(const char* key) const { return list(key).size(); }
-  GltfPlace place(const char* key, std::size_t index, const Json& item) const { return {file, key, index, &item}; }
-
-  /// Calls `check(item, place)` for each element of a list at the root.
-  template <class CheckItem>
-  void each(const char* key, const CheckItem& check) const {
-    const Json& items = list(key);
-    for (std::size_t i = 0; i < items.size(); ++i) check(items[i], place(key, i, items[i]));
-  }
-};
-
-void check_asset(const Check& gltf) {
+void check_asset(const GltfLists& gltf) {
   const GltfPlace place{gltf.file};
   const Json* asset = find_object(gltf.root, "asset", place);
   const std::string version = asset ? string_member(*asset, "version") : "";
@@ -67,7 +42,7 @@ void check_asset(const Check& gltf) {
   }
 }
 
-std::vector<GltfData> checked_data(const Check& gltf, const char* key) {
+std::vector<GltfData> checked_data(const GltfLists& gltf, const char* key) {
   std::vector<GltfData> result;
   gltf.each(key, [&](const Json& item, const GltfPlace& place) {
     check_string(item, "uri", place);
@@ -81,118 +56,14 @@ std::vector<GltfData> checked_data(const Check& gltf, const char* key) {
   return result;
 }
 
-void check_buffer_views(const Check& gltf, const std::vector<GltfData>& buffers) {
-  gltf.each("bufferViews", [&](const Json& view, const GltfPlace& place) {
-    const int buffer = index_member(view, "buffer", buffers.size(), place);
-    if (buffer < 0) refuse_gltf("has no buffer", place);
-    const std::int64_t end = whole_number(view, "byteOffset", 0, place) + whole_number(view, "byteLength", 0, place);
-    const std::int64_t stride = whole_number(view, "byteStride", 0, place);
-    const std::size_t size = buffers[static_cast<std::size_t>(buffer)].size;
-    if (static_cast<std::size_t>(end) > size) {
-      refuse_gltf(fmt::format("ends at byte {} of a buffer of {}", end, size), place);
-    }
-    if (stride > 252 || stride % 4 != 0) refuse_gltf("must be a multiple of 4, at most 252", place, "byteStride");
-  });
-}
-
-std::int64_t component_size(std::int64_t type) {
-  switch (type) {
-    case 5120:
-    case 5121:
-      return 1;
-    case 5122:
-    case 5123:
-      return 2;
-    case 5125:
-    case 5126:
-      return 4;
-    default:
-      return 0;
-  }
-}
-
-std::int64_t component_count(const std::string& type) {
-  if (type == "SCALAR") return 1;
-  if (type == "VEC2") return 2;
-  if (type == "VEC3") return 3;
-  if (type == "VEC4" || type == "MAT2") return 4;
-  if (type == "MAT3") return 9;
-  return type == "MAT4" ? 16 : 0;
-}
-
-void check_accessors(const Check& gltf) {
-  const Json& views = gltf.list("bufferViews");
-  gltf.each("accessors", [&](const Json& accessor, const GltfPlace& place) {
-    const std::int64_t size = component_size(whole_number(accessor, "componentType", 0, place)) *
-                              component_count(string_member(accessor, "type"));
-    if (size == 0) refuse_gltf("componentType or type is not one of glTF's", place);
-    const std::int64_t count = whole_number(accessor, "count", 0, place);
-    const std::int64_t offset = whole_number(accessor, "byteOffset", 0, place);
-    const int view = index_member(accessor, "bufferView", views.size(), place);
-    if (view < 0 || count == 0) return;
-    const Json& source = views[static_cast<std::size_t>(view)];
-    const std::int64_t length = whole_number(source, "byteLength", 0, place);
-    const std::int64_t stated = whole_number(source, "byteStride", 0, place);
-    const std::int64_t stride = stated > 0 ? stated : size;
-    const bool fits = offset <= length && size <= length - offset && (count - 1) <= (length - offset - size) / stride;
-    if (!fits) refuse_gltf(fmt::format("{} elements reach beyond bufferViews[{}]", count, view), place);
-  });
-}
-
-/// An accessor that the importer reads itself.
-void check_geometry(const Check& gltf, const Json& owner, const char* key, const std::string& type, bool index,
-                    const GltfPlace& place) {
-  const Json& accessors = gltf.list("accessors");
-  const int number = index_member(owner, key, accessors.size(), place);
-  if (number < 0) return;
-  const Json& accessor = accessors[static_cast<std::size_t>(number)];
-  const GltfPlace source = gltf.place("accessors", static_cast<std::size_t>(number), accessor);
-  if (accessor.contains("sparse")) refuse_gltf("sparse accessors are not supported yet", source);
-  const std::int64_t component = whole_number(accessor, "componentType", 0, source);
-  const bool known = index ? component == 5121 || component == 5123 || component == 5125 : component == 5126;
-  if (!known || string_member(accessor, "type") != type) {
-    refuse_gltf(fmt::format("{} must be {} of {}", key, type, index ? "unsigned integers" : "32-bit floats"), source);
-  }
-  if (index && !accessor.contains("bufferView")) refuse_gltf("indices have no bufferView", source);
-}
-
-void check_mesh_primitive(Check& gltf, const Json& primitive, const GltfPlace& place) {
-  if (!primitive.is_object()) refuse_gltf("must hold objects", place, "primitives");
-  const Json* attributes = find_object(primitive, "attributes", place);
-  if (!attributes) refuse_gltf("has a primitive without attributes", place);
-  check_geometry(gltf, *attributes, "POSITION", "VEC3", false, place);
-  check_geometry(gltf, *attributes, "NORMAL", "VEC3", false, place);
-  check_geometry(gltf, primitive, "indices", "SCALAR", true, place);
-  if (attributes->contains("NORMAL") && attributes->contains("POSITION")) {
-    const Json& accessors = gltf.list("accessors");
-    const auto count = [&](const char* key) {
-      return whole_number(accessors[attributes->at(key).get<int>()], "count", 0, place);
-    };
-    if (count("NORMAL") != count("POSITION")) refuse_gltf("has unequal numbers of positions and normals", place);
-  }
-  index_member(primitive, "material", gltf.count("materials"), place);
-  if (whole_number(primitive, "mode", 4, place) > 6) refuse_gltf("mode must be 0 to 6", place);
-  const Json* targets = find_array(primitive, "targets", place);
-  if (targets && !targets->empty()) gltf.ignored.insert("morph targets are not read: meshes stand in their base shape");
-}
-
-void check_meshes(Check& gltf) {
-  gltf.each("meshes", [&](const Json& mesh, const GltfPlace& place) {
-    check_string(mesh, "name", place);
-    const Json* primitives = find_array(mesh, "primitives", place);
-    if (!primitives) refuse_gltf("has no primitives", place);
-    for (const Json& primitive : *primitives) check_mesh_primitive(gltf, primitive, place);
-  });
-}
-
-void check_texture_info(const Check& gltf, const Json& owner, const char* key, const GltfPlace& place) {
+void check_texture_info(const GltfLists& gltf, const Json& owner, const char* key, const GltfPlace& place) {
   const Json* info = find_object(owner, key, place);
   if (!info) return;
   if (index_member(*info, "index", gltf.count("textures"), place) < 0) refuse_gltf("has no index", place, key);
   index_member(*info, "texCoord", kMostTexcoords, place);
 }
 
-void check_materials(Check& gltf) {
+void check_materials(GltfLists& gltf) {
   gltf.each("materials", [&](const Json& material, const GltfPlace& place) {
     check_string(material, "name", place);
     check_numbers(material, "emissiveFactor", 3, place);
@@ -221,7 +92,7 @@ void check_materials(Check& gltf) {
   });
 }
 
-bool has_base_color_texture(const Check& gltf) {
+bool has_base_color_texture(const GltfLists& gltf) {
   const Json& materials = gltf.list("materials");
   return std::any_of(materials.begin(), materials.end(), [](const Json& material) {
     const Json* pbr = find_member(material, "pbrMetallicRoughness");
@@ -229,7 +100,7 @@ bool has_base_color_texture(const Check& gltf) {
   });
 }
 
-void check_nodes(Check& gltf) {
+void check_nodes(GltfLists& gltf) {
   std::vector<std::vector<int>> children(gltf.count("nodes"));
   gltf.each("nodes", [&](const Json& node, const GltfPlace& place) {
     check_string(node, "name", place);
@@ -254,17 +125,18 @@ void check_nodes(Check& gltf) {
 
 CheckedGltf check_gltf(std::string_view json, const std::string& file, bool texcoords) {
   const Json root = parse_gltf_json(json, file);
-  Check gltf(root, file);
+  GltfLists gltf(root, file);
   check_asset(gltf);
   CheckedGltf result;
   result.buffers = checked_data(gltf, "buffers");
   result.images = checked_data(gltf, "images");
   check_buffer_views(gltf, result.buffers);
   check_accessors(gltf);
-  check_meshes(gltf);
   check_materials(gltf);
   texcoords = texcoords || has_base_color_texture(gltf);
-  if (texcoords) check_texcoords(root, file);
+  check_meshes(gltf, texcoords ? std::set{0} : std::set<int>());
+  result.meshopt_views = checked_meshopt_views(gltf);
+  result.draco_primitives = checked_draco_primitives(gltf);
   check_nodes(gltf);
   if (gltf.count("animations") > 0) gltf.ignored.insert("animations are not read: nodes stand in their rest state");
   result.ignored.assign(gltf.ignored.begin(), gltf.ignored.end());

@@ -3,6 +3,8 @@
 #include <string_view>
 #include <vector>
 
+#include "importers/gltf_packing.h"
+
 namespace patchlight {
 
 /// Where the bytes of a buffer or an image come from.
@@ -18,6 +20,8 @@ struct CheckedGltf {
   std::string json;               ///< What the importer reads of it, without buffers and images, for tinygltf.
   std::vector<GltfData> buffers;  ///< To be loaded apart from tinygltf, which would follow any URI.
   std::vector<GltfData> images;
+  std::vector<MeshoptView> meshopt_views;
+  std::vector<DracoPrimitive> draco_primitives;
   std::vector<std::string> ignored;  ///< What the scene holds beyond what is read, one warning each.
 };
 

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstring>
 #include <map>
 
+#include "importers/gltf_unpack.h"
 #include "pipeline/model/error.h"
 
 namespace patchlight {
@@ -55,7 +55,8 @@ void load_buffers(GltfModel& model) {
 std::int64_t triangle_count(const tinygltf::Model& gltf, const tinygltf::Primitive& primitive) {
   const auto positions = primitive.attributes.find("POSITION");
   if (positions == primitive.attributes.end()) return 0;
-  if (gltf.accessors[positions->second].bufferView < 0) return 0;  // all at the origin
+  const tinygltf::Accessor& places = gltf.accessors[positions->second];
+  if (places.bufferView < 0 && !places.sparse.isSparse) return 0;  // all at the origin
   const int source = primitive.indices >= 0 ? primitive.indices : positions->second;
   const auto count = static_cast<std::int64_t>(gltf.accessors[source].count);
   switch (primitive.mode) {
@@ -107,6 +108,7 @@ GltfModel load_gltf_model(GltfFile file, bool texcoords) {
   model.gltf = parsed_model(model.checked.json, model.file.name);
   model.checked.json.clear();
   load_buffers(model);
+  unpack(model);
   for (const tinygltf::Mesh& mesh : model.gltf.meshes) model.mesh_parts.push_back(parts_of(model.gltf, mesh));
   note_what_is_skipped(model);
   return model;
@@ -127,48 +129,6 @@ std::span<const unsigned char> image_bytes(GltfModel& model, int image, std::sha
     return data.buffer_view < 0 ? std::span<const unsigned char>() : view_bytes(model, data.buffer_view);
   owner = read_uri(model.file, data.uri, data.name);
   return *owner;
-}
-
-AccessorReader::AccessorReader(const GltfModel& model, int accessor) {
-  const tinygltf::Accessor& source = model.gltf.accessors[accessor];
-  count = source.count;
-  component_type = source.componentType;
-  if (source.bufferView < 0 || count == 0) return;
-  const tinygltf::BufferView& view = model.gltf.bufferViews[source.bufferView];
-  data = view_bytes(model, source.bufferView).data() + source.byteOffset;
-  const int size = tinygltf::GetComponentSizeInBytes(static_cast<std::uint32_t>(component_type)) *
-                   tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(source.type));
-  stride = view.byteStride > 0 ? view.byteStride : static_cast<std::size_t>(size);
-}
-
-std::uint32_t AccessorReader::index(std::size_t element) const {
-  const unsigned char* at = data + element * stride;
-  if (component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE) return *at;
-  if (component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT) {
-    std::uint16_t value = 0;
-    std::memcpy(&value, at, sizeof(value));
-    return value;
-  }
-  std::uint32_t value = 0;
-  std::memcpy(&value, at, sizeof(value));
-  return value;
-}
-
-Vec3f AccessorReader::vector(std::size_t element) const {
-  std::array<float, 3> value{};
-  std::memcpy(value.data(), data + element * stride, sizeof(value));
-  return {value[0], value[1], value[2]};
-}
-
-Vec2f AccessorReader::texcoord(std::size_t element) const {
-  const auto pair = [at = data + element * stride](auto zero, float unit) {
-    std::array<decltype(zero), 2> value{};
-    std::memcpy(value.data(), at, sizeof(value));
-    return Vec2f(static_cast<float>(value[0]) / unit, static_cast<float>(value[1]) / unit);
-  };
-  if (component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE) return pair(std::uint8_t{0}, 255.0f);
-  if (component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT) return pair(std::uint16_t{0}, 65535.0f);
-  return pair(0.0f, 1.0f);
 }
 
 }  // namespace patchlight

@@ -2,7 +2,6 @@
 // Internal to the glTF files of this folder: brings tinygltf along.
 #include <tiny_gltf.h>
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -44,19 +43,5 @@ std::span<const unsigned char> view_bytes(const GltfModel& model, int view);
 /// The encoded bytes of an image; `owner` keeps them alive.
 /// Throws: Error as read_uri does.
 std::span<const unsigned char> image_bytes(GltfModel& model, int image, std::shared_ptr<const Bytes>& owner);
-
-/// Reads elements of an accessor, at any alignment.
-struct AccessorReader {
-  AccessorReader(const GltfModel& model, int accessor);
-
-  std::size_t count = 0;
-  int component_type = 0;
-  const unsigned char* data = nullptr;
-  std::size_t stride = 0;
-
-  std::uint32_t index(std::size_t element) const;
-  Vec3f vector(std::size_t element) const;
-  Vec2f texcoord(std::size_t element) const;
-};
 
 }  // namespace patchlight

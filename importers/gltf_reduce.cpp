@@ -61,13 +61,19 @@ Json reduced_material(const Json& material) {
   return result;
 }
 
-Json reduced_mesh(const Json& mesh, bool texcoords) {
+/// Whether a primitive's indices have bytes; tinygltf refuses those that Draco is to fill in.
+bool has_index_bytes(const Json& root, const Json& primitive) {
+  const Json* indices = find_member(primitive, "indices");
+  return indices && root.at("accessors").at(indices->get<std::size_t>()).contains("bufferView");
+}
+
+Json reduced_mesh(const Json& root, const Json& mesh, bool texcoords) {
   Json result = kept(mesh, {"name"});
   result["primitives"] = reduced_list(mesh, "primitives", [&](const Json& primitive) {
     Json reduced = kept(primitive, {"indices", "material", "mode"});
     reduced["attributes"] = kept(primitive.at("attributes"), {"POSITION", "NORMAL"});
     if (texcoords) reduced["attributes"].update(kept(primitive.at("attributes"), {"TEXCOORD_0"}));
-    if (!reduced["attributes"].contains("POSITION")) reduced.erase("indices");
+    if (!reduced["attributes"].contains("POSITION") || !has_index_bytes(root, primitive)) reduced.erase("indices");
     return reduced;
   });
   return result;
@@ -103,7 +109,8 @@ Json reduced_gltf(const Json& root, bool texcoords) {
   result["asset"] = kept(root.at("asset"), {"version"});
   result["scenes"] = reduced_list(root, "scenes", [](const Json& scene) { return kept(scene, {"nodes"}); });
   result["nodes"] = reduced_list(root, "nodes", reduced_node);
-  result["meshes"] = reduced_list(root, "meshes", [&](const Json& mesh) { return reduced_mesh(mesh, texcoords); });
+  result["meshes"] =
+      reduced_list(root, "meshes", [&](const Json& mesh) { return reduced_mesh(root, mesh, texcoords); });
   result["materials"] = reduced_list(root, "materials", reduced_material);
   result["cameras"] = reduced_list(root, "cameras", reduced_camera);
   result["textures"] = reduced_list(root, "textures", [](const Json& texture) {
@@ -113,7 +120,7 @@ Json reduced_gltf(const Json& root, bool texcoords) {
     return kept(sampler, {"magFilter", "wrapS", "wrapT"});
   });
   result["accessors"] = reduced_list(root, "accessors", [](const Json& accessor) {
-    return kept(accessor, {"bufferView", "byteOffset", "componentType", "count", "type"});
+    return kept(accessor, {"bufferView", "byteOffset", "componentType", "count", "type", "normalized", "sparse"});
   });
   result["bufferViews"] = reduced_list(root, "bufferViews", [](const Json& view) {
     return kept(view, {"buffer", "byteOffset", "byteLength", "byteStride"});

@@ -4,7 +4,7 @@
 #include <limits>
 #include <optional>
 
-#include "importers/gltf_model.h"
+#include "importers/gltf_accessor.h"
 #include "importers/gltf_reader.h"
 #include "pipeline/model/error.h"
 
@@ -88,15 +88,15 @@ void append_triangles(const GltfModel& model, const tinygltf::Primitive& primiti
       const std::size_t corner = order(triangle, placement.mirrors && i > 0 ? 3 - i : i);
       const std::size_t vertex = indices ? indices->index(corner) : corner;
       if (vertex >= positions.count) refuse(fmt::format("vertex {} of {} does not exist", vertex, positions.count));
-      const Vec3d position = placement.position(positions.vector(vertex));
+      const Vec3d position = placement.position(positions.vector3(vertex));
       for (int axis = 0; axis < 3; ++axis) {
         if (!std::isfinite(position[axis])) refuse("a position is not finite");
         if (std::abs(position[axis]) > kFarthest) refuse(fmt::format("a position is beyond {} m", kFarthest));
       }
       soup.positions.push_back(position);
-      soup.normals.push_back(normals && normals->data ? placement.normal(normals->vector(vertex)) : Vec3f(0.0f));
+      soup.normals.push_back(normals && normals->data ? placement.normal(normals->vector3(vertex)) : Vec3f(0.0f));
       if (!texcoords) continue;
-      soup.texcoords.push_back(uvs && uvs->data ? uvs->texcoord(vertex) : kNoTexcoord);
+      soup.texcoords.push_back(uvs && uvs->data ? uvs->vector2(vertex) : kNoTexcoord);
       if (uvs && uvs->data && !std::isfinite(soup.texcoords.back().x + soup.texcoords.back().y))
         refuse("a texture coordinate is not finite");
     }

@@ -1,0 +1,114 @@
+#include "importers/gltf_accessor.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+
+#include "pipeline/model/error.h"
+
+namespace patchlight {
+namespace {
+
+template <class Number>
+Number number_at(const unsigned char* at) {
+  Number value{};
+  std::memcpy(&value, at, sizeof(value));
+  return value;
+}
+
+std::uint32_t unsigned_at(const unsigned char* at, int component_type) {
+  if (component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE) return *at;
+  if (component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT) return number_at<std::uint16_t>(at);
+  return number_at<std::uint32_t>(at);
+}
+
+std::size_t size_of(int component_type) {
+  return static_cast<std::size_t>(tinygltf::GetComponentSizeInBytes(static_cast<std::uint32_t>(component_type)));
+}
+
+template <class Integer>
+float real(const unsigned char* at, bool normalized) {
+  const auto value = static_cast<float>(number_at<Integer>(at));
+  return normalized ? std::max(value / static_cast<float>(std::numeric_limits<Integer>::max()), -1.0f) : value;
+}
+
+}  // namespace
+
+AccessorReader::AccessorReader(const GltfModel& model, int accessor) {
+  const tinygltf::Accessor& source = model.gltf.accessors[accessor];
+  count = source.count;
+  component_type_ = source.componentType;
+  normalized_ = source.normalized;
+  const std::size_t size =
+      size_of(component_type_) *
+      static_cast<std::size_t>(tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(source.type)));
+  stride_ = size;
+  if (source.bufferView >= 0 && count > 0) {
+    const tinygltf::BufferView& view = model.gltf.bufferViews[source.bufferView];
+    data = view_bytes(model, source.bufferView).data() + source.byteOffset;
+    if (view.byteStride > 0) stride_ = view.byteStride;
+  }
+  if (source.sparse.isSparse) fill_in_sparse(model, source, size);
+}
+
+void AccessorReader::fill_in_sparse(const GltfModel& model, const tinygltf::Accessor& source, std::size_t size) {
+  own_.resize(count * size, 0);
+  for (std::size_t i = 0; data && i < count; ++i) std::memcpy(own_.data() + i * size, data + i * stride_, size);
+  data = own_.data();
+  stride_ = size;
+  const auto& [replaced, values] = std::tie(source.sparse.indices, source.sparse.values);
+  const unsigned char* index = view_bytes(model, replaced.bufferView).data() + replaced.byteOffset;
+  const unsigned char* value = view_bytes(model, values.bufferView).data() + values.byteOffset;
+  for (int i = 0; i < source.sparse.count; ++i, index += size_of(replaced.componentType), value += size) {
+    const std::uint32_t element = unsigned_at(index, replaced.componentType);
+    if (element >= count) {
+      throw Error(ExitCode::bad_data, fmt::format("sparse element {} of {} does not exist", element, count),
+                  model.file.name, "export the scene again");
+    }
+    std::memcpy(own_.data() + element * size, value, size);
+  }
+}
+
+std::uint32_t AccessorReader::index(std::size_t element) const {
+  return unsigned_at(data + element * stride_, component_type_);
+}
+
+template <std::size_t N>
+std::array<float, N> AccessorReader::numbers(std::size_t element) const {
+  std::array<float, N> result{};
+  const unsigned char* const at = data + element * stride_;
+  const auto convert = [&]<class Integer>(Integer) {
+    for (std::size_t i = 0; i < N; ++i) result[i] = real<Integer>(at + i * sizeof(Integer), normalized_);
+  };
+  switch (component_type_) {
+    case TINYGLTF_COMPONENT_TYPE_BYTE:
+      convert(std::int8_t{});
+      break;
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+      convert(std::uint8_t{});
+      break;
+    case TINYGLTF_COMPONENT_TYPE_SHORT:
+      convert(std::int16_t{});
+      break;
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+      convert(std::uint16_t{});
+      break;
+    default:
+      std::memcpy(result.data(), at, sizeof(result));
+  }
+  return result;
+}
+
+Vec2f AccessorReader::vector2(std::size_t element) const {
+  const auto value = numbers<2>(element);
+  return {value[0], value[1]};
+}
+
+Vec3f AccessorReader::vector3(std::size_t element) const {
+  const auto value = numbers<3>(element);
+  return {value[0], value[1], value[2]};
+}
+
+}  // namespace patchlight

@@ -1,0 +1,32 @@
+#pragma once
+// Internal to the glTF files of this folder: brings tinygltf along.
+#include <array>
+
+#include "importers/gltf_model.h"
+
+namespace patchlight {
+
+/// Reads elements of a checked accessor, at any alignment, quantized, normalized or sparse.
+struct AccessorReader {
+  /// Throws: Error (bad_data) if its buffer has no data, or for sparse elements out of range.
+  AccessorReader(const GltfModel& model, int accessor);
+
+  std::size_t count = 0;
+  const unsigned char* data = nullptr;  ///< Null: all elements are zeros.
+
+  std::uint32_t index(std::size_t element) const;
+  Vec2f vector2(std::size_t element) const;
+  Vec3f vector3(std::size_t element) const;
+
+ private:
+  template <std::size_t N>
+  std::array<float, N> numbers(std::size_t element) const;
+  void fill_in_sparse(const GltfModel& model, const tinygltf::Accessor& source, std::size_t size);
+
+  int component_type_ = 0;
+  bool normalized_ = false;
+  std::size_t stride_ = 0;
+  Bytes own_;  ///< A sparse accessor's elements.
+};
+
+}  // namespace patchlight
