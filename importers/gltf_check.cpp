@@ -17,10 +17,41 @@ namespace patchlight {
 namespace {
 
 constexpr std::array kSupportedExtensions{
-    "KHR_materials_emissive_strength", "KHR_materials_specular",     "KHR_materials_ior",      "KHR_materials_unlit",
-    "KHR_mesh_quantization",           "KHR_draco_mesh_compression", "EXT_meshopt_compression"};
+    "KHR_materials_emissive_strength", "KHR_materials_specular",     "KHR_materials_ior",       "KHR_materials_unlit",
+    "KHR_mesh_quantization",           "KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_texture_transform",
+    "KHR_materials_transmission",      "KHR_materials_variants"};
 
 constexpr std::size_t kMostTexcoords = 1000;  // sets of them that a mesh may have
+
+bool is_supported(const std::string& extension) {
+  return std::find(kSupportedExtensions.begin(), kSupportedExtensions.end(), extension) != kSupportedExtensions.end();
+}
+
+/// Refuses what the file says that it cannot be read without, and notes what else is not read.
+void check_extensions(GltfLists& gltf) {
+  std::string unknown;
+  for (const char* key : {"extensionsRequired", "extensionsUsed"}) {
+    const Json* names = find_array(gltf.root, key, {gltf.file});
+    for (std::size_t i = 0; names && i < names->size(); ++i) {
+      if (!(*names)[i].is_string()) refuse_gltf("must hold names", {gltf.file}, key);
+      const std::string name = (*names)[i].get<std::string>().substr(0, 100);
+      if (is_supported(name)) continue;
+      if (key == std::string_view("extensionsRequired")) {
+        throw Error(ExitCode::bad_data, fmt::format("required extension {} is not supported", name), gltf.file,
+                    "export the scene without it");
+      }
+      if (name == "KHR_lights_punctual") {
+        gltf.ignored.insert("lights of KHR_lights_punctual are not read: light comes from emissive materials");
+      } else {
+        unknown += (unknown.empty() ? "" : ", ") + name;
+      }
+    }
+  }
+  if (!unknown.empty()) gltf.ignored.insert("extensions that are not read: " + unknown);
+  if (gltf.uses("KHR_materials_transmission"))
+    gltf.ignored.insert("transmission is not read: what lets light through stands opaque");
+  if (gltf.uses("KHR_materials_variants")) gltf.ignored.insert("of a material's variants the first one stands");
+}
 
 void check_asset(const GltfLists& gltf) {
   const GltfPlace place{gltf.file};
@@ -29,16 +60,6 @@ void check_asset(const GltfLists& gltf) {
   if (!version.starts_with("2.")) {
     refuse_gltf(version.empty() ? "no glTF version is stated" : fmt::format("glTF version {} is not 2", version), place,
                 "asset.version");
-  }
-  if (const Json* required = find_array(gltf.root, "extensionsRequired", place)) {
-    for (const Json& extension : *required) {
-      if (!extension.is_string()) refuse_gltf("must hold names", place, "extensionsRequired");
-      const std::string name = extension.get<std::string>();
-      if (std::find(kSupportedExtensions.begin(), kSupportedExtensions.end(), name) == kSupportedExtensions.end()) {
-        throw Error(ExitCode::bad_data, fmt::format("required extension {} is not supported", name), gltf.file,
-                    "export the scene without it");
-      }
-    }
   }
 }
 
@@ -61,6 +82,12 @@ void check_texture_info(const GltfLists& gltf, const Json& owner, const char* ke
   if (!info) return;
   if (index_member(*info, "index", gltf.count("textures"), place) < 0) refuse_gltf("has no index", place, key);
   index_member(*info, "texCoord", kMostTexcoords, place);
+  if (const Json* transform = find_extension(*info, "KHR_texture_transform", place)) {
+    check_numbers(*transform, "offset", 2, place);
+    check_numbers(*transform, "scale", 2, place);
+    check_number(*transform, "rotation", place);
+    index_member(*transform, "texCoord", kMostTexcoords, place);
+  }
 }
 
 void check_materials(GltfLists& gltf) {
@@ -68,6 +95,9 @@ void check_materials(GltfLists& gltf) {
     check_string(material, "name", place);
     check_numbers(material, "emissiveFactor", 3, place);
     check_texture_info(gltf, material, "emissiveTexture", place);
+    check_string(material, "alphaMode", place);
+    const std::string alpha = string_member(material, "alphaMode");
+    if (alpha == "MASK" || alpha == "BLEND") gltf.ignored.insert("alpha is not read: cut-outs and glass stand opaque");
     const Json* sides = find_member(material, "doubleSided");
     if (sides && !sides->is_boolean()) refuse_gltf("must be true or false", place, "doubleSided");
     if (const Json* pbr = find_object(material, "pbrMetallicRoughness", place)) {
@@ -92,12 +122,15 @@ void check_materials(GltfLists& gltf) {
   });
 }
 
-bool has_base_color_texture(const GltfLists& gltf) {
-  const Json& materials = gltf.list("materials");
-  return std::any_of(materials.begin(), materials.end(), [](const Json& material) {
+/// The sets of texture coordinates that base colours' textures lie by.
+std::set<int> base_color_texcoords(const GltfLists& gltf) {
+  std::set<int> sets;
+  gltf.each("materials", [&](const Json& material, const GltfPlace& place) {
     const Json* pbr = find_member(material, "pbrMetallicRoughness");
-    return pbr && pbr->contains("baseColorTexture");
+    const Json* info = pbr ? find_member(*pbr, "baseColorTexture") : nullptr;
+    if (info) sets.insert(texcoord_set(*info, place));
   });
+  return sets;
 }
 
 void check_nodes(GltfLists& gltf) {
@@ -127,20 +160,22 @@ CheckedGltf check_gltf(std::string_view json, const std::string& file, bool texc
   const Json root = parse_gltf_json(json, file);
   GltfLists gltf(root, file);
   check_asset(gltf);
+  check_extensions(gltf);
   CheckedGltf result;
   result.buffers = checked_data(gltf, "buffers");
   result.images = checked_data(gltf, "images");
   check_buffer_views(gltf, result.buffers);
   check_accessors(gltf);
   check_materials(gltf);
-  texcoords = texcoords || has_base_color_texture(gltf);
-  check_meshes(gltf, texcoords ? std::set{0} : std::set<int>());
+  std::set<int> texcoord_sets = base_color_texcoords(gltf);
+  if (texcoords) texcoord_sets.insert(0);
+  check_meshes(gltf, texcoord_sets);
   result.meshopt_views = checked_meshopt_views(gltf);
   result.draco_primitives = checked_draco_primitives(gltf);
   check_nodes(gltf);
   if (gltf.count("animations") > 0) gltf.ignored.insert("animations are not read: nodes stand in their rest state");
   result.ignored.assign(gltf.ignored.begin(), gltf.ignored.end());
-  result.json = reduced_gltf(root, texcoords).dump();
+  result.json = reduced_gltf(root, texcoord_sets).dump();
   return result;
 }
 

@@ -27,8 +27,8 @@ struct CheckedGltf {
 
 /// Checks all that the importer and tinygltf read of a glTF file's JSON: version, required extensions, types, indices,
 /// that accessors lie within bufferViews and these within buffers, and that nodes are trees.
-/// Texture coordinates are checked, and kept, only if a base colour has a texture or `texcoords` says that they will be
-/// read.
+/// Of texture coordinates the sets are checked, and kept, that base colours' textures lie by, and the first if
+/// `texcoords` says that it will be read.
 /// Throws: Error (bad_data) naming the place.
 CheckedGltf check_gltf(std::string_view json, const std::string& file, bool texcoords = false);
 

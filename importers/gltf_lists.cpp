@@ -28,4 +28,10 @@ const Json* find_extension(const Json& object, const char* name, const GltfPlace
   return extensions ? find_object(*extensions, name, place) : nullptr;
 }
 
+int texcoord_set(const Json& info, const GltfPlace& place) {
+  const Json* transform = find_extension(info, "KHR_texture_transform", place);
+  const Json& stated = transform && transform->contains("texCoord") ? *transform : info;
+  return static_cast<int>(whole_number(stated, "texCoord", 0, place));
+}
+
 }  // namespace patchlight

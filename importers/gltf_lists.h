@@ -37,4 +37,7 @@ struct GltfLists {
 /// An extension's object in an object's `extensions`, or null where it is absent.
 const Json* find_extension(const Json& object, const char* name, const GltfPlace& place);
 
+/// The set of texture coordinates that a checked textureInfo's texture lies by.
+int texcoord_set(const Json& info, const GltfPlace& place);
+
 }  // namespace patchlight

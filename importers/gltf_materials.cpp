@@ -33,7 +33,7 @@ struct TextureReader {
 
   /// The mean of a base colour, and the number of its texture.
   std::pair<Vec3d, std::int32_t> base_color(const tinygltf::TextureInfo& info) {
-    if (info.index < 0 || model.gltf.textures[info.index].source < 0 || info.texCoord != 0)
+    if (info.index < 0 || model.gltf.textures[info.index].source < 0)
       return {of(info.index, TextureEncoding::srgb), -1};
     const auto [entry, is_new] = whole.emplace(info.index, std::pair(Vec3d(1.0), std::int32_t(textures.size())));
     if (!is_new) return entry->second;
@@ -89,6 +89,23 @@ double emissive_strength(const tinygltf::Material& source) {
   return extension->second.Get("emissiveStrength").GetNumberAsDouble();
 }
 
+TextureMapping mapping_of(const tinygltf::TextureInfo& info) {
+  TextureMapping mapping;
+  mapping.set = info.texCoord;
+  const auto extension = info.extensions.find("KHR_texture_transform");
+  if (extension == info.extensions.end()) return mapping;
+  const tinygltf::Value& transform = extension->second;
+  const auto pair = [&](const char* key, Vec2f& result) {
+    if (!transform.Has(key)) return;
+    for (int i = 0; i < 2; ++i) result[i] = static_cast<float>(transform.Get(key).Get(i).GetNumberAsDouble());
+  };
+  pair("offset", mapping.offset);
+  pair("scale", mapping.scale);
+  if (transform.Has("rotation")) mapping.rotation = static_cast<float>(transform.Get("rotation").GetNumberAsDouble());
+  if (transform.Has("texCoord")) mapping.set = transform.Get("texCoord").GetNumberAsInt();
+  return mapping;
+}
+
 SurfaceMaterial read_material(const tinygltf::Material& source, bool used, TextureReader& textures) {
   const auto mean = [&](int texture, TextureEncoding encoding) {
     return used ? textures.of(texture, encoding) : Vec3d(1.0);
@@ -112,6 +129,7 @@ SurfaceMaterial read_material(const tinygltf::Material& source, bool used, Textu
   }
   material.reflectance = color(base * (1.0 - metallic));
   material.texture = texture;
+  if (texture >= 0) material.mapping = mapping_of(pbr.baseColorTexture);
   material.tint = color(factor * (1.0 - metallic));
   material.specular = color(base * metallic);
   material.roughness = static_cast<float>(pbr.roughnessFactor * finish.y);
@@ -142,6 +160,8 @@ void apply_override(const MaterialOverride& change, SurfaceMaterial& material) {
   if (change.reflectance) {
     material.reflectance = *change.reflectance;
     material.texture = -1;
+    material.mapping = {};
+    material.overridden = true;
   }
   if (change.mirror) {
     material.specular = *change.mirror;
@@ -209,8 +229,7 @@ std::vector<SurfaceMaterial> read_materials(GltfModel& model, const std::vector<
   for (std::size_t i = 0; i < model.gltf.materials.size(); ++i) {
     materials.push_back(read_material(model.gltf.materials[i], used[i], reader));
   }
-  if (reader.averaged)
-    progress.warning("textures of finish and emission, and those of TEXCOORD_1, count by their mean colours");
+  if (reader.averaged) progress.warning("textures of finish and emission count by their mean colours");
   if (used.back()) {
     materials.push_back(default_material());
     progress.warning(fmt::format("what has no material is diffuse grey, {}", kDefaultGrey));

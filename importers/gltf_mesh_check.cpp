@@ -23,7 +23,7 @@ constexpr Component kByte{5120, false}, kUnsignedByte{5121, false}, kShort{5122,
 
 /// What glTF lets an attribute be, and what else by KHR_mesh_quantization.
 struct AttributeRule {
-  std::string shape;
+  std::string shape;  ///< Empty: VEC3 or VEC4.
   std::vector<Component> plain;
   std::vector<Component> quantized;
   const char* text;  ///< What `plain` is, in words.
@@ -40,6 +40,11 @@ const AttributeRule kTexcoord{"VEC2",
                               {kByte, kUnitByte, kUnsignedByte, kShort, kUnitShort, kUnsignedShort},
                               "VEC2 of 32-bit floats or of normalized unsigned bytes or shorts"};
 
+const AttributeRule kColor{"",
+                           {kFloat, kUnitUnsignedByte, kUnitUnsignedShort},
+                           {},
+                           "VEC3 or VEC4 of 32-bit floats or of normalized unsigned bytes or shorts"};
+
 /// The element count of an attribute, checked; -1 where it is absent.
 std::int64_t checked_attribute(const GltfLists& gltf, const Json& attributes, const std::string& key,
                                const AttributeRule& rule, bool quantized, const GltfPlace& mesh) {
@@ -53,7 +58,8 @@ std::int64_t checked_attribute(const GltfLists& gltf, const Json& attributes, co
     return std::find(list.begin(), list.end(), component) != list.end();
   };
   const bool known = among(rule.plain) || (quantized && among(rule.quantized));
-  if (!known || string_member(accessor, "type") != rule.shape) {
+  const std::string shape = string_member(accessor, "type");
+  if (!known || (rule.shape.empty() ? shape != "VEC3" && shape != "VEC4" : shape != rule.shape)) {
     refuse_gltf(fmt::format("{} must be {}", key, rule.text), place);
   }
   return whole_number(accessor, "count", 0, place);
@@ -86,6 +92,7 @@ void check_primitive(GltfLists& gltf, const Json& primitive, const std::set<int>
   };
   check("NORMAL", kNormal, "normals");
   for (const int set : texcoord_sets) check(fmt::format("TEXCOORD_{}", set), kTexcoord, "texture coordinates");
+  check("COLOR_0", kColor, "colours");
   check_indices(gltf, primitive, place);
   index_member(primitive, "material", gltf.count("materials"), place);
   if (whole_number(primitive, "mode", 4, place) > 6) refuse_gltf("mode must be 0 to 6", place);

@@ -78,10 +78,11 @@ std::vector<MeshPart> parts_of(const tinygltf::Model& gltf, const tinygltf::Mesh
     const std::int64_t triangles = triangle_count(gltf, primitive);
     if (triangles == 0) continue;
     const auto [entry, is_new] = part_of_material.emplace(primitive.material, parts.size());
-    if (is_new) parts.push_back({primitive.material, {}, 0});
+    if (is_new) parts.push_back({primitive.material, {}, 0, false});
     MeshPart& part = parts[entry->second];
     part.primitives.push_back(static_cast<int>(i));
     part.triangles += triangles;
+    part.has_colors = part.has_colors || primitive.attributes.contains("COLOR_0");
   }
   return parts;
 }

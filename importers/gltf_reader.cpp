@@ -160,6 +160,19 @@ void assign_light_groups(const GltfModel& model, GltfScene& scene) {
   }
 }
 
+/// Vertex colours count where nothing finer says what the reflectance is.
+void assign_vertex_colors(const GltfModel& model, GltfScene& scene, Progress& progress) {
+  bool beside_texture = false;
+  for (Surface& surface : scene.surfaces) {
+    const SurfaceMaterial& material = scene.materials[surface.material];
+    const bool shaded = surface.shader >= 0 && is_set(scene.shaders[surface.shader].reflectance);
+    if (!model.mesh_parts[surface.mesh][surface.part].has_colors || shaded || material.overridden) continue;
+    beside_texture = beside_texture || material.texture >= 0;
+    surface.reads_colors = material.texture < 0;
+  }
+  if (beside_texture) progress.warning("vertex colours are not read where a base colour has a texture");
+}
+
 std::vector<Camera> placed_cameras(const GltfModel& model, const std::vector<PlacedNode>& nodes,
                                    const std::vector<std::string>& names, Progress& progress) {
   std::vector<Camera> cameras;
@@ -196,6 +209,7 @@ GltfScene read_gltf_scene(const Job& job, Progress& progress) {
   scene.materials = read_materials(*model, used, job, scene.textures, progress);
   for (Surface& surface : scene.surfaces) surface.reads_uv = scene.materials[surface.material].texture >= 0;
   assign_shaders(job, reads_uv, scene, progress);
+  assign_vertex_colors(*model, scene, progress);
   assign_light_groups(*model, scene);
   scene.cameras = placed_cameras(*model, nodes, scene.nodes, progress);
   scene.sources = model->file.sources;

@@ -20,9 +20,10 @@ struct Surface {
   int light_group = -1;  ///< Index into GltfScene::light_groups; -1: it does not emit.
   Matrix4 to_world;
   int mesh = 0;
-  int part = 0;           ///< Of the mesh.
-  int shader = -1;        ///< Index into GltfScene::shaders; -1: none.
-  bool reads_uv = false;  ///< Its texture, or its shader, reads texture coordinates.
+  int part = 0;               ///< Of the mesh.
+  int shader = -1;            ///< Index into GltfScene::shaders; -1: none.
+  bool reads_uv = false;      ///< Its texture, or its shader, reads texture coordinates.
+  bool reads_colors = false;  ///< Its vertices have colours that count.
 };
 
 /// What the importer takes from a glTF file. Triangles are read surface by surface, since instances can make a small

@@ -1,5 +1,7 @@
 #include "importers/gltf_reduce.h"
 
+#include <fmt/format.h>
+
 #include <initializer_list>
 
 namespace patchlight {
@@ -37,7 +39,13 @@ Json reduced_node(const Json& node) {
 }
 
 Json reduced_texture(const Json& info) {
-  return kept(info, {"index", "texCoord"});
+  Json result = kept(info, {"index", "texCoord"});
+  const Json* extensions = find_member(info, "extensions");
+  const Json* transform = extensions ? find_member(*extensions, "KHR_texture_transform") : nullptr;
+  if (transform) {
+    result["extensions"]["KHR_texture_transform"] = kept(*transform, {"offset", "scale", "rotation", "texCoord"});
+  }
+  return result;
 }
 
 Json reduced_material(const Json& material) {
@@ -67,12 +75,13 @@ bool has_index_bytes(const Json& root, const Json& primitive) {
   return indices && root.at("accessors").at(indices->get<std::size_t>()).contains("bufferView");
 }
 
-Json reduced_mesh(const Json& root, const Json& mesh, bool texcoords) {
+Json reduced_mesh(const Json& root, const Json& mesh, const std::set<int>& texcoord_sets) {
   Json result = kept(mesh, {"name"});
   result["primitives"] = reduced_list(mesh, "primitives", [&](const Json& primitive) {
     Json reduced = kept(primitive, {"indices", "material", "mode"});
-    reduced["attributes"] = kept(primitive.at("attributes"), {"POSITION", "NORMAL"});
-    if (texcoords) reduced["attributes"].update(kept(primitive.at("attributes"), {"TEXCOORD_0"}));
+    reduced["attributes"] = kept(primitive.at("attributes"), {"POSITION", "NORMAL", "COLOR_0"});
+    for (const int set : texcoord_sets)
+      reduced["attributes"].update(kept(primitive.at("attributes"), {fmt::format("TEXCOORD_{}", set).c_str()}));
     if (!reduced["attributes"].contains("POSITION") || !has_index_bytes(root, primitive)) reduced.erase("indices");
     return reduced;
   });
@@ -104,13 +113,13 @@ Json reduced_camera(const Json& camera) {
 
 }  // namespace
 
-Json reduced_gltf(const Json& root, bool texcoords) {
+Json reduced_gltf(const Json& root, const std::set<int>& texcoord_sets) {
   Json result = kept(root, {"scene"});
   result["asset"] = kept(root.at("asset"), {"version"});
   result["scenes"] = reduced_list(root, "scenes", [](const Json& scene) { return kept(scene, {"nodes"}); });
   result["nodes"] = reduced_list(root, "nodes", reduced_node);
   result["meshes"] =
-      reduced_list(root, "meshes", [&](const Json& mesh) { return reduced_mesh(root, mesh, texcoords); });
+      reduced_list(root, "meshes", [&](const Json& mesh) { return reduced_mesh(root, mesh, texcoord_sets); });
   result["materials"] = reduced_list(root, "materials", reduced_material);
   result["cameras"] = reduced_list(root, "cameras", reduced_camera);
   result["textures"] = reduced_list(root, "textures", [](const Json& texture) {

@@ -66,8 +66,14 @@ struct CornerOrder {
   }
 };
 
+/// What of a mesh primitive's vertices is read besides their places.
+struct Wanted {
+  const TextureMapping* mapping = nullptr;  ///< Null: no texture coordinates.
+  bool colors = false;
+};
+
 void append_triangles(const GltfModel& model, const tinygltf::Primitive& primitive, const Placement& placement,
-                      const std::string& node, bool texcoords, TriangleSoup& soup) {
+                      const std::string& node, const Wanted& wanted, TriangleSoup& soup) {
   const auto refuse = [&](const std::string& what) {
     throw Error(ExitCode::bad_data, what, fmt::format("{}, node '{}'", model.file.name, node), "mend its mesh");
   };
@@ -75,11 +81,16 @@ void append_triangles(const GltfModel& model, const tinygltf::Primitive& primiti
   std::optional<AccessorReader> normals;
   std::optional<AccessorReader> indices;
   std::optional<AccessorReader> uvs;
+  std::optional<AccessorReader> colors;
   const auto normal = primitive.attributes.find("NORMAL");
   if (normal != primitive.attributes.end()) normals.emplace(model, normal->second);
   if (primitive.indices >= 0) indices.emplace(model, primitive.indices);
-  const auto uv = primitive.attributes.find("TEXCOORD_0");
-  if (texcoords && uv != primitive.attributes.end()) uvs.emplace(model, uv->second);
+  const auto color = primitive.attributes.find("COLOR_0");
+  if (wanted.colors && color != primitive.attributes.end()) colors.emplace(model, color->second);
+  if (wanted.mapping) {
+    const auto uv = primitive.attributes.find(fmt::format("TEXCOORD_{}", wanted.mapping->set));
+    if (uv != primitive.attributes.end()) uvs.emplace(model, uv->second);
+  }
 
   const CornerOrder order{primitive.mode};
   const std::size_t count = order.triangles(indices ? indices->count : positions.count);
@@ -95,8 +106,15 @@ void append_triangles(const GltfModel& model, const tinygltf::Primitive& primiti
       }
       soup.positions.push_back(position);
       soup.normals.push_back(normals && normals->data ? placement.normal(normals->vector3(vertex)) : Vec3f(0.0f));
-      if (!texcoords) continue;
-      soup.texcoords.push_back(uvs && uvs->data ? uvs->vector2(vertex) : kNoTexcoord);
+      if (wanted.colors) {
+        const Vec3f value = colors && colors->data ? colors->vector3(vertex) : Vec3f(colors ? 0.0f : 1.0f);
+        soup.colors.push_back(value);
+        for (int k = 0; k < 3; ++k)
+          if (!(value[k] >= 0.0f && value[k] <= 1.0f))
+            refuse(fmt::format("a vertex colour of {} is not in [0, 1]", value[k]));
+      }
+      if (!wanted.mapping) continue;
+      soup.texcoords.push_back(uvs && uvs->data ? (*wanted.mapping)(uvs->vector2(vertex)) : kNoTexcoord);
       if (uvs && uvs->data && !std::isfinite(soup.texcoords.back().x + soup.texcoords.back().y))
         refuse("a texture coordinate is not finite");
     }
@@ -105,6 +123,13 @@ void append_triangles(const GltfModel& model, const tinygltf::Primitive& primiti
 
 }  // namespace
 
+Vec2f TextureMapping::operator()(const Vec2f& uv) const {
+  if (rotation == 0.0f) return uv * scale + offset;
+  const Vec2f scaled = uv * scale;
+  const float c = std::cos(rotation), s = std::sin(rotation);
+  return Vec2f(c * scaled.x + s * scaled.y, c * scaled.y - s * scaled.x) + offset;
+}
+
 TriangleSoup read_triangles(const GltfScene& scene, const Surface& surface) {
   const GltfModel& model = *scene.model;
   const MeshPart& part = model.mesh_parts[surface.mesh][surface.part];
@@ -112,9 +137,10 @@ TriangleSoup read_triangles(const GltfScene& scene, const Surface& surface) {
   soup.positions.reserve(static_cast<std::size_t>(part.triangles) * 3);
   soup.normals.reserve(static_cast<std::size_t>(part.triangles) * 3);
   const Placement placement(surface.to_world);
+  const Wanted wanted{surface.reads_uv ? &scene.materials[surface.material].mapping : nullptr, surface.reads_colors};
   for (const int primitive : part.primitives) {
     append_triangles(model, model.gltf.meshes[surface.mesh].primitives[primitive], placement, scene.nodes[surface.node],
-                     surface.reads_uv, soup);
+                     wanted, soup);
   }
   return soup;
 }

@@ -93,6 +93,7 @@ PatchSet import_scene(const Job& job, Progress& progress) {
   set.cameras = scene.cameras;
   if (set.cameras.empty()) set.cameras.push_back(camera_for(set.primitives));
   set.sources = scene.sources;
+  apply_vertex_colors(list.colors, set);
   if (!set.shaders.empty() || !set.textures.empty()) average_colors(job, set, progress);
   set.inputs_key = import_inputs_key(set.sources, job);
   progress.note(summary(scene, list, set));

@@ -180,6 +180,7 @@ MeshTopology build_topology(const TriangleSoup& soup) {
   fill_triangles(connected, topology);
   number_smooth_vertices(topology, by_corner(soup.normals, soup, connected, topology));
   if (!soup.texcoords.empty()) topology.texcoords = by_corner(soup.texcoords, soup, connected, topology);
+  if (!soup.colors.empty()) topology.colors = by_corner(soup.colors, soup, connected, topology);
   find_components(topology);
   return topology;
 }

@@ -27,6 +27,7 @@ struct MeshTopology {
   std::vector<Vec3d> vertices;  ///< m
   std::vector<Triangle> triangles;
   std::vector<Vec2f> texcoords;  ///< Of the triangles' corners; empty where the soup has none.
+  std::vector<Vec3f> colors;     ///< The same.
   std::vector<Component> components;
   std::size_t without_area = 0;  ///< Triangles that were left out.
 };

@@ -132,4 +132,14 @@ void average_colors(const Job& job, PatchSet& scene, Progress& progress) {
   }
 }
 
+void apply_vertex_colors(const std::vector<CornerColors>& colors, PatchSet& scene) {
+  for (Patch& patch : scene.patches) {
+    if (static_cast<std::size_t>(patch.primitive) >= colors.size()) break;
+    const CornerColors& c = colors[static_cast<std::size_t>(patch.primitive)];
+    patch.reflectance *= mean_over(PatchSampler(scene.primitives[patch.primitive], patch), [&](double u, double v) {
+      return (Vec3d(c[0]) * (1 - u) + Vec3d(c[1]) * u) * (1 - v) + (Vec3d(c[3]) * (1 - u) + Vec3d(c[2]) * u) * v;
+    });
+  }
+}
+
 }  // namespace patchlight

@@ -10,6 +10,9 @@
 namespace patchlight {
 namespace {
 
+constexpr float kSameColor = 1.0f / 512;
+const CornerColors kUncolored{Vec3f(1.0f), Vec3f(1.0f), Vec3f(1.0f), Vec3f(1.0f)};
+
 Primitive blank_primitive(const Surface& surface) {
   Primitive primitive;
   primitive.node = surface.node;
@@ -46,20 +49,35 @@ void append(const Primitive& front, bool double_sided, std::int32_t smooth_offse
   list.primitives[index + 1].back = index;
 }
 
-/// Notes the texture coordinates of the primitive appended last, and of its back: the same at the same place.
-void append_texcoords(const Texcoords& front, PrimitiveList& list) {
+/// Notes what the primitive appended last, and its back, have at their corners: the same at the same place.
+template <class Value>
+void append_corners(const std::array<Value, 4>& front, const std::array<Value, 4>& none, const PrimitiveList& list,
+                    std::vector<std::array<Value, 4>>& corners) {
   const Primitive& last = list.primitives.back();
   const bool two = last.back >= 0;
-  list.texcoords.resize(list.primitives.size() - (two ? 2 : 1), kOwnTexcoords);
-  list.texcoords.push_back(front);
+  corners.resize(list.primitives.size() - (two ? 2 : 1), none);
+  corners.push_back(front);
   if (!two) return;
   const std::array<std::size_t, 4> order = corners_of_back(list.primitives[last.back]);
-  list.texcoords.push_back({front[order[0]], front[order[1]], front[order[2]], front[order[3]]});
+  corners.push_back({front[order[0]], front[order[1]], front[order[2]], front[order[3]]});
 }
 
 bool has_texcoords(const MeshTopology& topology, const MeshTopology::Component& component) {
   if (topology.texcoords.empty()) return false;
   return !std::isnan(topology.texcoords[3 * static_cast<std::size_t>(component.triangles.front())].x);
+}
+
+/// Whether all corners of a component have one colour, as a sphere needs.
+bool has_one_color(const MeshTopology& topology, const MeshTopology::Component& component) {
+  if (topology.colors.empty()) return true;
+  const Vec3f& color = topology.colors[3 * static_cast<std::size_t>(component.triangles.front())];
+  return std::all_of(component.triangles.begin(), component.triangles.end(), [&](std::int32_t triangle) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vec3f difference = topology.colors[3 * static_cast<std::size_t>(triangle) + i] - color;
+      if (!(difference.length() <= kSameColor)) return false;
+    }
+    return true;
+  });
 }
 
 /// Numbers the facets' smooth vertices from 0 without gaps. Returns how many there are.
@@ -86,13 +104,18 @@ void append_primitives(const Surface& surface, const SurfaceMaterial& material, 
   for (const MeshTopology::Component& component : topology.components) {
     if (material.texture >= 0 && has_texcoords(topology, component)) continue;  // no (u,v) of a sphere is like them
     const std::optional<Sphere> sphere = recognize_sphere(topology, component);
-    if (!sphere) continue;
+    if (!sphere || !has_one_color(topology, component)) continue;
     for (const std::int32_t triangle : component.triangles) in_sphere[triangle] = 1;
     Primitive primitive = blank_primitive(surface);
     primitive.shape = Primitive::Shape::sphere;
     primitive.sphere_center = sphere->center;
     primitive.sphere_radius = sphere->radius;
     append(primitive, material.double_sided, 0, list);
+    if (!topology.colors.empty()) {
+      CornerColors colors;
+      colors.fill(topology.colors[3 * static_cast<std::size_t>(component.triangles.front())]);
+      append_corners(colors, kUncolored, list, list.colors);
+    }
     ++list.spheres;
   }
 
@@ -104,10 +127,11 @@ void append_primitives(const Surface& surface, const SurfaceMaterial& material, 
     for (std::size_t i = 0; i < 4; ++i) primitive.smooth_vertices[i] = facet.smooth_vertices[i] + list.smooth_vertices;
     append(primitive, material.double_sided, smooth_count, list);
     if (!topology.texcoords.empty() && !std::isnan(facet.texcoords[0].x)) {
-      append_texcoords(facet.texcoords, list);
+      append_corners(facet.texcoords, kOwnTexcoords, list, list.texcoords);
       for (std::size_t i = list.primitives.size() - (material.double_sided ? 2 : 1); i < list.primitives.size(); ++i)
         list.primitives[i].texture = material.texture;
     }
+    if (!topology.colors.empty()) append_corners(facet.colors, kUncolored, list, list.colors);
     ++(primitive.is_triangle() ? list.triangles : list.quads);
   }
   list.smooth_vertices += material.double_sided ? 2 * smooth_count : smooth_count;

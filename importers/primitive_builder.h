@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -8,10 +9,14 @@
 
 namespace patchlight {
 
+/// What the reflectance of a primitive's patches is multiplied by at its corners, and bilinear between them.
+using CornerColors = std::array<Vec3f, 4>;
+
 /// Primitives of a scene as they come together, and what they were made from.
 struct PrimitiveList {
   std::vector<Primitive> primitives;
   std::vector<Texcoords> texcoords;  ///< Of the first primitives, up to the last one that has any from the file.
+  std::vector<CornerColors> colors;  ///< Of vertices, of the first primitives in the same way.
   std::int32_t smooth_vertices = 0;  ///< Numbers in use.
   std::int64_t quads = 0;
   std::int64_t triangles = 0;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 #include <tuple>
+#include <type_traits>
 
 namespace patchlight {
 namespace {
@@ -11,9 +12,7 @@ namespace {
 constexpr double kFlatness = 1e-4;         // distance of a corner from the other triangle's plane, in longest edges
 constexpr double kLargestFoldSine = 1e-2;  // also for slivers, whose corners are never far from any plane
 constexpr double kLeastCornerSine = 1e-3;
-constexpr double kMapping = 1e-5;          // of texture coordinates: in their extent over the quad
-constexpr double kMappingRounding = 1e-6;  // in the largest of them
-constexpr double kScoreStep = 1e-5;        // rectangles are equally good up to rounding
+constexpr double kScoreStep = 1e-5;  // rectangles are equally good up to rounding
 
 using Triangle = MeshTopology::Triangle;
 
@@ -49,21 +48,34 @@ std::optional<double> farthest_from_rectangle(const std::array<Vec3d, 4>& quad, 
   return worst;
 }
 
-Vec2f texcoord(const MeshTopology& topology, std::int32_t triangle, std::size_t corner) {
-  return topology.texcoords[3 * static_cast<std::size_t>(triangle) + corner];
+/// How closely values at corners have to be mapped as one: in their extent over the quad, and in the largest of them.
+struct MappingTolerance {
+  double extent;
+  double rounding;
+};
+constexpr MappingTolerance kTexcoordTolerance{1e-5, 1e-6};
+constexpr MappingTolerance kColorTolerance{0.0, 1.0 / 512};
+
+bool is_absent(const Vec2f& texcoord) {
+  return std::isnan(texcoord.x);
+}
+bool is_absent(const Vec3f&) {
+  return false;
 }
 
-/// Whether the map of texture coordinates of the triangle of corners 0, 2, 3 also holds at corner 1, and whether the
-/// other triangle agrees: `first_end` and `second_end` are what it has at corners 0 and 2.
-bool mapped_as_one(const Facet& quad, const Vec2f& first_end, const Vec2f& second_end) {
-  const auto& c = quad.corners;
-  std::array<Imath::V2d, 4> t;
+/// Whether the map of values of the triangle of corners 0, 2, 3 also holds at corner 1, and whether the other triangle
+/// agrees: `first_end` and `second_end` are what it has at corners 0 and 2.
+template <class Value>
+bool mapped_as_one(const std::array<Vec3d, 4>& c, const std::array<Value, 4>& values, const Value& first_end,
+                   const Value& second_end, const MappingTolerance& tolerance) {
+  using Wide = std::conditional_t<std::is_same_v<Value, Vec2f>, Imath::V2d, Vec3d>;
+  std::array<Wide, 4> t;
   double largest = 0.0;
   double extent = 0.0;
   int without = 0;
   for (std::size_t i = 0; i < 4; ++i) {
-    t[i] = Imath::V2d(quad.texcoords[i]);
-    without += std::isnan(t[i].x) ? 1 : 0;
+    t[i] = Wide(values[i]);
+    without += is_absent(values[i]) ? 1 : 0;
     largest = std::max(largest, t[i].length());
     extent = std::max(extent, (t[i] - t[0]).length());
   }
@@ -74,10 +86,10 @@ bool mapped_as_one(const Facet& quad, const Vec2f& first_end, const Vec2f& secon
   const Vec3d normal = along.cross(up);
   const double a = to.cross(up).dot(normal) / normal.length2();
   const double b = along.cross(to).dot(normal) / normal.length2();
-  const Imath::V2d expected = t[0] + (t[2] - t[0]) * a + (t[3] - t[0]) * b;
-  const double tolerance = kMapping * extent + kMappingRounding * largest;
-  return (t[1] - expected).length() <= tolerance && (Imath::V2d(first_end) - t[0]).length() <= tolerance &&
-         (Imath::V2d(second_end) - t[2]).length() <= tolerance;
+  const Wide expected = t[0] + (t[2] - t[0]) * a + (t[3] - t[0]) * b;
+  const double most = tolerance.extent * extent + tolerance.rounding * largest;
+  return (t[1] - expected).length() <= most && (Wide(first_end) - t[0]).length() <= most &&
+         (Wide(second_end) - t[2]).length() <= most;
 }
 
 std::optional<Pair> paired(const MeshTopology& topology, std::int32_t first, int edge) {
@@ -98,12 +110,16 @@ std::optional<Pair> paired(const MeshTopology& topology, std::int32_t first, int
   pair.quad.smooth_vertices = {a.smooth_vertices[edge], b.smooth_vertices[apex], a.smooth_vertices[end],
                                a.smooth_vertices[rest]};
   if (!coplanar(a, b, pair.quad.corners)) return std::nullopt;
-  if (!topology.texcoords.empty()) {
-    pair.quad.texcoords = {texcoord(topology, first, edge), texcoord(topology, second, apex),
-                           texcoord(topology, first, end), texcoord(topology, first, rest)};
-    if (!mapped_as_one(pair.quad, texcoord(topology, second, start_in_b), texcoord(topology, second, (apex + 1) % 3)))
-      return std::nullopt;
-  }
+  const auto agree = [&](const auto& values, auto& corners, const MappingTolerance& tolerance) {
+    if (values.empty()) return true;
+    const auto of = [&](std::int32_t triangle, std::size_t corner) {
+      return values[3 * static_cast<std::size_t>(triangle) + corner];
+    };
+    corners = {of(first, edge), of(second, apex), of(first, end), of(first, rest)};
+    return mapped_as_one(pair.quad.corners, corners, of(second, start_in_b), of(second, (apex + 1) % 3), tolerance);
+  };
+  if (!agree(topology.texcoords, pair.quad.texcoords, kTexcoordTolerance)) return std::nullopt;
+  if (!agree(topology.colors, pair.quad.colors, kColorTolerance)) return std::nullopt;
   const std::optional<double> score = farthest_from_rectangle(pair.quad.corners, a.normal);
   if (!score) return std::nullopt;
   pair.score = std::llround(*score / kScoreStep);
@@ -127,7 +143,9 @@ Facet single_triangle(const MeshTopology& topology, std::int32_t index) {
     const std::size_t corner = (start + std::min<std::size_t>(i, 2)) % 3;
     facet.corners[i] = topology.vertices[triangle.vertices[corner]];
     facet.smooth_vertices[i] = triangle.smooth_vertices[corner];
-    if (!topology.texcoords.empty()) facet.texcoords[i] = texcoord(topology, index, corner);
+    const std::size_t number = 3 * static_cast<std::size_t>(index) + corner;
+    if (!topology.texcoords.empty()) facet.texcoords[i] = topology.texcoords[number];
+    if (!topology.colors.empty()) facet.colors[i] = topology.colors[number];
   }
   return facet;
 }

@@ -8,6 +8,16 @@
 
 namespace patchlight {
 
+/// Where on its texture a surface's points are: KHR_texture_transform of one of the mesh's sets of coordinates.
+struct TextureMapping {
+  int set = 0;  ///< TEXCOORD_0, TEXCOORD_1, ...
+  Vec2f offset{0.0f, 0.0f};
+  Vec2f scale{1.0f, 1.0f};
+  float rotation = 0.0f;  ///< rad, counter-clockwise where v grows downwards.
+
+  Vec2f operator()(const Vec2f& uv) const;
+};
+
 /// What light does at a surface.
 struct SurfaceMaterial {
   std::string name;
@@ -17,7 +27,9 @@ struct SurfaceMaterial {
   Color emission{0.0f};     ///< Radiant exitance, W/m2.
   bool double_sided = false;
   std::int32_t texture = -1;  ///< Of the reflectance, among the scene's; -1: none.
+  TextureMapping mapping;     ///< Onto that texture.
   Color tint{1.0f};           ///< What the texture is multiplied by; `reflectance` is the mean.
+  bool overridden = false;    ///< The job says what the reflectance is, whatever vertices say.
   std::string light_group;    ///< As the file names it; empty: not named.
 
   bool emits() const { return emission != Color(0.0f); }
@@ -28,6 +40,7 @@ struct TriangleSoup {
   std::vector<Vec3d> positions;  ///< m. Shape: [3 triangles].
   std::vector<Vec3f> normals;    ///< Unit, of the file. Shape: [3 triangles]; zero where the file has none.
   std::vector<Vec2f> texcoords;  ///< Shape: [3 triangles], NaN where the file has none; empty where none are wanted.
+  std::vector<Vec3f> colors;     ///< Linear. Shape: [3 triangles], ones where the file has none; empty without any.
 };
 
 /// A planar piece of a mesh: a convex quad, or a triangle that repeats its last corner.
@@ -35,6 +48,7 @@ struct Facet {
   std::array<Vec3d, 4> corners{};
   std::array<std::int32_t, 4> smooth_vertices{};
   std::array<Vec2f, 4> texcoords{};  ///< Set where the soup has them.
+  std::array<Vec3f, 4> colors{};     ///< Set where the soup has them.
 };
 
 /// A sphere that a mesh stands for.

@@ -220,6 +220,65 @@ TEST(Materials, PatchesTakeTheTextureWhereTheyLie) {
   for (const Patch& patch : scene.patches) EXPECT_NEAR(patch.reflectance.x, patch.center.x < 0.5 ? 0.5 : 0.0, 1e-5);
 }
 
+TEST(Materials, TexturesLieByTheSetAndTheTransformThatTheyName) {
+  Importer importer;
+  write_png(importer.folder / "tiles.png", {255, 0, 188, 0, 0, 188});
+  GltfBuilder gltf = mapped("tiles.png");
+  gltf.primitive(0)["attributes"]["TEXCOORD_3"] =
+      gltf.accessor(std::vector<Vec2f>{{2, 0}, {3, 0}, {2, 1}, {3, 1}}, 5126, "VEC2");
+  Json& info = gltf.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"];
+  info["extensions"]["KHR_texture_transform"] = {
+      {"texCoord", 3}, {"offset", {0.5, 10}}, {"scale", {2, 4}}, {"rotation", kPi / 2}};
+  gltf.json["extensionsRequired"] = {"KHR_texture_transform"};
+  const PatchSet scene = importer.import(gltf);
+  ASSERT_EQ(scene.texcoords.size(), 1u);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Vec3d& corner = scene.primitives[0].corners[i];
+    // Scaled to (4 + 2x, 4y), turned counter-clockwise where v grows downwards to (4y, -4 - 2x), moved.
+    EXPECT_NEAR(scene.texcoords[0][i].x, 4 * corner.y + 0.5, 1e-5);
+    EXPECT_NEAR(scene.texcoords[0][i].y, -4 - 2 * corner.x + 10, 1e-5);
+  }
+  info["extensions"]["KHR_texture_transform"]["offset"] = {1};
+  EXPECT_ERROR(importer.import(gltf), ExitCode::bad_data, "offset");
+}
+
+TEST(Materials, ColoursOfVerticesTintThePatches) {
+  Importer importer;
+  importer.job.import.patch_area = 1.0 / 16;
+  GltfBuilder gltf = single_mesh(
+      grid(1), {{"pbrMetallicRoughness", {{"metallicFactor", 0}, {"baseColorFactor", {0.5, 0.5, 0.5, 1}}}}});
+  gltf.primitive(0)["attributes"]["COLOR_0"] = gltf.accessor(
+      std::vector<std::uint8_t>{0, 51, 102, 255, 255, 51, 102, 0, 0, 51, 204, 255, 255, 51, 204, 0}, 5121, "VEC4");
+  gltf.json["accessors"].back().update({{"count", 4}, {"normalized", true}});
+  const PatchSet scene = importer.import(gltf);
+  ASSERT_EQ(scene.primitives.size(), 1u);
+  for (const Patch& patch : scene.patches)
+    expect_color(patch.reflectance, Vec3d(patch.center.x, 0.2, 0.4 + 0.4 * patch.center.y) * 0.5);
+
+  importer.job.materials = {change("*")};
+  importer.job.materials[0].reflectance = Color(0.25f);
+  EXPECT_EQ(importer.import(gltf).patches[0].reflectance, Color(0.25f));
+  gltf.json["accessors"].back()["normalized"] = false;
+  EXPECT_ERROR(importer.import(gltf), ExitCode::bad_data, "COLOR_0 must be VEC3 or VEC4");
+}
+
+TEST(Materials, TrianglesOfUnlikeColoursStayApart) {
+  Importer importer;
+  Mesh square = grid(1);
+  square.positions = {square.positions[0], square.positions[1], square.positions[3],
+                      square.positions[0], square.positions[3], square.positions[2]};
+  square.indices.clear();
+  GltfBuilder gltf =
+      single_mesh(square, {{"pbrMetallicRoughness", {{"metallicFactor", 0}, {"baseColorFactor", {0.5, 0.5, 0.5, 1}}}}});
+  const Vec3f red(0.5f, 0, 0), blue(0, 0, 0.5f);
+  gltf.primitive(0)["attributes"]["COLOR_0"] =
+      gltf.accessor(std::vector{red, red, red, blue, blue, blue}, 5126, "VEC3");
+  const PatchSet scene = importer.import(gltf);
+  ASSERT_EQ(scene.primitives.size(), 2u);
+  for (const Patch& patch : scene.patches)
+    expect_color(patch.reflectance, Vec3d(patch.primitive == 0 ? red : blue) * 0.5);
+}
+
 TEST(Materials, AnOverriddenReflectanceHasNoTexture) {
   Importer importer;
   importer.job.materials = {change("tiles")};
