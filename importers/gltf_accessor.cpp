@@ -111,4 +111,16 @@ Vec3f AccessorReader::vector3(std::size_t element) const {
   return {value[0], value[1], value[2]};
 }
 
+std::array<float, 4> AccessorReader::vector4(std::size_t element) const {
+  return numbers<4>(element);
+}
+
+/// glTF's column-major matrices of column vectors are Imath's row-major ones of row vectors.
+Imath::M44f AccessorReader::matrix(std::size_t element) const {
+  const auto value = numbers<16>(element);
+  Imath::M44f result;
+  std::copy(value.begin(), value.end(), &result.x[0][0]);
+  return result;
+}
+
 }  // namespace patchlight

@@ -10,6 +10,7 @@ namespace patchlight {
 struct AccessorReader {
   /// Throws: Error (bad_data) if its buffer has no data, or for sparse elements out of range.
   AccessorReader(const GltfModel& model, int accessor);
+  AccessorReader(AccessorReader&&) = default;  // a copy's `data` would be the original's
 
   std::size_t count = 0;
   const unsigned char* data = nullptr;  ///< Null: all elements are zeros.
@@ -17,6 +18,8 @@ struct AccessorReader {
   std::uint32_t index(std::size_t element) const;
   Vec2f vector2(std::size_t element) const;
   Vec3f vector3(std::size_t element) const;
+  std::array<float, 4> vector4(std::size_t element) const;
+  Imath::M44f matrix(std::size_t element) const;
 
  private:
   template <std::size_t N>

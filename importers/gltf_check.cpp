@@ -7,6 +7,7 @@
 #include <set>
 
 #include "importers/gltf_accessor_check.h"
+#include "importers/gltf_deform_check.h"
 #include "importers/gltf_lists.h"
 #include "importers/gltf_mesh_check.h"
 #include "importers/gltf_reduce.h"
@@ -19,7 +20,7 @@ namespace {
 constexpr std::array kSupportedExtensions{
     "KHR_materials_emissive_strength", "KHR_materials_specular",     "KHR_materials_ior",       "KHR_materials_unlit",
     "KHR_mesh_quantization",           "KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_texture_transform",
-    "KHR_materials_transmission",      "KHR_materials_variants"};
+    "KHR_materials_transmission",      "KHR_materials_variants",     "EXT_mesh_gpu_instancing"};
 
 constexpr std::size_t kMostTexcoords = 1000;  // sets of them that a mesh may have
 
@@ -143,7 +144,9 @@ void check_nodes(GltfLists& gltf) {
     check_numbers(node, "scale", 3, place);
     index_member(node, "mesh", gltf.count("meshes"), place);
     index_member(node, "camera", gltf.count("cameras"), place);
-    if (node.contains("skin")) gltf.ignored.insert("skins are not read: meshes stand in their rest pose");
+    check_weights(node, place);
+    if (index_member(node, "skin", gltf.count("skins"), place) >= 0)
+      gltf.ignored.insert("skins do not move: they stand in the pose of the file's nodes");
     if (const Json* list = find_array(node, "children", place)) {
       for (const Json& child : *list) {
         children[place.index].push_back(checked_index(child, "children", children.size(), place));
@@ -171,6 +174,8 @@ CheckedGltf check_gltf(std::string_view json, const std::string& file, bool texc
   if (texcoords) texcoord_sets.insert(0);
   check_meshes(gltf, texcoord_sets);
   result.meshopt_views = checked_meshopt_views(gltf);
+  check_skins(gltf);
+  result.instances = checked_instances(gltf);
   result.draco_primitives = checked_draco_primitives(gltf);
   check_nodes(gltf);
   if (gltf.count("animations") > 0) gltf.ignored.insert("animations are not read: nodes stand in their rest state");

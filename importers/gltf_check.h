@@ -1,4 +1,5 @@
 #pragma once
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,6 +16,12 @@ struct GltfData {
   std::size_t size = 0;  ///< Stated length of a buffer, bytes.
 };
 
+/// A node's instances: accessors of TRANSLATION, ROTATION and SCALE.
+struct GltfInstances {
+  std::map<std::string, int> attributes;
+  std::size_t count = 0;
+};
+
 /// A glTF file that is safe to parse.
 struct CheckedGltf {
   std::string json;               ///< What the importer reads of it, without buffers and images, for tinygltf.
@@ -22,7 +29,8 @@ struct CheckedGltf {
   std::vector<GltfData> images;
   std::vector<MeshoptView> meshopt_views;
   std::vector<DracoPrimitive> draco_primitives;
-  std::vector<std::string> ignored;  ///< What the scene holds beyond what is read, one warning each.
+  std::map<int, GltfInstances> instances;  ///< By node, of those that have some.
+  std::vector<std::string> ignored;        ///< What the scene holds beyond what is read, one warning each.
 };
 
 /// Checks all that the importer and tinygltf read of a glTF file's JSON: version, required extensions, types, indices,

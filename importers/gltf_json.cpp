@@ -122,6 +122,11 @@ void check_numbers(const Json& object, const char* key, std::size_t count, const
   if (!valid) refuse_gltf(fmt::format("must be {} numbers", count), place, key);
 }
 
+void check_weights(const Json& object, const GltfPlace& place) {
+  if (const Json* weights = find_array(object, "weights", place))
+    check_numbers(object, "weights", weights->size(), place);
+}
+
 void check_string(const Json& object, const char* key, const GltfPlace& place) {
   const Json* member = find_member(object, key);
   if (member && !member->is_string()) refuse_gltf("must be text", place, key);

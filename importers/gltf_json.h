@@ -39,6 +39,8 @@ int index_member(const Json& object, const char* key, std::size_t count, const G
 int checked_index(const Json& value, const char* key, std::size_t count, const GltfPlace& place);
 void check_number(const Json& object, const char* key, const GltfPlace& place);
 void check_numbers(const Json& object, const char* key, std::size_t count, const GltfPlace& place);
+/// Numbers, however many. Of morph targets, in a node or a mesh.
+void check_weights(const Json& object, const GltfPlace& place);
 void check_string(const Json& object, const char* key, const GltfPlace& place);
 std::string string_member(const Json& object, const char* key);
 

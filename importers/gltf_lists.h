@@ -9,6 +9,9 @@
 
 namespace patchlight {
 
+/// Sets of four joints, of which each is checked and read, that a skin's vertices may hang on.
+constexpr int kMostBones = 64;
+
 /// A glTF file while it is checked: its lists at the root, whose elements are objects.
 struct GltfLists {
   /// Throws: Error (bad_data) for a list that is none.

@@ -45,6 +45,13 @@ const AttributeRule kColor{"",
                            {},
                            "VEC3 or VEC4 of 32-bit floats or of normalized unsigned bytes or shorts"};
 
+const AttributeRule kJoints{"VEC4", {kUnsignedByte, kUnsignedShort}, {}, "VEC4 of unsigned bytes or shorts"};
+const AttributeRule kWeights{"VEC4",
+                             {kFloat, kUnitUnsignedByte, kUnitUnsignedShort},
+                             {},
+                             "VEC4 of 32-bit floats or of normalized unsigned bytes or shorts"};
+const AttributeRule kTarget{"VEC3", {kFloat}, {kByte, kUnitByte, kShort, kUnitShort}, "VEC3 of 32-bit floats"};
+
 /// The element count of an attribute, checked; -1 where it is absent.
 std::int64_t checked_attribute(const GltfLists& gltf, const Json& attributes, const std::string& key,
                                const AttributeRule& rule, bool quantized, const GltfPlace& mesh) {
@@ -96,8 +103,19 @@ void check_primitive(GltfLists& gltf, const Json& primitive, const std::set<int>
   check_indices(gltf, primitive, place);
   index_member(primitive, "material", gltf.count("materials"), place);
   if (whole_number(primitive, "mode", 4, place) > 6) refuse_gltf("mode must be 0 to 6", place);
+  for (int set = 0; set < kMostBones && attributes->contains(fmt::format("JOINTS_{}", set)); ++set) {
+    check(fmt::format("JOINTS_{}", set), kJoints, "joints");
+    check(fmt::format("WEIGHTS_{}", set), kWeights, "weights");
+  }
   const Json* targets = find_array(primitive, "targets", place);
-  if (targets && !targets->empty()) gltf.ignored.insert("morph targets are not read: meshes stand in their base shape");
+  for (std::size_t i = 0; targets && i < targets->size(); ++i) {
+    if (!(*targets)[i].is_object()) refuse_gltf("must hold objects", place, "targets");
+    for (const char* key : {"POSITION", "NORMAL"}) {
+      const std::int64_t count = checked_attribute(gltf, (*targets)[i], key, kTarget, quantized, place);
+      if (count >= 0 && count != vertices) refuse_gltf("has a morph target of another number of vertices", place);
+    }
+    gltf.ignored.insert("morph targets do not move: they stand with the weights that the file starts from");
+  }
 }
 
 }  // namespace
@@ -106,6 +124,7 @@ void check_meshes(GltfLists& gltf, const std::set<int>& texcoord_sets) {
   const bool quantized = gltf.uses("KHR_mesh_quantization");
   gltf.each("meshes", [&](const Json& mesh, const GltfPlace& place) {
     check_string(mesh, "name", place);
+    check_weights(mesh, place);
     const Json* primitives = find_array(mesh, "primitives", place);
     if (!primitives) refuse_gltf("has no primitives", place);
     for (const Json& primitive : *primitives) check_primitive(gltf, primitive, texcoord_sets, quantized, place);

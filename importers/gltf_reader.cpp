@@ -7,6 +7,7 @@
 #include <map>
 
 #include "importers/gltf_cameras.h"
+#include "importers/gltf_instances.h"
 #include "importers/gltf_materials.h"
 #include "importers/gltf_model.h"
 #include "importers/shader_assignment.h"
@@ -114,7 +115,12 @@ std::vector<Surface> placed_surfaces(const GltfModel& model, const std::vector<P
     const int mesh = model.gltf.nodes[node.node].mesh;
     if (mesh < 0) continue;
     const std::vector<MeshPart>& parts = model.mesh_parts[mesh];
-    for (std::size_t part = 0; part < parts.size(); ++part) {
+    const bool empty =
+        std::all_of(parts.begin(), parts.end(), [](const MeshPart& part) { return part.triangles == 0; });
+    if (empty) continue;
+    const std::vector<Matrix4> instances = instances_of(model, node.node);
+    for (std::size_t k = 0; k < parts.size() * instances.size(); ++k) {
+      const std::size_t part = k % parts.size();
       triangles += parts[part].triangles;
       if (triangles > limit) {
         throw Error(
@@ -124,7 +130,7 @@ std::vector<Surface> placed_surfaces(const GltfModel& model, const std::vector<P
       Surface surface;
       surface.node = node.node;
       surface.material = parts[part].material < 0 ? default_material : parts[part].material;
-      surface.to_world = node.to_world;
+      surface.to_world = instances[k / parts.size()] * node.to_world;
       surface.mesh = mesh;
       surface.part = static_cast<int>(part);
       surfaces.push_back(surface);
@@ -202,6 +208,8 @@ GltfScene read_gltf_scene(const Job& job, Progress& progress) {
     scene.nodes.push_back(name.empty() ? fmt::format("node_{}", i) : name);
   }
   const std::vector<PlacedNode> nodes = placed_nodes(*model);
+  scene.node_to_world.resize(scene.nodes.size());
+  for (const PlacedNode& node : nodes) scene.node_to_world[node.node] = node.to_world;
   scene.surfaces = placed_surfaces(*model, nodes, triangle_limit(job.import), scene.triangles);
 
   std::vector<char> used(model->gltf.materials.size() + 1, 0);

@@ -33,7 +33,8 @@ void keep_light_group(const Json& item, Json& result) {
 }
 
 Json reduced_node(const Json& node) {
-  Json result = kept(node, {"name", "children", "matrix", "translation", "rotation", "scale", "mesh", "camera"});
+  Json result = kept(
+      node, {"name", "children", "matrix", "translation", "rotation", "scale", "mesh", "camera", "skin", "weights"});
   keep_light_group(node, result);
   return result;
 }
@@ -76,10 +77,18 @@ bool has_index_bytes(const Json& root, const Json& primitive) {
 }
 
 Json reduced_mesh(const Json& root, const Json& mesh, const std::set<int>& texcoord_sets) {
-  Json result = kept(mesh, {"name"});
+  Json result = kept(mesh, {"name", "weights"});
   result["primitives"] = reduced_list(mesh, "primitives", [&](const Json& primitive) {
     Json reduced = kept(primitive, {"indices", "material", "mode"});
     reduced["attributes"] = kept(primitive.at("attributes"), {"POSITION", "NORMAL", "COLOR_0"});
+    for (int set = 0; set < kMostBones && primitive.at("attributes").contains(fmt::format("JOINTS_{}", set)); ++set)
+      reduced["attributes"].update(kept(
+          primitive.at("attributes"), {fmt::format("JOINTS_{}", set).c_str(), fmt::format("WEIGHTS_{}", set).c_str()}));
+    if (primitive.contains("targets")) {
+      reduced["targets"] = reduced_list(primitive, "targets", [](const Json& target) {
+        return kept(target, {"POSITION", "NORMAL"});
+      });
+    }
     for (const int set : texcoord_sets)
       reduced["attributes"].update(kept(primitive.at("attributes"), {fmt::format("TEXCOORD_{}", set).c_str()}));
     if (!reduced["attributes"].contains("POSITION") || !has_index_bytes(root, primitive)) reduced.erase("indices");
@@ -122,6 +131,9 @@ Json reduced_gltf(const Json& root, const std::set<int>& texcoord_sets) {
       reduced_list(root, "meshes", [&](const Json& mesh) { return reduced_mesh(root, mesh, texcoord_sets); });
   result["materials"] = reduced_list(root, "materials", reduced_material);
   result["cameras"] = reduced_list(root, "cameras", reduced_camera);
+  result["skins"] = reduced_list(root, "skins", [](const Json& skin) {
+    return kept(skin, {"joints", "inverseBindMatrices"});
+  });
   result["textures"] = reduced_list(root, "textures", [](const Json& texture) {
     return kept(texture, {"source", "sampler"});
   });

@@ -2,7 +2,7 @@
 // Internal to the glTF files of this folder: brings nlohmann/json along.
 #include <set>
 
-#include "importers/gltf_json.h"
+#include "importers/gltf_lists.h"
 
 namespace patchlight {
 

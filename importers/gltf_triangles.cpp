@@ -6,6 +6,7 @@
 
 #include "importers/gltf_accessor.h"
 #include "importers/gltf_reader.h"
+#include "importers/gltf_rest_pose.h"
 #include "pipeline/model/error.h"
 
 namespace patchlight {
@@ -73,7 +74,7 @@ struct Wanted {
 };
 
 void append_triangles(const GltfModel& model, const tinygltf::Primitive& primitive, const Placement& placement,
-                      const std::string& node, const Wanted& wanted, TriangleSoup& soup) {
+                      const RestPose& pose, const std::string& node, const Wanted& wanted, TriangleSoup& soup) {
   const auto refuse = [&](const std::string& what) {
     throw Error(ExitCode::bad_data, what, fmt::format("{}, node '{}'", model.file.name, node), "mend its mesh");
   };
@@ -92,20 +93,29 @@ void append_triangles(const GltfModel& model, const tinygltf::Primitive& primiti
     if (uv != primitive.attributes.end()) uvs.emplace(model, uv->second);
   }
 
+  std::optional<Placement> bent;
   const CornerOrder order{primitive.mode};
   const std::size_t count = order.triangles(indices ? indices->count : positions.count);
+  const auto vertex_at = [&](std::size_t corner) {
+    const std::size_t vertex = indices ? indices->index(corner) : corner;
+    if (vertex >= positions.count) refuse(fmt::format("vertex {} of {} does not exist", vertex, positions.count));
+    return vertex;
+  };
   for (std::size_t triangle = 0; triangle < count; ++triangle) {
+    bool mirrors = placement.mirrors;
+    if (pose.has_skin()) mirrors = Placement(pose.to_world(vertex_at(order(triangle, 0)))).mirrors;
     for (std::size_t i = 0; i < 3; ++i) {
-      const std::size_t corner = order(triangle, placement.mirrors && i > 0 ? 3 - i : i);
-      const std::size_t vertex = indices ? indices->index(corner) : corner;
-      if (vertex >= positions.count) refuse(fmt::format("vertex {} of {} does not exist", vertex, positions.count));
-      const Vec3d position = placement.position(positions.vector3(vertex));
+      const std::size_t vertex = vertex_at(order(triangle, mirrors && i > 0 ? 3 - i : i));
+      const Placement& placed = pose.has_skin() ? bent.emplace(pose.to_world(vertex)) : placement;
+      const Vec3d position = placed.position(pose.morphed_position(vertex, positions.vector3(vertex)));
       for (int axis = 0; axis < 3; ++axis) {
         if (!std::isfinite(position[axis])) refuse("a position is not finite");
         if (std::abs(position[axis]) > kFarthest) refuse(fmt::format("a position is beyond {} m", kFarthest));
       }
       soup.positions.push_back(position);
-      soup.normals.push_back(normals && normals->data ? placement.normal(normals->vector3(vertex)) : Vec3f(0.0f));
+      soup.normals.push_back(normals && normals->data
+                                 ? placed.normal(pose.morphed_normal(vertex, normals->vector3(vertex)))
+                                 : Vec3f(0.0f));
       if (wanted.colors) {
         const Vec3f value = colors && colors->data ? colors->vector3(vertex) : Vec3f(colors ? 0.0f : 1.0f);
         soup.colors.push_back(value);
@@ -138,9 +148,13 @@ TriangleSoup read_triangles(const GltfScene& scene, const Surface& surface) {
   soup.normals.reserve(static_cast<std::size_t>(part.triangles) * 3);
   const Placement placement(surface.to_world);
   const Wanted wanted{surface.reads_uv ? &scene.materials[surface.material].mapping : nullptr, surface.reads_colors};
+  const tinygltf::Mesh& mesh = model.gltf.meshes[surface.mesh];
+  const tinygltf::Node& node = model.gltf.nodes[surface.node];
+  std::vector<Matrix4> joints;
+  if (node.skin >= 0) joints = joint_matrices(model, node.skin, scene.node_to_world);
   for (const int primitive : part.primitives) {
-    append_triangles(model, model.gltf.meshes[surface.mesh].primitives[primitive], placement, scene.nodes[surface.node],
-                     wanted, soup);
+    const RestPose pose(model, mesh.primitives[primitive], node.weights.empty() ? mesh.weights : node.weights, joints);
+    append_triangles(model, mesh.primitives[primitive], placement, pose, scene.nodes[surface.node], wanted, soup);
   }
   return soup;
 }
