@@ -24,6 +24,12 @@ std::uint32_t unsigned_at(const unsigned char* at, int component_type) {
   return number_at<std::uint32_t>(at);
 }
 
+double largest_of(int component_type) {
+  if (component_type == TINYGLTF_COMPONENT_TYPE_BYTE) return 127.0;
+  if (component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE) return 255.0;
+  return component_type == TINYGLTF_COMPONENT_TYPE_SHORT ? 32767.0 : 65535.0;
+}
+
 std::size_t size_of(int component_type) {
   return static_cast<std::size_t>(tinygltf::GetComponentSizeInBytes(static_cast<std::uint32_t>(component_type)));
 }
@@ -45,6 +51,10 @@ AccessorReader::AccessorReader(const GltfModel& model, int accessor) {
       size_of(component_type_) *
       static_cast<std::size_t>(tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(source.type)));
   stride_ = size;
+  const bool quantized = component_type_ != TINYGLTF_COMPONENT_TYPE_FLOAT;
+  if (quantized) rounding = normalized_ ? 0.5 / largest_of(component_type_) : 0.5;
+  const auto packed = model.roundings.find(accessor);
+  if (packed != model.roundings.end()) rounding = packed->second;
   if (source.bufferView >= 0 && count > 0) {
     const tinygltf::BufferView& view = model.gltf.bufferViews[source.bufferView];
     data = view_bytes(model, source.bufferView).data() + source.byteOffset;

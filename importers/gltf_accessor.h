@@ -15,6 +15,8 @@ struct AccessorReader {
   std::size_t count = 0;
   const unsigned char* data = nullptr;  ///< Null: all elements are zeros.
 
+  double rounding = 0.0;  ///< How far off a quantized number may be.
+
   std::uint32_t index(std::size_t element) const;
   Vec2f vector2(std::size_t element) const;
   Vec3f vector3(std::size_t element) const;

@@ -16,7 +16,6 @@ std::int64_t checked_count(const GltfLists& gltf, int accessor, const char* shap
                             owner.text()),
                 place);
   }
-  if (!place.item->contains("bufferView")) refuse_gltf(fmt::format("has no bufferView, for {}", owner.text()), place);
   return whole_number(*place.item, "count", 0, place);
 }
 
@@ -33,6 +32,8 @@ std::map<int, GltfInstances> checked_instances(const GltfLists& gltf) {
     for (const char* key : {"TRANSLATION", "ROTATION", "SCALE"}) {
       const int accessor = index_member(*attributes, key, gltf.count("accessors"), place);
       if (accessor < 0) continue;
+      if (!gltf.list("accessors")[static_cast<std::size_t>(accessor)].contains("bufferView"))
+        refuse_gltf(fmt::format("accessors[{}] of its instances has no bufferView", accessor), place);
       const bool turns = key == std::string_view("ROTATION");
       const auto count = static_cast<std::size_t>(checked_count(gltf, accessor, turns ? "VEC4" : "VEC3", turns, place));
       if (!first && count != instances.count) refuse_gltf("has unequal numbers of its instances' attributes", place);

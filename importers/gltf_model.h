@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <span>
 #include <string>
@@ -31,6 +32,7 @@ struct GltfModel {
   std::vector<std::shared_ptr<const Bytes>> owned;
   std::vector<std::span<const unsigned char>> buffers;
   std::vector<std::vector<MeshPart>> mesh_parts;  ///< By mesh.
+  std::map<int, double> roundings;  ///< By accessor: how far off the numbers may be that Draco has quantized.
 };
 
 /// Checks and parses the file and loads its buffers; `texcoords` as for check_gltf.

@@ -30,7 +30,7 @@ std::vector<Matrix4> joint_matrices(const GltfModel& model, int skin, const std:
   std::vector<Matrix4> result;
   for (std::size_t i = 0; i < source.joints.size(); ++i) {
     Matrix4 matrix = node_to_world[source.joints[i]];
-    if (inverse) matrix = Matrix4(inverse->matrix(i)) * matrix;
+    if (inverse && inverse->data) matrix = Matrix4(inverse->matrix(i)) * matrix;
     for (int k = 0; k < 16; ++k) {
       if (!std::isfinite(matrix.x[k / 4][k % 4])) {
         refuse(fmt::format("the matrix of joint {} is not finite", i),

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -12,7 +13,8 @@
 namespace patchlight {
 namespace {
 
-constexpr double kFarthest = 1e12;  // m; what is farther has no useful digits left and overflows areas
+constexpr double kFloatRounding = 0x1p-24;  // of a number, in its size
+constexpr double kFarthest = 1e12;          // m; what is farther has no useful digits left and overflows areas
 const Vec2f kNoTexcoord(std::numeric_limits<float>::quiet_NaN());
 
 /// A node's transform, for positions and for normals.
@@ -28,6 +30,13 @@ struct Placement {
     mirrors = x.dot(y.cross(z)) < 0.0;
     const double sign = mirrors ? -1.0 : 1.0;
     cofactors = {sign * y.cross(z), sign * z.cross(x), sign * x.cross(y)};
+  }
+
+  /// The most by which a length can grow.
+  double scale() const {
+    double sum = 0.0;
+    for (int i = 0; i < 3; ++i) sum += Vec3d(matrix[i][0], matrix[i][1], matrix[i][2]).length2();
+    return std::sqrt(sum);
   }
 
   Vec3d position(const Vec3f& local) const {
@@ -96,6 +105,7 @@ void append_triangles(const GltfModel& model, const tinygltf::Primitive& primiti
   std::optional<Placement> bent;
   const CornerOrder order{primitive.mode};
   const std::size_t count = order.triangles(indices ? indices->count : positions.count);
+  float largest = 0.0f;  // coordinate
   const auto vertex_at = [&](std::size_t corner) {
     const std::size_t vertex = indices ? indices->index(corner) : corner;
     if (vertex >= positions.count) refuse(fmt::format("vertex {} of {} does not exist", vertex, positions.count));
@@ -107,7 +117,9 @@ void append_triangles(const GltfModel& model, const tinygltf::Primitive& primiti
     for (std::size_t i = 0; i < 3; ++i) {
       const std::size_t vertex = vertex_at(order(triangle, mirrors && i > 0 ? 3 - i : i));
       const Placement& placed = pose.has_skin() ? bent.emplace(pose.to_world(vertex)) : placement;
-      const Vec3d position = placed.position(pose.morphed_position(vertex, positions.vector3(vertex)));
+      const Vec3f local = pose.morphed_position(vertex, positions.vector3(vertex));
+      largest = std::max({largest, std::abs(local.x), std::abs(local.y), std::abs(local.z)});
+      const Vec3d position = placed.position(local);
       for (int axis = 0; axis < 3; ++axis) {
         if (!std::isfinite(position[axis])) refuse("a position is not finite");
         if (std::abs(position[axis]) > kFarthest) refuse(fmt::format("a position is beyond {} m", kFarthest));
@@ -129,6 +141,13 @@ void append_triangles(const GltfModel& model, const tinygltf::Primitive& primiti
         refuse("a texture coordinate is not finite");
     }
   }
+  const double rounding = std::max(positions.rounding, kFloatRounding * static_cast<double>(largest));
+  soup.rounding = std::max(soup.rounding, rounding * placement.scale());
+  soup.quantized = soup.quantized || positions.rounding > 0.0;
+  if (!uvs) return;
+  const Vec2f& stretch = wanted.mapping->scale;
+  const double most = std::max(std::abs(stretch.x), std::abs(stretch.y));
+  soup.texcoord_rounding = std::max(soup.texcoord_rounding, uvs->rounding * most);
 }
 
 }  // namespace

@@ -60,11 +60,11 @@ void unpack_primitive(GltfModel& model, const DracoPrimitive& packed) {
     const tinygltf::Accessor& source = model.gltf.accessors[accessor];
     const auto id = packed.attributes.find(name);
     if (id == packed.attributes.end()) continue;  // it has bytes of its own, or counts as zeros
-    unpacked.attributes.push_back({name,
-                                   id->second,
-                                   source.componentType,
-                                   tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(source.type)),
-                                   {}});
+    DracoAttribute& attribute = unpacked.attributes.emplace_back();
+    attribute.name = name;
+    attribute.id = id->second;
+    attribute.component_type = source.componentType;
+    attribute.components = tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(source.type));
   }
   unpack_draco(view_bytes(model, packed.view), place, unpacked);
   for (DracoAttribute& attribute : unpacked.attributes) {
@@ -75,6 +75,7 @@ void unpack_primitive(GltfModel& model, const DracoPrimitive& packed) {
              place);
     }
     accessor = add_accessor(model, model.gltf.accessors[accessor], std::move(attribute.bytes));
+    if (attribute.rounding > 0.0) model.roundings[accessor] = attribute.rounding;
   }
   indices.componentType = TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
   indices.count = 3 * unpacked.triangles;

@@ -68,10 +68,14 @@ std::string summary(const GltfScene& scene, const PrimitiveList& list, const Pat
     if (used[i] && scene.materials[i].specular != Color(0.0f)) ++mirrors;
   }
   return fmt::format(
-      "{} triangles read as {} quads, {} triangles, {} spheres; {} patches; modelled: {} metallic materials, "
+      "{} triangles read as {} quads, {} triangles, {} spheres{}; {} patches; modelled: {} metallic materials, "
       "{} light groups, {} cameras{}{}",
-      scene.triangles, list.quads, list.triangles, list.spheres, set.patches.size(), mirrors, set.light_groups.size(),
-      set.cameras.size(), set.textures.empty() ? "" : fmt::format(", {} textures", set.textures.size()),
+      scene.triangles, list.quads, list.triangles, list.spheres,
+      list.merged_facets == 0
+          ? ""
+          : fmt::format(" ({} of them from {} coplanar triangles)", list.merged_facets, list.merged_triangles),
+      set.patches.size(), mirrors, set.light_groups.size(), set.cameras.size(),
+      set.textures.empty() ? "" : fmt::format(", {} textures", set.textures.size()),
       set.shaders.empty() ? "" : fmt::format(", {} shaders", set.shaders.size()));
 }
 

@@ -1,5 +1,6 @@
 #include "importers/mesh_decoder.h"
 
+#include <draco/attributes/attribute_quantization_transform.h>
 #include <draco/compression/decode.h>
 #include <draco/compression/mesh/mesh_decoder.h>
 #include <draco/core/varint_decoding.h>
@@ -36,7 +37,8 @@ std::size_t stated_triangles(std::span<const unsigned char> packed, const std::s
         fmt::format("Draco's version {}.{} is not 2.2, glTF's", int(header.version_major), int(header.version_minor)),
         place);
   }
-  buffer.set_bitstream_version(DRACO_BITSTREAM_VERSION(header.version_major, header.version_minor));
+  buffer.set_bitstream_version(
+      static_cast<std::uint16_t>(DRACO_BITSTREAM_VERSION(header.version_major, header.version_minor)));
   if (header.flags & METADATA_FLAG_MASK) {
     draco::GeometryMetadata metadata;
     if (!draco::MetadataDecoder().DecodeGeometryMetadata(&buffer, &metadata)) refuse(damaged, place);
@@ -82,6 +84,13 @@ bool convert(const draco::Mesh& mesh, const draco::PointAttribute& source, Draco
     default:
       return convert<float>(mesh, source, n, attribute.bytes);
   }
+}
+
+/// Half a step of quantized numbers; 0 for others.
+double rounding_of(const draco::PointAttribute& attribute) {
+  draco::AttributeQuantizationTransform transform;
+  if (!attribute.GetAttributeTransformData() || !transform.InitFromAttribute(attribute)) return 0.0;
+  return 0.5 * static_cast<double>(transform.range()) / ((1 << transform.quantization_bits()) - 1);
 }
 
 bool unfiltered(const MeshoptView& view, unsigned char* elements) {
@@ -139,6 +148,7 @@ void decode_draco(std::span<const unsigned char> packed, const std::string& plac
     if (!values || !convert(source, *values, attribute)) {
       refuse(fmt::format("Draco packs no {} as stated", attribute.name), place);
     }
+    attribute.rounding = rounding_of(*values);
   }
   mesh.triangles = source.num_faces();
   mesh.indices.resize(mesh.triangles * 3 * sizeof(std::uint32_t));

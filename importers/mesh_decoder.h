@@ -15,7 +15,8 @@ struct DracoAttribute {
   int id = 0;              ///< In the packed bytes.
   int component_type = 0;  ///< glTF's number.
   int components = 0;
-  Bytes bytes;  ///< Elements without gaps; filled in by the decoder.
+  double rounding = 0.0;  ///< How far off quantized numbers may be; filled in by the decoder, as the next.
+  Bytes bytes;            ///< Elements without gaps.
 };
 
 /// A Draco mesh that was, or is to be, unpacked.

@@ -15,8 +15,10 @@ constexpr double kLeastSquare = 1e-200;  // of the longest edge, m2: what areas 
 constexpr double kCoplanarSine = 1e-3;   // of the angle at an edge
 constexpr double kCreaseCosine = 0.5;    // 60 degrees
 constexpr float kSameNormalCosine = 0.9998f;
-constexpr int kLayers = 8;         // of copied vertices, before a triangle stands alone
-constexpr int kLargestFan = 1024;  // triangles at a vertex; OpenMesh walks around it for each of them
+constexpr float kFlatCosine = 0.9995f;  // between normals of 8 bits
+constexpr double kLargestFold = 0.1;    // sine
+constexpr int kLayers = 8;              // of copied vertices, before a triangle stands alone
+constexpr int kLargestFan = 1024;       // triangles at a vertex; OpenMesh walks around it for each of them
 
 /// Twice the vector area.
 Vec3d area_vector(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
@@ -164,8 +166,23 @@ void find_components(MeshTopology& topology) {
 
 }  // namespace
 
+bool flat_by_normals(const MeshTopology& topology, std::int32_t a, std::int32_t b) {
+  if (topology.normals.empty()) return true;
+  const Vec3f first = topology.normals[3 * static_cast<std::size_t>(a)];
+  if (first == Vec3f(0.0f))
+    return topology.triangles[a].normal.cross(topology.triangles[b].normal).length() <= kLargestFold;
+  for (const std::int32_t triangle : {a, b}) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (!(first.dot(topology.normals[3 * static_cast<std::size_t>(triangle) + i]) >= kFlatCosine)) return false;
+    }
+  }
+  return true;
+}
+
 MeshTopology build_topology(const TriangleSoup& soup) {
   MeshTopology topology;
+  topology.rounding = soup.rounding;
+  topology.texcoord_rounding = soup.texcoord_rounding;
   std::vector<std::int32_t> triangles;
   for (std::size_t i = 0; i + 2 < soup.positions.size(); i += 3) {
     if (has_area(soup.positions[i], soup.positions[i + 1], soup.positions[i + 2])) {
@@ -178,7 +195,9 @@ MeshTopology build_topology(const TriangleSoup& soup) {
   Connectivity connected = connect(soup, vertices, std::move(triangles));
   topology.vertices = std::move(connected.positions);
   fill_triangles(connected, topology);
-  number_smooth_vertices(topology, by_corner(soup.normals, soup, connected, topology));
+  std::vector<Vec3f> normals = by_corner(soup.normals, soup, connected, topology);
+  number_smooth_vertices(topology, normals);
+  if (soup.quantized) topology.normals = std::move(normals);
   if (!soup.texcoords.empty()) topology.texcoords = by_corner(soup.texcoords, soup, connected, topology);
   if (!soup.colors.empty()) topology.colors = by_corner(soup.colors, soup, connected, topology);
   find_components(topology);

@@ -29,8 +29,15 @@ struct MeshTopology {
   std::vector<Vec2f> texcoords;  ///< Of the triangles' corners; empty where the soup has none.
   std::vector<Vec3f> colors;     ///< The same.
   std::vector<Component> components;
-  std::size_t without_area = 0;  ///< Triangles that were left out.
+  std::vector<Vec3f> normals;      ///< The file's, of quantized places: what is flat, these say better.
+  double rounding = 0.0;           ///< m; as TriangleSoup has it.
+  double texcoord_rounding = 0.0;  ///< The same.
+  std::size_t without_area = 0;    ///< Triangles that were left out.
 };
+
+/// Whether two triangles of a quantized mesh can lie in one plane: the file's normals at all their corners agree, or,
+/// without any, the triangles' own nearly do.
+bool flat_by_normals(const MeshTopology& topology, std::int32_t a, std::int32_t b);
 
 /// Welds corners at exactly equal positions and connects the triangles by OpenMesh.
 ///

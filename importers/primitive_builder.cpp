@@ -119,8 +119,12 @@ void append_primitives(const Surface& surface, const SurfaceMaterial& material, 
     ++list.spheres;
   }
 
-  std::vector<Facet> facets = recognize_quads(topology, in_sphere);
-  const std::int32_t smooth_count = renumber_smooth_vertices(facets, topology.triangles.size() * 3);
+  RecognizedFacets recognized = recognize_quads(topology, std::move(in_sphere));
+  std::vector<Facet>& facets = recognized.facets;
+  list.merged_triangles += static_cast<std::int64_t>(recognized.merged_triangles);
+  list.merged_facets += static_cast<std::int64_t>(recognized.merged_facets);
+  const std::int32_t smooth_count =
+      renumber_smooth_vertices(facets, static_cast<std::size_t>(recognized.smooth_vertices));
   for (const Facet& facet : facets) {
     Primitive primitive = blank_primitive(surface);
     primitive.corners = facet.corners;

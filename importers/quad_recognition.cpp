@@ -2,17 +2,24 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <tuple>
 #include <type_traits>
+
+#include "importers/coplanar_regions.h"
+#include "importers/region_quads.h"
 
 namespace patchlight {
 namespace {
 
 constexpr double kFlatness = 1e-4;         // distance of a corner from the other triangle's plane, in longest edges
 constexpr double kLargestFoldSine = 1e-2;  // also for slivers, whose corners are never far from any plane
+constexpr double kRoundedFoldSine = 2e-2;  // where places are rounded to more than that flatness
 constexpr double kLeastCornerSine = 1e-3;
 constexpr double kScoreStep = 1e-5;  // rectangles are equally good up to rounding
+
+constexpr std::int32_t kNone = -1;
 
 using Triangle = MeshTopology::Triangle;
 
@@ -26,14 +33,19 @@ struct Pair {
   auto order() const { return std::tie(score, first, second); }
 };
 
-bool coplanar(const Triangle& a, const Triangle& b, const std::array<Vec3d, 4>& quad) {
-  if (a.normal.dot(b.normal) <= 0.0 || a.normal.cross(b.normal).length() > kLargestFoldSine) return false;
+/// Whether the triangles of a quad lie in one plane, but for `rounding`; of those that are `flat` in the file rounding
+/// may be all that folds them.
+bool coplanar(const Triangle& a, const Triangle& b, const std::array<Vec3d, 4>& quad, double rounding, bool flat) {
+  if (a.normal.dot(b.normal) <= 0.0) return false;
   double longest = 0.0;
   for (std::size_t i = 0; i < 4; ++i) longest = std::max(longest, (quad[(i + 1) % 4] - quad[i]).length());
   longest = std::max(longest, (quad[2] - quad[0]).length());
   const double apex_of_b = std::abs(a.normal.dot(quad[1] - quad[0]));
   const double apex_of_a = std::abs(b.normal.dot(quad[3] - quad[0]));
-  return std::max(apex_of_a, apex_of_b) <= kFlatness * longest;
+  const double farthest = std::max(apex_of_a, apex_of_b);
+  const double fold = a.normal.cross(b.normal).length();
+  if (fold <= kLargestFoldSine && farthest <= kFlatness * longest) return true;
+  return farthest <= 2.0 * rounding && (flat || fold <= kRoundedFoldSine);
 }
 
 /// The largest cosine of a corner; nothing unless all corners turn left.
@@ -48,13 +60,14 @@ std::optional<double> farthest_from_rectangle(const std::array<Vec3d, 4>& quad, 
   return worst;
 }
 
-/// How closely values at corners have to be mapped as one: in their extent over the quad, and in the largest of them.
+/// How closely values at corners have to be mapped as one: in their extent over the quad, in the largest of them, and
+/// at all.
 struct MappingTolerance {
-  double extent;
-  double rounding;
+  double extent = 0.0;
+  double relative = 0.0;
+  double absolute = 0.0;
 };
-constexpr MappingTolerance kTexcoordTolerance{1e-5, 1e-6};
-constexpr MappingTolerance kColorTolerance{0.0, 1.0 / 512};
+constexpr MappingTolerance kColorTolerance{0.0, 0.0, 1.0 / 512};
 
 bool is_absent(const Vec2f& texcoord) {
   return std::isnan(texcoord.x);
@@ -87,7 +100,7 @@ bool mapped_as_one(const std::array<Vec3d, 4>& c, const std::array<Value, 4>& va
   const double a = to.cross(up).dot(normal) / normal.length2();
   const double b = along.cross(to).dot(normal) / normal.length2();
   const Wide expected = t[0] + (t[2] - t[0]) * a + (t[3] - t[0]) * b;
-  const double most = tolerance.extent * extent + tolerance.rounding * largest;
+  const double most = tolerance.extent * extent + tolerance.relative * largest + tolerance.absolute;
   return (t[1] - expected).length() <= most && (Wide(first_end) - t[0]).length() <= most &&
          (Wide(second_end) - t[2]).length() <= most;
 }
@@ -109,7 +122,8 @@ std::optional<Pair> paired(const MeshTopology& topology, std::int32_t first, int
   for (std::size_t i = 0; i < 4; ++i) pair.quad.corners[i] = topology.vertices[vertices[i]];
   pair.quad.smooth_vertices = {a.smooth_vertices[edge], b.smooth_vertices[apex], a.smooth_vertices[end],
                                a.smooth_vertices[rest]};
-  if (!coplanar(a, b, pair.quad.corners)) return std::nullopt;
+  if (!coplanar(a, b, pair.quad.corners, topology.rounding, flat_by_normals(topology, first, second)))
+    return std::nullopt;
   const auto agree = [&](const auto& values, auto& corners, const MappingTolerance& tolerance) {
     if (values.empty()) return true;
     const auto of = [&](std::int32_t triangle, std::size_t corner) {
@@ -118,7 +132,8 @@ std::optional<Pair> paired(const MeshTopology& topology, std::int32_t first, int
     corners = {of(first, edge), of(second, apex), of(first, end), of(first, rest)};
     return mapped_as_one(pair.quad.corners, corners, of(second, start_in_b), of(second, (apex + 1) % 3), tolerance);
   };
-  if (!agree(topology.texcoords, pair.quad.texcoords, kTexcoordTolerance)) return std::nullopt;
+  if (!agree(topology.texcoords, pair.quad.texcoords, {1e-5, 1e-6, 2.0 * topology.texcoord_rounding}))
+    return std::nullopt;
   if (!agree(topology.colors, pair.quad.colors, kColorTolerance)) return std::nullopt;
   const std::optional<double> score = farthest_from_rectangle(pair.quad.corners, a.normal);
   if (!score) return std::nullopt;
@@ -150,9 +165,9 @@ Facet single_triangle(const MeshTopology& topology, std::int32_t index) {
   return facet;
 }
 
-}  // namespace
-
-std::vector<Facet> recognize_quads(const MeshTopology& topology, const std::vector<char>& taken) {
+/// Pairs, the best first, and for each triangle the one that it goes into.
+std::vector<Pair> chosen_pairs(const MeshTopology& topology, const std::vector<char>& taken,
+                               std::vector<std::int32_t>& pair_of) {
   std::vector<Pair> pairs;
   const auto count = static_cast<std::int32_t>(topology.triangles.size());
   for (std::int32_t first = 0; first < count; ++first) {
@@ -165,24 +180,58 @@ std::vector<Facet> recognize_quads(const MeshTopology& topology, const std::vect
   }
   std::sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) { return a.order() < b.order(); });
 
-  constexpr std::int32_t none = -1;
-  std::vector<std::int32_t> pair_of(topology.triangles.size(), none);
+  pair_of.assign(topology.triangles.size(), kNone);
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const Pair& pair = pairs[i];
-    if (pair_of[pair.first] != none || pair_of[pair.second] != none) continue;
+    if (pair_of[pair.first] != kNone || pair_of[pair.second] != kNone) continue;
     pair_of[pair.first] = pair_of[pair.second] = static_cast<std::int32_t>(i);
   }
+  return pairs;
+}
 
-  std::vector<Facet> facets;
-  for (std::int32_t t = 0; t < count; ++t) {
-    if (taken[t]) continue;
-    if (pair_of[t] == none) {
-      facets.push_back(single_triangle(topology, t));
+/// How many facets pairs make of a region.
+std::size_t facet_count(const CoplanarRegion& region, const std::vector<Pair>& pairs,
+                        const std::vector<std::int32_t>& pair_of) {
+  const auto& triangles = region.triangles;
+  return static_cast<std::size_t>(std::count_if(triangles.begin(), triangles.end(), [&](std::int32_t triangle) {
+    if (pair_of[triangle] == kNone) return true;
+    const std::int32_t first = pairs[pair_of[triangle]].first;
+    return first == triangle || !std::binary_search(triangles.begin(), triangles.end(), first);
+  }));
+}
+
+}  // namespace
+
+RecognizedFacets recognize_quads(const MeshTopology& topology, std::vector<char> taken) {
+  std::vector<std::int32_t> pair_of;
+  std::vector<Pair> pairs = chosen_pairs(topology, taken, pair_of);
+  RecognizedFacets result;
+  result.smooth_vertices = static_cast<std::int32_t>(3 * topology.triangles.size());
+  std::map<std::int32_t, std::vector<Facet>> merged;  // by their region's first triangle
+  for (const CoplanarRegion& region : find_coplanar_regions(topology, taken)) {
+    const std::size_t most = facet_count(region, pairs, pair_of) - 1;
+    std::vector<Facet> quads = region_quads(topology, region, most, result.smooth_vertices);
+    if (quads.empty()) continue;
+    for (const std::int32_t triangle : region.triangles) taken[triangle] = 1;
+    result.merged_triangles += region.triangles.size();
+    result.merged_facets += quads.size();
+    merged.emplace(region.triangles.front(), std::move(quads));
+  }
+  if (!merged.empty()) pairs = chosen_pairs(topology, taken, pair_of);
+
+  for (std::int32_t t = 0; t < static_cast<std::int32_t>(topology.triangles.size()); ++t) {
+    const auto quads = merged.find(t);
+    if (quads != merged.end()) {
+      result.facets.insert(result.facets.end(), quads->second.begin(), quads->second.end());
+    } else if (taken[t]) {
+      continue;
+    } else if (pair_of[t] == kNone) {
+      result.facets.push_back(single_triangle(topology, t));
     } else if (pairs[pair_of[t]].first == t) {
-      facets.push_back(pairs[pair_of[t]].quad);
+      result.facets.push_back(pairs[pair_of[t]].quad);
     }
   }
-  return facets;
+  return result;
 }
 
 }  // namespace patchlight

@@ -62,7 +62,8 @@ std::optional<Sphere> recognize_sphere(const MeshTopology& topology, const MeshT
   if (!sphere) return std::nullopt;
   const double radius = sphere->radius;
   for (const Vec3d& p : vertices) {
-    if (!(std::abs((p - sphere->center).length() - radius) <= kVertexTolerance * radius)) return std::nullopt;
+    if (!(std::abs((p - sphere->center).length() - radius) <= kVertexTolerance * radius + topology.rounding))
+      return std::nullopt;
   }
 
   double area = 0.0;

@@ -37,10 +37,13 @@ struct SurfaceMaterial {
 
 /// Triangles in the world, three corners each, counter-clockwise from the lit side.
 struct TriangleSoup {
-  std::vector<Vec3d> positions;  ///< m. Shape: [3 triangles].
-  std::vector<Vec3f> normals;    ///< Unit, of the file. Shape: [3 triangles]; zero where the file has none.
-  std::vector<Vec2f> texcoords;  ///< Shape: [3 triangles], NaN where the file has none; empty where none are wanted.
-  std::vector<Vec3f> colors;     ///< Linear. Shape: [3 triangles], ones where the file has none; empty without any.
+  std::vector<Vec3d> positions;    ///< m. Shape: [3 triangles].
+  std::vector<Vec3f> normals;      ///< Unit, of the file. Shape: [3 triangles]; zero where the file has none.
+  std::vector<Vec2f> texcoords;    ///< Shape: [3 triangles], NaN where the file has none; empty where none are wanted.
+  double rounding = 0.0;           ///< m; how far off the numbers that the file holds places may be.
+  bool quantized = false;          ///< Places are integers, or were.
+  double texcoord_rounding = 0.0;  ///< The same of texture coordinates, beyond a float's.
+  std::vector<Vec3f> colors;       ///< Linear. Shape: [3 triangles], ones where the file has none; empty without any.
 };
 
 /// A planar piece of a mesh: a convex quad, or a triangle that repeats its last corner.

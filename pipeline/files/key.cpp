@@ -17,7 +17,7 @@ namespace patchlight {
 namespace {
 
 // Raised whenever a stage computes something else from the same inputs.
-constexpr int kImportVersion = 1;
+constexpr int kImportVersion = 2;
 constexpr int kTransportKeyVersion = 11;
 constexpr int kSolveVersion = 13;
 constexpr int kTraceVersion = 6;
