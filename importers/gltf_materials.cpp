@@ -155,7 +155,13 @@ Color at_most_rest(const Color& value, const Color& other) {
   return result;
 }
 
-void apply_override(const MaterialOverride& change, SurfaceMaterial& material) {
+/// `section` of the job is materials or nodes.
+void apply_override(const MaterialOverride& change, const char* section, SurfaceMaterial& material) {
+  if (change.light_group) {
+    material.light_group = *change.light_group;
+    material.group_from_job = true;
+  }
+  if (change.patch_area) material.patch_area = *change.patch_area;
   if (change.emission) material.emission = *change.emission;
   if (change.reflectance) {
     material.reflectance = *change.reflectance;
@@ -171,7 +177,7 @@ void apply_override(const MaterialOverride& change, SurfaceMaterial& material) {
     const Color sum = *change.reflectance + *change.mirror;
     if (std::max({sum.x, sum.y, sum.z}) > 1.000001f) {
       throw Error(ExitCode::bad_config, "reflectance and mirror together exceed 1",
-                  fmt::format("materials.{}", change.pattern), "lower one of them");
+                  fmt::format("{}.{}", section, change.pattern), "lower one of them");
     }
   } else if (change.reflectance) {
     material.specular = at_most_rest(material.specular, material.reflectance);
@@ -185,7 +191,7 @@ void apply_overrides(const Job& job, std::vector<SurfaceMaterial>& materials, Pr
     bool found = false;
     for (SurfaceMaterial& material : materials) {
       if (!matches(change.pattern, material.name)) continue;
-      apply_override(change, material);
+      apply_override(change, "materials", material);
       found = true;
     }
     if (!found)
@@ -237,6 +243,18 @@ std::vector<SurfaceMaterial> read_materials(GltfModel& model, const std::vector<
   apply_overrides(job, materials, progress);
   for (SurfaceMaterial& material : materials) check_values(model, material, progress);
   return materials;
+}
+
+std::optional<SurfaceMaterial> node_material(const GltfModel& model, const Job& job, const std::string& node,
+                                             const SurfaceMaterial& material, Progress& progress) {
+  std::optional<SurfaceMaterial> result;
+  for (const MaterialOverride& change : job.nodes) {
+    if (!matches(change.pattern, node)) continue;
+    if (!result) result = material;
+    apply_override(change, "nodes", *result);
+  }
+  if (result) check_values(model, *result, progress);
+  return result;
 }
 
 }  // namespace patchlight

@@ -1,5 +1,7 @@
 #pragma once
 // Internal to the glTF files of this folder: brings tinygltf along.
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "importers/gltf_model.h"
@@ -18,5 +20,10 @@ namespace patchlight {
 /// Throws: Error (bad_data) for values out of range; (missing_input) without a texture's file.
 std::vector<SurfaceMaterial> read_materials(GltfModel& model, const std::vector<char>& used, const Job& job,
                                             std::vector<Texture>& textures, Progress& progress);
+
+/// A material as the job's overrides of nodes have it, for one node; nothing if none of these matches its name.
+/// Throws: Error (bad_data, bad_config) for values out of range.
+std::optional<SurfaceMaterial> node_material(const GltfModel& model, const Job& job, const std::string& node,
+                                             const SurfaceMaterial& material, Progress& progress);
 
 }  // namespace patchlight

@@ -10,6 +10,7 @@
 #include "importers/gltf_instances.h"
 #include "importers/gltf_materials.h"
 #include "importers/gltf_model.h"
+#include "importers/name_pattern.h"
 #include "importers/shader_assignment.h"
 #include "pipeline/files/light_group_name.h"
 #include "pipeline/model/error.h"
@@ -139,9 +140,52 @@ std::vector<Surface> placed_surfaces(const GltfModel& model, const std::vector<P
   return surfaces;
 }
 
+/// Whether the job leaves out what has this name; the last pattern that says so or not counts.
+bool is_excluded(const std::vector<MaterialOverride>& overrides, const std::string& name) {
+  bool excluded = false;
+  for (const MaterialOverride& change : overrides) {
+    if (change.exclude && matches(change.pattern, name)) excluded = *change.exclude;
+  }
+  return excluded;
+}
+
+void leave_out_excluded(const GltfModel& model, const Job& job, GltfScene& scene) {
+  const auto& materials = model.gltf.materials;
+  std::erase_if(scene.surfaces, [&](const Surface& surface) {
+    const auto number = static_cast<std::size_t>(surface.material);
+    const std::string name = number < materials.size() ? materials[number].name : "";
+    const bool excluded = is_excluded(job.materials, name.empty() ? "default" : name) ||
+                          is_excluded(job.nodes, scene.nodes[surface.node]);
+    if (excluded) scene.triangles -= model.mesh_parts[surface.mesh][surface.part].triangles;
+    return excluded;
+  });
+}
+
+/// Gives surfaces on nodes that the job overrides materials of their own.
+void override_nodes(const GltfModel& model, const Job& job, GltfScene& scene, Progress& progress) {
+  for (const MaterialOverride& change : job.nodes) {
+    const bool found = std::any_of(scene.nodes.begin(), scene.nodes.end(),
+                                   [&](const std::string& name) { return matches(change.pattern, name); });
+    if (!found) progress.warning(fmt::format("nodes.{} in the job matches no node of the scene", change.pattern));
+  }
+  if (job.nodes.empty()) return;
+  std::map<std::pair<int, int>, int> own;  // material of a node's material
+  for (Surface& surface : scene.surfaces) {
+    const auto [entry, is_new] = own.emplace(std::pair(surface.node, surface.material), surface.material);
+    if (is_new) {
+      if (auto changed =
+              node_material(model, job, scene.nodes[surface.node], scene.materials[surface.material], progress)) {
+        entry->second = static_cast<int>(scene.materials.size());
+        scene.materials.push_back(std::move(*changed));
+      }
+    }
+    surface.material = entry->second;
+  }
+}
+
 std::string light_group(const tinygltf::Node& node, const SurfaceMaterial& material) {
-  std::string name;
-  if (node.extras.Has("light_group") && node.extras.Get("light_group").IsString()) {
+  std::string name = material.group_from_job ? material.light_group : "";
+  if (name.empty() && node.extras.Has("light_group") && node.extras.Get("light_group").IsString()) {
     name = node.extras.Get("light_group").Get<std::string>();
   }
   if (name.empty()) name = material.light_group;
@@ -212,9 +256,11 @@ GltfScene read_gltf_scene(const Job& job, Progress& progress) {
   for (const PlacedNode& node : nodes) scene.node_to_world[node.node] = node.to_world;
   scene.surfaces = placed_surfaces(*model, nodes, triangle_limit(job.import), scene.triangles);
 
+  leave_out_excluded(*model, job, scene);
   std::vector<char> used(model->gltf.materials.size() + 1, 0);
   for (const Surface& surface : scene.surfaces) used[surface.material] = 1;
   scene.materials = read_materials(*model, used, job, scene.textures, progress);
+  override_nodes(*model, job, scene, progress);
   for (Surface& surface : scene.surfaces) surface.reads_uv = scene.materials[surface.material].texture >= 0;
   assign_shaders(job, reads_uv, scene, progress);
   assign_vertex_colors(*model, scene, progress);

@@ -86,7 +86,8 @@ PatchSet import_scene(const Job& job, Progress& progress) {
   PrimitiveList list = build_primitives(scene, job, progress);
 
   PatchSet set;
-  set.patches = build_patches(list.primitives, scene.materials, choose_patch_area(list.primitives, job.import));
+  set.patches =
+      build_patches(list.primitives, scene.materials, choose_patch_area(list.primitives, scene.materials, job.import));
   set.primitives = std::move(list.primitives);
   set.texcoords = std::move(list.texcoords);
   set.shaders = scene.shaders;

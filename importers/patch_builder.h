@@ -7,9 +7,11 @@
 
 namespace patchlight {
 
-/// Patch area, m2, for the primitives: the job's, or else an 8,000th of their area, more where that would pass the
-/// limit. Throws: Error (over_limit), naming the limit and what would fit, for more than import.max_patches.
-double choose_patch_area(const std::vector<Primitive>& primitives, const ImportConfig& config);
+/// Patch area, m2, for the primitives whose material has none of its own: the job's, or else an 8,000th of all area,
+/// more where that would pass the limit. `materials` by Primitive::material. Throws: Error (over_limit), naming the
+/// limit and what would fit, for more than import.max_patches.
+double choose_patch_area(const std::vector<Primitive>& primitives, const std::vector<SurfaceMaterial>& materials,
+                         const ImportConfig& config);
 
 /// The patches of all primitives, in their order. `materials` by Primitive::material.
 std::vector<Patch> build_patches(const std::vector<Primitive>& primitives,

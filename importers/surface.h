@@ -26,11 +26,13 @@ struct SurfaceMaterial {
   float roughness = 1.0f;   ///< Of the metallic part.
   Color emission{0.0f};     ///< Radiant exitance, W/m2.
   bool double_sided = false;
-  std::int32_t texture = -1;  ///< Of the reflectance, among the scene's; -1: none.
-  TextureMapping mapping;     ///< Onto that texture.
-  Color tint{1.0f};           ///< What the texture is multiplied by; `reflectance` is the mean.
-  bool overridden = false;    ///< The job says what the reflectance is, whatever vertices say.
-  std::string light_group;    ///< As the file names it; empty: not named.
+  std::int32_t texture = -1;    ///< Of the reflectance, among the scene's; -1: none.
+  TextureMapping mapping;       ///< Onto that texture.
+  Color tint{1.0f};             ///< What the texture is multiplied by; `reflectance` is the mean.
+  bool overridden = false;      ///< The job says what the reflectance is, whatever vertices say.
+  std::string light_group;      ///< As the file, or the job, names it; empty: not named.
+  bool group_from_job = false;  ///< It counts before what a node of the file says.
+  double patch_area = 0.0;      ///< m2; 0: the scene's.
 
   bool emits() const { return emission != Color(0.0f); }
 };

@@ -12,12 +12,15 @@
 
 namespace patchlight {
 
-/// Replaces what the scene says of every material whose name matches.
+/// Replaces what the scene says of every material, or of the material on every node, whose name matches.
 struct MaterialOverride {
   std::string pattern;  ///< Glob (fnmatch).
-  std::optional<Color> reflectance;
-  std::optional<Color> emission;  ///< Radiant exitance, W/m2.
-  std::optional<Color> mirror;    ///< Reflectance of a perfect mirror on the material.
+  std::optional<Color> reflectance{};
+  std::optional<Color> emission{};           ///< Radiant exitance, W/m2.
+  std::optional<Color> mirror{};             ///< Reflectance of a perfect mirror on the material.
+  std::optional<std::string> light_group{};  ///< As files name it.
+  std::optional<double> patch_area{};        ///< m2
+  std::optional<bool> exclude{};             ///< Whether it is left out of the scene.
 };
 
 struct ImportConfig {
@@ -83,6 +86,7 @@ struct Job {
   std::filesystem::path output;
   ImportConfig import;
   std::vector<MaterialOverride> materials;
+  std::vector<MaterialOverride> nodes;  ///< Applied after those of materials.
   std::vector<Shader> shaders;
   SolveConfig solve;
   std::map<std::string, LightSetting> lights;  ///< By light group, as files name it.

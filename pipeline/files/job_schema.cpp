@@ -100,27 +100,51 @@ void read_entries(const std::string& section, const Node& map, EntryReaderOf ent
   }
 }
 
-void read_materials(const Node& map, std::vector<MaterialOverride>& materials) {
-  read_entries("materials", map, [&](const std::string& name) -> EntryReader {
+std::string parse_group(const Node& node) {
+  const std::string name = parse<std::string>(node, "the name of a light group");
+  if (name.empty() || name.size() > kLongestLightGroup)
+    throw fmt::format("expected a name of 1 to {} bytes", kLongestLightGroup);
+  return light_group_name(name);
+}
+
+/// `section` is materials or nodes.
+void read_overrides(const std::string& section, const Node& map, std::vector<MaterialOverride>& overrides) {
+  read_entries(section, map, [&](const std::string& name) -> EntryReader {
     std::size_t at = 0;
-    while (at < materials.size() && materials[at].pattern != name) ++at;
-    if (at == materials.size()) materials.push_back({name, {}, {}, {}});
-    MaterialOverride& material = materials[at];
+    while (at < overrides.size() && overrides[at].pattern != name) ++at;
+    if (at == overrides.size()) overrides.push_back({name});
+    MaterialOverride& change = overrides[at];
     constexpr double kBrightest = std::numeric_limits<float>::max();
-    return {{"reflectance", [&](const Node& n) { material.reflectance = parse_color(n, 1); }},
-            {"emission", [&](const Node& n) { material.emission = parse_color(n, kBrightest); }},
-            {"mirror", [&](const Node& n) { material.mirror = parse_color(n, 1); }}};
+    return {{"reflectance", [&](const Node& n) { change.reflectance = parse_color(n, 1); }},
+            {"emission", [&](const Node& n) { change.emission = parse_color(n, kBrightest); }},
+            {"mirror", [&](const Node& n) { change.mirror = parse_color(n, 1); }},
+            {"light_group", [&](const Node& n) { change.light_group = parse_group(n); }},
+            {"patch_area", [&](const Node& n) { change.patch_area = parse_number(n, 1e-30, 1e30); }},
+            {"exclude", [&](const Node& n) { change.exclude = parse<bool>(n, "true or false"); }}};
   });
 }
 
-Node materials_node(const std::vector<MaterialOverride>& materials) {
+Node overrides_node(const std::vector<MaterialOverride>& overrides) {
   Node map(YAML::NodeType::Map);
-  for (const auto& material : materials) {
-    if (material.reflectance) map[material.pattern]["reflectance"] = color_node(*material.reflectance);
-    if (material.emission) map[material.pattern]["emission"] = color_node(*material.emission);
-    if (material.mirror) map[material.pattern]["mirror"] = color_node(*material.mirror);
+  for (const auto& change : overrides) {
+    if (change.reflectance) map[change.pattern]["reflectance"] = color_node(*change.reflectance);
+    if (change.emission) map[change.pattern]["emission"] = color_node(*change.emission);
+    if (change.mirror) map[change.pattern]["mirror"] = color_node(*change.mirror);
+    if (change.light_group) map[change.pattern]["light_group"] = *change.light_group;
+    if (change.patch_area) map[change.pattern]["patch_area"] = *change.patch_area;
+    if (change.exclude) map[change.pattern]["exclude"] = *change.exclude;
   }
   return map;
+}
+
+JobKey overrides_key(const std::string& section, std::vector<MaterialOverride>& overrides, const std::string& help) {
+  return {section, help,
+          [section, &overrides](const Node& n) {
+            overrides.clear();
+            read_overrides(section, n, overrides);
+          },
+          [&overrides] { return overrides_node(overrides); },
+          [section, &overrides](const Node& n) { read_overrides(section, n, overrides); }};
 }
 
 void read_lights(const Node& map, std::map<std::string, LightSetting>& lights) {
@@ -235,15 +259,10 @@ std::vector<JobKey> job_keys(Job& job) {
       path_key("output", job.output, "folder for all that the job makes"),
       patch_area_key(job.import.patch_area),
       integer_key("import.max_patches", job.import.max_patches, 1, 1'000'000'000, "more patches than this are refused"),
-      {"materials",
-       "by name (globs): reflectance [r,g,b]; emission [r,g,b], radiant exitance in W/m2; mirror [r,g,b], reflectance "
-       "of "
-       "a perfect mirror",
-       [&job](const Node& n) {
-         job.materials.clear();
-         read_materials(n, job.materials);
-       },
-       [&job] { return materials_node(job.materials); }, [&job](const Node& n) { read_materials(n, job.materials); }},
+      overrides_key("materials", job.materials,
+                    "by name (globs): reflectance [r,g,b]; emission [r,g,b], radiant exitance in W/m2; mirror [r,g,b], "
+                    "reflectance of a perfect mirror; light_group; patch_area in m2; exclude from the scene"),
+      overrides_key("nodes", job.nodes, "the same by the name of a node (globs), after those of materials"),
       {"shaders",
        "by material or node name (globs): reflectance and emission as expressions [r,g,b] of u, v, x, y, z, nx, ny, nz",
        [&job](const Node& n) { read_shaders(n, job.shaders); }, [&job] { return shaders_node(job.shaders); }},

@@ -92,11 +92,16 @@ std::string import_inputs_key(const std::vector<SourceFile>& sources, const Job&
   // The scene itself comes first and may be spelled or placed anywhere: its content counts.
   for (std::size_t i = 0; i < sources.size(); ++i) hasher.add(i == 0 ? "" : sources[i].path).add(sources[i].hash);
   hasher.add(job.import.patch_area.value_or(0.0));
-  for (const auto& material : job.materials) {
-    hasher.add(material.pattern);
-    add_color(hasher, material.reflectance);
-    add_color(hasher, material.emission);
-    add_color(hasher, material.mirror);
+  for (const auto* overrides : {&job.materials, &job.nodes}) {
+    hasher.add("overrides");
+    for (const auto& change : *overrides) {
+      hasher.add(change.pattern);
+      add_color(hasher, change.reflectance);
+      add_color(hasher, change.emission);
+      add_color(hasher, change.mirror);
+      hasher.add(change.light_group.value_or("")).add(change.patch_area.value_or(0.0));
+      hasher.add(change.exclude.value_or(false));
+    }
   }
   for (const auto& shader : job.shaders) {
     hasher.add("shader").add(shader.name);

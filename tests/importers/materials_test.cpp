@@ -1,6 +1,9 @@
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 
+#include <map>
+#include <set>
+
 #include "tests/expect_error.h"
 #include "tests/importers/gltf_builder.h"
 
@@ -31,7 +34,7 @@ void expect_color(const Color& actual, const Vec3d& expected) {
 }
 
 MaterialOverride change(const std::string& pattern) {
-  return {pattern, {}, {}, {}};
+  return {pattern};
 }
 
 TEST(Materials, MetallicSplitsBaseColourIntoDiffuseAndMirror) {
@@ -155,6 +158,85 @@ TEST(Materials, MirrorAndReflectanceBeyondOneAreABadJob) {
   both.mirror = Color(0.9f);
   both.reflectance = Color(0.2f);
   EXPECT_ERROR(imported({{"name", "glass"}}, {}, {both}), ExitCode::bad_config, "materials.glass");
+}
+
+/// Two unit squares of one lamp's material, on nodes `left` and `right` that name a light group, and one on `floor`.
+GltfBuilder lamps() {
+  GltfBuilder gltf;
+  const int lamp = gltf.material(
+      {{"name", "lamp"}, {"emissiveFactor", {1, 1, 1}}, {"pbrMetallicRoughness", {{"metallicFactor", 0}}}});
+  const int plain = gltf.material({{"name", "plain"}});
+  const int square = gltf.mesh(grid(1), lamp);
+  for (const char* name : {"left", "right"})
+    gltf.node({{"name", name}, {"mesh", square}, {"extras", {{"light_group", "file"}}}});
+  gltf.node({{"name", "floor"}, {"mesh", gltf.mesh(grid(1), plain)}});
+  return gltf;
+}
+
+TEST(Materials, JobOverridesWhatStandsOnANode) {
+  Importer importer;
+  GltfBuilder gltf = lamps();
+  MaterialOverride material = change("lamp"), left = change("le*");
+  material.emission = Color(2.0f);
+  left.emission = Color(5.0f);
+  left.reflectance = Color(0.25f);
+  left.light_group = "mine";
+  importer.job.materials = {material};
+  importer.job.nodes = {left};
+  const PatchSet scene = importer.import(gltf);
+  EXPECT_EQ(scene.light_groups, (std::vector<std::string>{"mine", "file"}));
+  for (const Patch& patch : scene.patches) {
+    const std::string& node = scene.nodes[scene.primitives[patch.primitive].node];
+    EXPECT_EQ(patch.emission, Color(node == "left" ? 5.0f : node == "right" ? 2.0f : 0.0f));
+    if (node == "left") {
+      EXPECT_EQ(patch.reflectance, Color(0.25f));
+    }
+  }
+  EXPECT_EQ(scene.materials[std::size_t(scene.primitives[0].material)].name, "lamp");
+
+  importer.job.materials[0].light_group = "all";
+  EXPECT_EQ(importer.import(gltf).light_groups, (std::vector<std::string>{"mine", "all"}));
+  importer.job.nodes = {change("nothing")};
+  importer.import(gltf);
+  EXPECT_THAT(importer.messages(), ::testing::HasSubstr("nodes.nothing in the job matches no node"));
+}
+
+TEST(Materials, JobLeavesOutWhatItExcludes) {
+  Importer importer;
+  GltfBuilder gltf = lamps();
+  const auto nodes_left = [&] {
+    std::set<std::string> nodes;
+    const PatchSet scene = importer.import(gltf);
+    for (const Primitive& p : scene.primitives) nodes.insert(scene.nodes[p.node]);
+    return nodes;
+  };
+  MaterialOverride all = change("*"), left = change("left"), lamp = change("lamp");
+  all.exclude = lamp.exclude = true;
+  left.exclude = false;
+  importer.job.materials = {lamp};
+  EXPECT_EQ(nodes_left(), std::set<std::string>{"floor"});
+  importer.job.materials.clear();
+  importer.job.nodes = {all, left};
+  EXPECT_EQ(nodes_left(), std::set<std::string>{"left"});
+  importer.job.nodes = {all};
+  EXPECT_ERROR(importer.import(gltf), ExitCode::bad_data, "nothing with an area");
+}
+
+TEST(Materials, JobCutsMaterialsAndNodesAsFineAsItSays) {
+  Importer importer;
+  GltfBuilder gltf = lamps();
+  MaterialOverride lamp = change("lamp"), right = change("right");
+  importer.job.import.patch_area = 1.0;
+  lamp.patch_area = 1.0 / 16;
+  right.patch_area = 1.0 / 4;
+  importer.job.materials = {lamp};
+  importer.job.nodes = {right};
+  const PatchSet scene = importer.import(gltf);
+  std::map<std::string, int> patches;
+  for (const Patch& patch : scene.patches) ++patches[scene.nodes[scene.primitives[patch.primitive].node]];
+  EXPECT_EQ(patches, (std::map<std::string, int>{{"left", 16}, {"right", 4}, {"floor", 1}}));
+  importer.job.import.max_patches = 20;
+  EXPECT_ERROR(importer.import(gltf), ExitCode::over_limit, "patch_area of materials and nodes");
 }
 
 TEST(Materials, PatternThatMatchesNothingIsWarnedOf) {

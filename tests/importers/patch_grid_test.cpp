@@ -114,7 +114,7 @@ TEST(PatchGrid, HugeAndTinyPrimitivesKeepTheirAreas) {
 }
 
 TEST(PatchArea, DefaultGivesSomeThousandsOfPatches) {
-  const double area = choose_patch_area({kRectangle, sphere(1)}, {});
+  const double area = choose_patch_area({kRectangle, sphere(1)}, {{}}, {});
   EXPECT_NEAR(area, (4.0 + 4 * kPi) / 8000, 1e-12);
 }
 
@@ -122,13 +122,13 @@ TEST(PatchArea, TooManyPatchesNameTheLimitAndWhatFits) {
   ImportConfig config;
   config.patch_area = 1e-9;
   config.max_patches = 1000;
-  EXPECT_ERROR(choose_patch_area({kRectangle}, config), ExitCode::over_limit, "import.max_patches");
+  EXPECT_ERROR(choose_patch_area({kRectangle}, {{}}, config), ExitCode::over_limit, "import.max_patches");
   try {
-    choose_patch_area({kRectangle}, config);
+    choose_patch_area({kRectangle}, {{}}, config);
   } catch (const Error& error) {
     const std::string text = error.what();
     config.patch_area = std::stod(text.substr(text.find("patch_area of ") + 14));
-    EXPECT_LE(patch_count(kRectangle, choose_patch_area({kRectangle}, config)), 1000);
+    EXPECT_LE(patch_count(kRectangle, choose_patch_area({kRectangle}, {{}}, config)), 1000);
     EXPECT_GE(patch_count(kRectangle, *config.patch_area), 700);
   }
 }
@@ -136,13 +136,13 @@ TEST(PatchArea, TooManyPatchesNameTheLimitAndWhatFits) {
 TEST(PatchArea, DefaultGrowsUntilItFits) {
   ImportConfig config;
   config.max_patches = 100;
-  EXPECT_LE(patch_count(kRectangle, choose_patch_area({kRectangle}, config)), 100);
+  EXPECT_LE(patch_count(kRectangle, choose_patch_area({kRectangle}, {{}}, config)), 100);
 }
 
 TEST(PatchArea, MoreSurfacesThanPatchesAreRefused) {
   ImportConfig config;
   config.max_patches = 2;
-  EXPECT_ERROR(choose_patch_area({kRectangle, kTriangle, kTrapezoid}, config), ExitCode::over_limit,
+  EXPECT_ERROR(choose_patch_area({kRectangle, kTriangle, kTrapezoid}, {{}}, config), ExitCode::over_limit,
                "import.max_patches");
 }
 
@@ -150,7 +150,7 @@ TEST(PatchArea, AbsurdlySmallAreaIsRefusedAtOnce) {
   ImportConfig config;
   for (const double tiny : {1e-30, 1e-300}) {
     config.patch_area = tiny;
-    EXPECT_ERROR(choose_patch_area({kRectangle, sphere(1)}, config), ExitCode::over_limit, "import.max_patches");
+    EXPECT_ERROR(choose_patch_area({kRectangle, sphere(1)}, {{}}, config), ExitCode::over_limit, "import.max_patches");
   }
 }
 

@@ -49,6 +49,29 @@ trace: {cameras: [Camera], frames: 1-120, fps: 24, resolution: [320, 200], sampl
   EXPECT_EQ(job.trace.frames, "1-120");
 }
 
+TEST_F(JobFile, ReadsEveryOverrideOfMaterialsAndNodes) {
+  const std::string overrides =
+      "{reflectance: [0.1, 0.2, 0.3], emission: [1, 2, 3], mirror: [0, 0, 0.5], light_group: a/b, patch_area: 0.01, "
+      "exclude: true}";
+  const std::string text = std::string(kMinimal) + "materials: {x: " + overrides + "}\nnodes: {y: " + overrides + "}\n";
+  const Job job = read(text);
+  for (const auto* list : {&job.materials, &job.nodes}) {
+    ASSERT_EQ(list->size(), 1u);
+    const MaterialOverride& change = list->front();
+    EXPECT_EQ(change.reflectance, Color(0.1f, 0.2f, 0.3f));
+    EXPECT_EQ(change.emission, Color(1, 2, 3));
+    EXPECT_EQ(change.mirror, Color(0, 0, 0.5f));
+    EXPECT_EQ(change.light_group, "a_b");
+    EXPECT_EQ(change.patch_area, 0.01);
+    EXPECT_EQ(change.exclude, true);
+  }
+  EXPECT_EQ(job.nodes[0].pattern, "y");
+  EXPECT_EQ(read(effective_job(job)).nodes[0].patch_area, 0.01);
+  EXPECT_EQ(read(kMinimal, {"nodes.lamp_*.exclude=true"}).nodes.at(0).exclude, true);
+  EXPECT_ERROR(read(std::string(kMinimal) + "nodes: {y: {patch_area: 0}}"), ExitCode::bad_config, "nodes.y.patch_area");
+  EXPECT_ERROR(read(std::string(kMinimal) + "nodes: {y: {light_group: ''}}"), ExitCode::bad_config, "1 to 1024 bytes");
+}
+
 TEST_F(JobFile, NamesAnUnknownKeyItsLineAndTheNearest) {
   EXPECT_ERROR(read("scene: a.glb\noutput: out\nsolve:\n  toleranse: 1\n"), ExitCode::bad_config,
                "unknown key `solve.toleranse` (" + (folder_ / "job.yaml").string() +

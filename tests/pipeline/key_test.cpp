@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <set>
 
 #include "tests/expect_error.h"
 #include "tests/temporary_folder.h"
@@ -52,6 +53,22 @@ TEST(Key, OfAnImportIgnoresWhereTheSceneStands) {
   EXPECT_NE(import_inputs_key({{"a.glb", "hash"}}, job), import_inputs_key({{"a.glb", "hush"}}, job));
   EXPECT_NE(import_inputs_key({{"a.gltf", "hash"}, {"x.bin", "hash"}}, job),
             import_inputs_key({{"a.gltf", "hash"}, {"y.bin", "hash"}}, job));
+}
+
+TEST(Key, OfAnImportHoldsEveryOverride) {
+  std::vector<Job> jobs(9);
+  jobs[1].materials = {{"x"}};
+  jobs[2].nodes = {{"x"}};
+  for (std::size_t i = 3; i < jobs.size(); ++i) jobs[i].nodes = {{"x"}};
+  jobs[3].nodes[0].reflectance = Color(0.5f);
+  jobs[4].nodes[0].emission = Color(0.5f);
+  jobs[5].nodes[0].mirror = Color(0.5f);
+  jobs[6].nodes[0].light_group = "a";
+  jobs[7].nodes[0].patch_area = 0.5;
+  jobs[8].nodes[0].exclude = true;
+  std::set<std::string> keys;
+  for (const Job& job : jobs) keys.insert(import_inputs_key({{"a.glb", "hash"}}, job));
+  EXPECT_EQ(keys.size(), jobs.size());
 }
 
 TEST(Key, OfAnImportHoldsEveryExpression) {
