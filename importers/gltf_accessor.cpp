@@ -111,6 +111,22 @@ std::array<float, N> AccessorReader::numbers(std::size_t element) const {
   return result;
 }
 
+float AccessorReader::component(std::size_t element, std::size_t number) const {
+  const unsigned char* const at = data + element * stride_ + number * size_of(component_type_);
+  switch (component_type_) {
+    case TINYGLTF_COMPONENT_TYPE_BYTE:
+      return real<std::int8_t>(at, true);
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+      return real<std::uint8_t>(at, true);
+    case TINYGLTF_COMPONENT_TYPE_SHORT:
+      return real<std::int16_t>(at, true);
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+      return real<std::uint16_t>(at, true);
+    default:
+      return number_at<float>(at);
+  }
+}
+
 Vec2f AccessorReader::vector2(std::size_t element) const {
   const auto value = numbers<2>(element);
   return {value[0], value[1]};

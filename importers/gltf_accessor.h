@@ -18,6 +18,8 @@ struct AccessorReader {
   double rounding = 0.0;  ///< How far off a quantized number may be.
 
   std::uint32_t index(std::size_t element) const;
+  /// Of keyframes, whose integers are always normalized.
+  float component(std::size_t element, std::size_t number) const;
   Vec2f vector2(std::size_t element) const;
   Vec3f vector3(std::size_t element) const;
   std::array<float, 4> vector4(std::size_t element) const;

@@ -159,7 +159,7 @@ void check_nodes(GltfLists& gltf) {
 
 }  // namespace
 
-CheckedGltf check_gltf(std::string_view json, const std::string& file, bool texcoords) {
+CheckedGltf check_gltf(std::string_view json, const std::string& file, const GltfWanted& wanted) {
   const Json root = parse_gltf_json(json, file);
   GltfLists gltf(root, file);
   check_asset(gltf);
@@ -171,14 +171,18 @@ CheckedGltf check_gltf(std::string_view json, const std::string& file, bool texc
   check_accessors(gltf);
   check_materials(gltf);
   std::set<int> texcoord_sets = base_color_texcoords(gltf);
-  if (texcoords) texcoord_sets.insert(0);
+  if (wanted.texcoords) texcoord_sets.insert(0);
   check_meshes(gltf, texcoord_sets);
   result.meshopt_views = checked_meshopt_views(gltf);
   check_skins(gltf);
   result.instances = checked_instances(gltf);
   result.draco_primitives = checked_draco_primitives(gltf);
   check_nodes(gltf);
-  if (gltf.count("animations") > 0) gltf.ignored.insert("animations are not read: nodes stand in their rest state");
+  if (wanted.animations) {
+    result.node_channels = checked_node_channels(gltf);
+  } else if (gltf.count("animations") > 0) {
+    gltf.ignored.insert("animations are not read: nodes stand in their rest state, unless import.time says when");
+  }
   result.ignored.assign(gltf.ignored.begin(), gltf.ignored.end());
   result.json = reduced_gltf(root, texcoord_sets).dump();
   return result;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "importers/gltf_packing.h"
+#include "importers/gltf_pose.h"
 
 namespace patchlight {
 
@@ -14,6 +15,12 @@ struct GltfData {
   std::string uri;       ///< Empty: the binary chunk (buffer 0), or `buffer_view`.
   int buffer_view = -1;  ///< Of an image.
   std::size_t size = 0;  ///< Stated length of a buffer, bytes.
+};
+
+/// What will be read of a glTF file beyond what always is.
+struct GltfWanted {
+  bool texcoords = false;   ///< The first set, even if no base colour's texture lies by it.
+  bool animations = false;  ///< What moves nodes.
 };
 
 /// A node's instances: accessors of TRANSLATION, ROTATION and SCALE.
@@ -29,15 +36,15 @@ struct CheckedGltf {
   std::vector<GltfData> images;
   std::vector<MeshoptView> meshopt_views;
   std::vector<DracoPrimitive> draco_primitives;
+  std::vector<NodeChannel> node_channels;
   std::map<int, GltfInstances> instances;  ///< By node, of those that have some.
   std::vector<std::string> ignored;        ///< What the scene holds beyond what is read, one warning each.
 };
 
 /// Checks all that the importer and tinygltf read of a glTF file's JSON: version, required extensions, types, indices,
 /// that accessors lie within bufferViews and these within buffers, and that nodes are trees.
-/// Of texture coordinates the sets are checked, and kept, that base colours' textures lie by, and the first if
-/// `texcoords` says that it will be read.
+/// Of texture coordinates the sets are checked, and kept, that base colours' textures lie by.
 /// Throws: Error (bad_data) naming the place.
-CheckedGltf check_gltf(std::string_view json, const std::string& file, bool texcoords = false);
+CheckedGltf check_gltf(std::string_view json, const std::string& file, const GltfWanted& wanted = {});
 
 }  // namespace patchlight

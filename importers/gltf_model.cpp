@@ -102,10 +102,10 @@ void note_what_is_skipped(GltfModel& model) {
 
 }  // namespace
 
-GltfModel load_gltf_model(GltfFile file, bool texcoords) {
+GltfModel load_gltf_model(GltfFile file, const GltfWanted& wanted) {
   GltfModel model;
   model.file = std::move(file);
-  model.checked = check_gltf(model.file.json, model.file.name, texcoords);
+  model.checked = check_gltf(model.file.json, model.file.name, wanted);
   model.gltf = parsed_model(model.checked.json, model.file.name);
   model.checked.json.clear();
   load_buffers(model);

@@ -35,9 +35,9 @@ struct GltfModel {
   std::map<int, double> roundings;  ///< By accessor: how far off the numbers may be that Draco has quantized.
 };
 
-/// Checks and parses the file and loads its buffers; `texcoords` as for check_gltf.
+/// Checks and parses the file and loads its buffers; `wanted` as for check_gltf.
 /// Throws: Error (missing_input, bad_data, over_limit, io_error).
-GltfModel load_gltf_model(GltfFile file, bool texcoords);
+GltfModel load_gltf_model(GltfFile file, const GltfWanted& wanted);
 
 /// The bytes of a bufferView, which check_gltf has shown to lie within what its buffer states.
 /// Throws: Error (bad_data) if the buffer is a placeholder.

@@ -10,6 +10,7 @@
 #include "importers/gltf_instances.h"
 #include "importers/gltf_materials.h"
 #include "importers/gltf_model.h"
+#include "importers/gltf_pose.h"
 #include "importers/name_pattern.h"
 #include "importers/shader_assignment.h"
 #include "pipeline/files/light_group_name.h"
@@ -242,8 +243,11 @@ std::vector<Camera> placed_cameras(const GltfModel& model, const std::vector<Pla
 
 GltfScene read_gltf_scene(const Job& job, Progress& progress) {
   const std::vector<char> reads_uv = check_shaders(job);
-  const bool texcoords = std::find(reads_uv.begin(), reads_uv.end(), 1) != reads_uv.end();
-  const auto model = std::make_shared<GltfModel>(load_gltf_model(read_gltf_file(job.scene), texcoords));
+  GltfWanted wanted;
+  wanted.texcoords = std::find(reads_uv.begin(), reads_uv.end(), 1) != reads_uv.end();
+  wanted.animations = job.import.time.has_value();
+  const auto model = std::make_shared<GltfModel>(load_gltf_model(read_gltf_file(job.scene), wanted));
+  if (job.import.time) pose_nodes(*model, *job.import.time);
   for (const std::string& message : model->checked.ignored) progress.warning(message);
 
   GltfScene scene;

@@ -42,7 +42,8 @@ struct GltfScene {
   std::shared_ptr<const GltfModel> model;
 };
 
-/// Reads the job's scene: the nodes of the default scene, or all where it has none, in their rest state.
+/// Reads the job's scene: the nodes of the default scene, or all where it has none, in their rest state or as
+/// they stand at import.time.
 /// Throws: Error (missing_input, bad_data); (bad_config) for a shader that does not compile; (over_limit) where
 /// instances make too many triangles; (io_error).
 GltfScene read_gltf_scene(const Job& job, Progress& progress);

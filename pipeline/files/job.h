@@ -26,6 +26,7 @@ struct MaterialOverride {
 struct ImportConfig {
   std::optional<double> patch_area;  ///< m2; absent: chosen from the scene's area.
   std::int64_t max_patches = 5'000'000;
+  std::optional<double> time;  ///< s, in the file's animations; absent: nodes stand in their rest state.
 };
 
 struct SolveConfig {

@@ -202,6 +202,12 @@ JobKey patch_area_key(std::optional<double>& value) {
           [&value] { return value ? Node(*value) : Node(); }};
 }
 
+JobKey time_key(std::optional<double>& value) {
+  return {"import.time", "when animated nodes stand where they do, in seconds; absent: in their rest state",
+          [&value](const Node& n) { value = parse_number(n, 0, 1e9); },
+          [&value] { return value ? Node(*value) : Node(); }};
+}
+
 JobKey cameras_key(std::vector<std::string>& cameras) {
   return {"trace.cameras", "names of glTF camera nodes; absent: all",
           [&cameras](const Node& n) {
@@ -259,6 +265,7 @@ std::vector<JobKey> job_keys(Job& job) {
       path_key("output", job.output, "folder for all that the job makes"),
       patch_area_key(job.import.patch_area),
       integer_key("import.max_patches", job.import.max_patches, 1, 1'000'000'000, "more patches than this are refused"),
+      time_key(job.import.time),
       overrides_key("materials", job.materials,
                     "by name (globs): reflectance [r,g,b]; emission [r,g,b], radiant exitance in W/m2; mirror [r,g,b], "
                     "reflectance of a perfect mirror; light_group; patch_area in m2; exclude from the scene"),

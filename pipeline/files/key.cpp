@@ -91,7 +91,7 @@ std::string import_inputs_key(const std::vector<SourceFile>& sources, const Job&
   hasher.add("import").add(kImportVersion);
   // The scene itself comes first and may be spelled or placed anywhere: its content counts.
   for (std::size_t i = 0; i < sources.size(); ++i) hasher.add(i == 0 ? "" : sources[i].path).add(sources[i].hash);
-  hasher.add(job.import.patch_area.value_or(0.0));
+  hasher.add(job.import.patch_area.value_or(0.0)).add(job.import.time.value_or(-1.0));
   for (const auto* overrides : {&job.materials, &job.nodes}) {
     hasher.add("overrides");
     for (const auto& change : *overrides) {

@@ -1,6 +1,8 @@
 #include <ImathBox.h>
 #include <gtest/gtest.h>
 
+#include <optional>
+
 #include "tests/expect_error.h"
 #include "tests/importers/gltf_builder.h"
 
@@ -81,6 +83,49 @@ TEST(DeformedMeshes, MorphTargetsStandWithTheFilesWeights) {
   EXPECT_LE((mean_corner(importer.import(gltf)) - Vec3d(0, 1, 0)).length(), 1e-6);
   gltf.json["accessors"].back()["count"] = 7;
   EXPECT_ERROR(importer.import(gltf), ExitCode::bad_data, "morph target of another number");
+}
+
+TEST(DeformedMeshes, NodesStandWhereAnimationsHaveThemAtATime) {
+  const float turn = float(std::sqrt(0.5));
+  const auto place_at = [&](const char* path, const char* type, const std::vector<float>& values, const char* between,
+                            std::optional<double> time) {
+    Importer importer;
+    importer.job.import.time = time;
+    GltfBuilder gltf = single_mesh(cube(), nullptr, {{"children", {1}}});
+    gltf.json["nodes"][0].erase("mesh");
+    gltf.json["nodes"].push_back({{"mesh", 0}, {"translation", {8, 0, 0}}});
+    gltf.primitive(0)["targets"] = {{{"POSITION", gltf.accessor(std::vector<Vec3f>(8, {0, 0, 1}), 5126, "VEC3")}}};
+    const int times = gltf.accessor(std::vector<float>{1, 3, 4}, 5126, "SCALAR");
+    const int output = gltf.accessor(values, 5126, type);
+    const std::size_t width = type == std::string("VEC4") ? 4 : type == std::string("VEC3") ? 3 : 1;
+    gltf.json["accessors"].back()["count"] = values.size() / width;
+    const int node = path == std::string("weights") ? 1 : 0;
+    gltf.json["animations"] = {{{"channels", {{{"sampler", 0}, {"target", {{"node", node}, {"path", path}}}}}},
+                                {"samplers", {{{"input", times}, {"output", output}, {"interpolation", between}}}}}};
+    return mean_corner(importer.import(gltf));
+  };
+  const auto expect_at = [](const Vec3d& actual, const Vec3d& expected) {
+    EXPECT_LE((actual - expected).length(), 1e-5) << actual << " is not " << expected;
+  };
+  const std::vector<float> moves{0, 0, 0, 0, 4, 0, 0, 5, 0};
+  expect_at(place_at("translation", "VEC3", moves, "LINEAR", {}), {8, 0, 0});
+  expect_at(place_at("translation", "VEC3", moves, "LINEAR", 0), {8, 0, 0});
+  expect_at(place_at("translation", "VEC3", moves, "LINEAR", 1.5), {8, 1, 0});
+  expect_at(place_at("translation", "VEC3", moves, "STEP", 2.9), {8, 0, 0});
+  expect_at(place_at("translation", "VEC3", moves, "STEP", 3), {8, 4, 0});
+  expect_at(place_at("translation", "VEC3", moves, "LINEAR", 99), {8, 5, 0});
+  expect_at(place_at("scale", "VEC3", {1, 1, 1, 3, 1, 1, 1, 1, 1}, "LINEAR", 2), {16, 0, 0});
+  // A quarter turn about Y, its end written as the opposite quaternion: half of it is an eighth.
+  const std::vector<float> turns{0, 0, 0, 1, 0, -turn, 0, -turn, 0, turn, 0, turn};
+  expect_at(place_at("rotation", "VEC4", turns, "LINEAR", 2), {8 * turn, 0, -8 * turn});
+  expect_at(place_at("rotation", "VEC4", turns, "LINEAR", 3.5), {0, 0, -8});
+  expect_at(place_at("weights", "SCALAR", {0, 1, 0}, "LINEAR", 2), {8, 0, 0.5});
+  // Tangents before, value and tangents behind of each, by Hermite's formula.
+  const std::vector<float> spline{0, 0, 0, 0, 0, 0, 2, 0, 0, 1, 0, 0, 4, 0, 0, 0, 0, 0, 0, 0, 0, 4, 0, 0, 0, 0, 0};
+  expect_at(place_at("translation", "VEC3", spline, "CUBICSPLINE", 2), {8 + 2 + 0.5 - 0.25, 0, 0});
+  EXPECT_ERROR(place_at("translation", "VEC3", {0, 0, 0, 1, 1, 1}, "LINEAR", 2), ExitCode::bad_data,
+               "2 values for 3 keyframes");
+  EXPECT_ERROR(place_at("translation", "VEC3", moves, "QUADRATIC", 2), ExitCode::bad_data, "interpolation must be");
 }
 
 }  // namespace

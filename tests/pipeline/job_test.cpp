@@ -32,7 +32,7 @@ TEST_F(JobFile, ReadsEveryKeyOfTheContract) {
   const Job job = read(R"(
 scene: sub/a.glb
 output: out
-import: {patch_area: 0.0025}
+import: {patch_area: 0.0025, time: 2.5}
 materials:
   red_wall: {reflectance: [0.6, 0.1, 0.1]}
 solve: {method: matrix, form_factors: rays, rays: 64, display: true, hemicube_resolution: 128, tolerance: 1.0e-3}
@@ -42,6 +42,8 @@ trace: {cameras: [Camera], frames: 1-120, fps: 24, resolution: [320, 200], sampl
 )");
   EXPECT_EQ(job.scene, folder_.path() / "sub/a.glb");
   EXPECT_EQ(job.import.patch_area, 0.0025);
+  EXPECT_EQ(job.import.time, 2.5);
+  EXPECT_EQ(read(effective_job(job)).import.time, 2.5);
   ASSERT_EQ(job.materials.size(), 1u);
   EXPECT_EQ(job.materials[0].reflectance, Color(0.6f, 0.1f, 0.1f));
   EXPECT_EQ(job.solve.method, "matrix");

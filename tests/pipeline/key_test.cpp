@@ -55,11 +55,12 @@ TEST(Key, OfAnImportIgnoresWhereTheSceneStands) {
             import_inputs_key({{"a.gltf", "hash"}, {"y.bin", "hash"}}, job));
 }
 
-TEST(Key, OfAnImportHoldsEveryOverride) {
-  std::vector<Job> jobs(9);
+TEST(Key, OfAnImportHoldsEveryOverrideAndTheTime) {
+  std::vector<Job> jobs(10);
   jobs[1].materials = {{"x"}};
   jobs[2].nodes = {{"x"}};
-  for (std::size_t i = 3; i < jobs.size(); ++i) jobs[i].nodes = {{"x"}};
+  jobs[9].import.time = 0.0;
+  for (std::size_t i = 3; i < 9; ++i) jobs[i].nodes = {{"x"}};
   jobs[3].nodes[0].reflectance = Color(0.5f);
   jobs[4].nodes[0].emission = Color(0.5f);
   jobs[5].nodes[0].mirror = Color(0.5f);
