@@ -11,7 +11,7 @@
 #include "importers/gltf_materials.h"
 #include "importers/gltf_model.h"
 #include "importers/gltf_pose.h"
-#include "importers/name_pattern.h"
+#include "importers/node_overrides.h"
 #include "importers/shader_assignment.h"
 #include "pipeline/files/light_group_name.h"
 #include "pipeline/model/error.h"
@@ -139,49 +139,6 @@ std::vector<Surface> placed_surfaces(const GltfModel& model, const std::vector<P
     }
   }
   return surfaces;
-}
-
-/// Whether the job leaves out what has this name; the last pattern that says so or not counts.
-bool is_excluded(const std::vector<MaterialOverride>& overrides, const std::string& name) {
-  bool excluded = false;
-  for (const MaterialOverride& change : overrides) {
-    if (change.exclude && matches(change.pattern, name)) excluded = *change.exclude;
-  }
-  return excluded;
-}
-
-void leave_out_excluded(const GltfModel& model, const Job& job, GltfScene& scene) {
-  const auto& materials = model.gltf.materials;
-  std::erase_if(scene.surfaces, [&](const Surface& surface) {
-    const auto number = static_cast<std::size_t>(surface.material);
-    const std::string name = number < materials.size() ? materials[number].name : "";
-    const bool excluded = is_excluded(job.materials, name.empty() ? "default" : name) ||
-                          is_excluded(job.nodes, scene.nodes[surface.node]);
-    if (excluded) scene.triangles -= model.mesh_parts[surface.mesh][surface.part].triangles;
-    return excluded;
-  });
-}
-
-/// Gives surfaces on nodes that the job overrides materials of their own.
-void override_nodes(const GltfModel& model, const Job& job, GltfScene& scene, Progress& progress) {
-  for (const MaterialOverride& change : job.nodes) {
-    const bool found = std::any_of(scene.nodes.begin(), scene.nodes.end(),
-                                   [&](const std::string& name) { return matches(change.pattern, name); });
-    if (!found) progress.warning(fmt::format("nodes.{} in the job matches no node of the scene", change.pattern));
-  }
-  if (job.nodes.empty()) return;
-  std::map<std::pair<int, int>, int> own;  // material of a node's material
-  for (Surface& surface : scene.surfaces) {
-    const auto [entry, is_new] = own.emplace(std::pair(surface.node, surface.material), surface.material);
-    if (is_new) {
-      if (auto changed =
-              node_material(model, job, scene.nodes[surface.node], scene.materials[surface.material], progress)) {
-        entry->second = static_cast<int>(scene.materials.size());
-        scene.materials.push_back(std::move(*changed));
-      }
-    }
-    surface.material = entry->second;
-  }
 }
 
 std::string light_group(const tinygltf::Node& node, const SurfaceMaterial& material) {

@@ -1,0 +1,15 @@
+#pragma once
+#include "importers/gltf_reader.h"
+#include "pipeline/files/job.h"
+#include "pipeline/stage/progress.h"
+
+namespace patchlight {
+
+/// Takes the surfaces out of the scene whose material or node the job excludes.
+void leave_out_excluded(const GltfModel& model, const Job& job, GltfScene& scene);
+
+/// Gives surfaces on nodes that the job overrides materials of their own.
+/// Throws: Error (bad_data, bad_config) for values out of range.
+void override_nodes(const GltfModel& model, const Job& job, GltfScene& scene, Progress& progress);
+
+}  // namespace patchlight
