@@ -1,12 +1,8 @@
 #include "importers/gltf_accessor.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cstring>
 #include <limits>
-
-#include "pipeline/model/error.h"
 
 namespace patchlight {
 namespace {
@@ -18,20 +14,10 @@ Number number_at(const unsigned char* at) {
   return value;
 }
 
-std::uint32_t unsigned_at(const unsigned char* at, int component_type) {
-  if (component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE) return *at;
-  if (component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT) return number_at<std::uint16_t>(at);
-  return number_at<std::uint32_t>(at);
-}
-
 double largest_of(int component_type) {
   if (component_type == TINYGLTF_COMPONENT_TYPE_BYTE) return 127.0;
   if (component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE) return 255.0;
   return component_type == TINYGLTF_COMPONENT_TYPE_SHORT ? 32767.0 : 65535.0;
-}
-
-std::size_t size_of(int component_type) {
-  return static_cast<std::size_t>(tinygltf::GetComponentSizeInBytes(static_cast<std::uint32_t>(component_type)));
 }
 
 template <class Integer>
@@ -41,6 +27,16 @@ float real(const unsigned char* at, bool normalized) {
 }
 
 }  // namespace
+
+std::uint32_t unsigned_at(const unsigned char* at, int component_type) {
+  if (component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE) return *at;
+  if (component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT) return number_at<std::uint16_t>(at);
+  return number_at<std::uint32_t>(at);
+}
+
+std::size_t size_of(int component_type) {
+  return static_cast<std::size_t>(tinygltf::GetComponentSizeInBytes(static_cast<std::uint32_t>(component_type)));
+}
 
 AccessorReader::AccessorReader(const GltfModel& model, int accessor) {
   const tinygltf::Accessor& source = model.gltf.accessors[accessor];
@@ -59,25 +55,6 @@ AccessorReader::AccessorReader(const GltfModel& model, int accessor) {
     const tinygltf::BufferView& view = model.gltf.bufferViews[source.bufferView];
     data = view_bytes(model, source.bufferView).data() + source.byteOffset;
     if (view.byteStride > 0) stride_ = view.byteStride;
-  }
-  if (source.sparse.isSparse) fill_in_sparse(model, source, size);
-}
-
-void AccessorReader::fill_in_sparse(const GltfModel& model, const tinygltf::Accessor& source, std::size_t size) {
-  own_.resize(count * size, 0);
-  for (std::size_t i = 0; data && i < count; ++i) std::memcpy(own_.data() + i * size, data + i * stride_, size);
-  data = own_.data();
-  stride_ = size;
-  const auto& [replaced, values] = std::tie(source.sparse.indices, source.sparse.values);
-  const unsigned char* index = view_bytes(model, replaced.bufferView).data() + replaced.byteOffset;
-  const unsigned char* value = view_bytes(model, values.bufferView).data() + values.byteOffset;
-  for (int i = 0; i < source.sparse.count; ++i, index += size_of(replaced.componentType), value += size) {
-    const std::uint32_t element = unsigned_at(index, replaced.componentType);
-    if (element >= count) {
-      throw Error(ExitCode::bad_data, fmt::format("sparse element {} of {} does not exist", element, count),
-                  model.file.name, "export the scene again");
-    }
-    std::memcpy(own_.data() + element * size, value, size);
   }
 }
 

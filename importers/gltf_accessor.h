@@ -6,11 +6,10 @@
 
 namespace patchlight {
 
-/// Reads elements of a checked accessor, at any alignment, quantized, normalized or sparse.
+/// Reads elements of a checked accessor, at any alignment, quantized or normalized.
 struct AccessorReader {
-  /// Throws: Error (bad_data) if its buffer has no data, or for sparse elements out of range.
+  /// Throws: Error (bad_data) if its buffer has no data.
   AccessorReader(const GltfModel& model, int accessor);
-  AccessorReader(AccessorReader&&) = default;  // a copy's `data` would be the original's
 
   std::size_t count = 0;
   const unsigned char* data = nullptr;  ///< Null: all elements are zeros.
@@ -28,12 +27,13 @@ struct AccessorReader {
  private:
   template <std::size_t N>
   std::array<float, N> numbers(std::size_t element) const;
-  void fill_in_sparse(const GltfModel& model, const tinygltf::Accessor& source, std::size_t size);
 
   int component_type_ = 0;
   bool normalized_ = false;
   std::size_t stride_ = 0;
-  Bytes own_;  ///< A sparse accessor's elements.
 };
+
+std::uint32_t unsigned_at(const unsigned char* at, int component_type);
+std::size_t size_of(int component_type);
 
 }  // namespace patchlight

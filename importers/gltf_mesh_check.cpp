@@ -112,7 +112,8 @@ void check_primitive(GltfLists& gltf, const Json& primitive, const std::set<int>
     if (!(*targets)[i].is_object()) refuse_gltf("must hold objects", place, "targets");
     for (const char* key : {"POSITION", "NORMAL"}) {
       const std::int64_t count = checked_attribute(gltf, (*targets)[i], key, kTarget, quantized, place);
-      if (count >= 0 && count != vertices) refuse_gltf("has a morph target of another number of vertices", place);
+      if (count >= 0 && vertices >= 0 && count != vertices)
+        refuse_gltf("has a morph target of another number of vertices", place);
     }
     gltf.ignored.insert("morph targets do not move: they stand with the weights that the file starts from");
   }

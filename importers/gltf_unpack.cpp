@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <cstring>
+
+#include "importers/gltf_accessor.h"
 #include "importers/mesh_decoder.h"
 #include "pipeline/files/on_demand.h"
 #include "pipeline/model/error.h"
@@ -10,6 +13,9 @@ namespace patchlight {
 namespace {
 
 constexpr const char* kDecoders = "patchlight-meshes";
+constexpr std::size_t kMostMeshoptGain = 128;                  // bytes from one; vertices reach 64, indices 12
+constexpr std::size_t kMostReuse = 16;                         // of all bytes, by meshes that Draco packs
+constexpr std::size_t kMostFilledIn = std::size_t{256} << 20;  // bytes of all sparse accessors
 
 [[noreturn]] void refuse(const std::string& what, const std::string& place) {
   throw Error(ExitCode::bad_data, what, place, "the file is damaged; export the scene again");
@@ -83,10 +89,56 @@ void unpack_primitive(GltfModel& model, const DracoPrimitive& packed) {
   primitive.mode = TINYGLTF_MODE_TRIANGLES;
 }
 
+/// Packed parts that stand for more than their buffers can hold are not worth unpacking.
+void check_sizes(const GltfModel& model) {
+  std::size_t bytes = 1, elements = 0, packed = 0;
+  for (const auto& buffer : model.buffers) bytes += buffer.size();
+  for (const MeshoptView& view : model.checked.meshopt_views) elements += view.count * view.stride;
+  for (const DracoPrimitive& primitive : model.checked.draco_primitives)
+    packed += model.gltf.bufferViews[primitive.view].byteLength;
+  if (elements / kMostMeshoptGain > bytes || packed / kMostReuse > bytes)
+    refuse("packed meshes stand for more than the buffers can hold", model.file.name);
+}
+
+/// Gives a sparse accessor plain bytes.
+void fill_in(GltfModel& model, tinygltf::Accessor& accessor, std::size_t& budget) {
+  const auto components = tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(accessor.type));
+  const std::size_t size = size_of(accessor.componentType) * static_cast<std::size_t>(components);
+  if (accessor.count > budget / size) {
+    throw Error(ExitCode::over_limit, "sparse accessors take more than 256 MiB", model.file.name,
+                "export without them; this limit is fixed");
+  }
+  budget -= accessor.count * size;
+  Bytes bytes(accessor.count * size, 0);
+  if (accessor.bufferView >= 0) {
+    const tinygltf::BufferView& view = model.gltf.bufferViews[accessor.bufferView];
+    const unsigned char* from = view_bytes(model, accessor.bufferView).data() + accessor.byteOffset;
+    const std::size_t stride = view.byteStride > 0 ? view.byteStride : size;
+    for (std::size_t i = 0; i < accessor.count; ++i) std::memcpy(bytes.data() + i * size, from + i * stride, size);
+  }
+  const auto& sparse = accessor.sparse;
+  const unsigned char* index = view_bytes(model, sparse.indices.bufferView).data() + sparse.indices.byteOffset;
+  const unsigned char* value = view_bytes(model, sparse.values.bufferView).data() + sparse.values.byteOffset;
+  for (int i = 0; i < sparse.count; ++i, index += size_of(sparse.indices.componentType), value += size) {
+    const std::uint32_t element = unsigned_at(index, sparse.indices.componentType);
+    if (element >= accessor.count)
+      refuse(fmt::format("sparse element {} of {} does not exist", element, accessor.count), model.file.name);
+    std::memcpy(bytes.data() + element * size, value, size);
+  }
+  accessor.bufferView = add_view(model, std::move(bytes));
+  accessor.byteOffset = 0;
+  accessor.sparse.isSparse = false;
+}
+
 }  // namespace
 
 void unpack(GltfModel& model) {
+  check_sizes(model);
   for (const MeshoptView& view : model.checked.meshopt_views) unpack_view(model, view);
+  std::size_t budget = kMostFilledIn;
+  for (tinygltf::Accessor& accessor : model.gltf.accessors) {
+    if (accessor.sparse.isSparse) fill_in(model, accessor, budget);
+  }
   for (const DracoPrimitive& primitive : model.checked.draco_primitives) unpack_primitive(model, primitive);
 }
 

@@ -137,6 +137,25 @@ TEST(PackedMeshes, DracoUnpacksToTheSame) {
   bent("damaged", [](GltfBuilder& g) { g.json["bufferViews"][0]["byteLength"] = 30; });
 }
 
+TEST(PackedMeshes, BytesThatAreUnpackedOverAndOverAreRefused) {
+  for (const bool draco : {false, true}) {
+    Importer importer;
+    GltfBuilder gltf;
+    Mesh heap = grid(100);
+    for (Vec3f& p : heap.positions) {
+      if (!draco && p.x + p.y > 0.0f) p = Vec3f(1.0f);  // which packs well
+    }
+    const QuantizedPositions positions(heap);
+    const int mesh = draco ? draco_mesh(gltf, heap, 11) : quantized_mesh(gltf, heap, positions, true);
+    gltf.node(positions.placed({{"mesh", mesh}}));
+    for (int i = 0; i < 200; ++i) {
+      gltf.json["bufferViews"].push_back(gltf.json["bufferViews"][0]);
+      gltf.json["meshes"].push_back(gltf.json["meshes"][0]);
+    }
+    EXPECT_ERROR(importer.import(gltf), ExitCode::bad_data, "more than the buffers can hold");
+  }
+}
+
 TEST(PackedMeshes, DamagedPackedBytesAreRefusedOrReadNeverTakenForMore) {
   for (const bool draco : {false, true}) {
     Importer importer;
