@@ -9,7 +9,6 @@ namespace {
 
 constexpr const char* kMeshopt = "EXT_meshopt_compression";
 constexpr const char* kDraco = "KHR_draco_mesh_compression";
-constexpr std::size_t kMostMeshoptGain = 128;  // bytes from one; vertices reach 64, indices 12
 
 MeshoptView::Mode mode_of(const Json& packed, const GltfPlace& place) {
   const std::string mode = string_member(packed, "mode");

@@ -10,6 +10,9 @@ namespace patchlight {
 
 struct GltfLists;
 
+/// Bytes that EXT_meshopt_compression makes of one; vertices reach 64, indices 12.
+constexpr std::size_t kMostMeshoptGain = 128;
+
 /// A bufferView that EXT_meshopt_compression packs.
 struct MeshoptView {
   enum class Mode { attributes, triangles, indices };

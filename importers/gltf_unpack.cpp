@@ -13,7 +13,6 @@ namespace patchlight {
 namespace {
 
 constexpr const char* kDecoders = "patchlight-meshes";
-constexpr std::size_t kMostMeshoptGain = 128;                  // bytes from one; vertices reach 64, indices 12
 constexpr std::size_t kMostReuse = 16;                         // of all bytes, by meshes that Draco packs
 constexpr std::size_t kMostFilledIn = std::size_t{256} << 20;  // bytes of all sparse accessors
 
