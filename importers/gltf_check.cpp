@@ -7,6 +7,7 @@
 #include <map>
 #include <set>
 
+#include "importers/gltf_animation_check.h"
 #include "importers/gltf_json.h"
 #include "importers/gltf_reduce.h"
 #include "importers/gltf_texcoord_check.h"
@@ -229,7 +230,8 @@ bool has_base_color_texture(const Check& gltf) {
   });
 }
 
-void check_nodes(Check& gltf) {
+/// Returns the parent of each node, -1 of a root.
+std::vector<int> check_nodes(Check& gltf) {
   std::vector<std::vector<int>> children(gltf.count("nodes"));
   gltf.each("nodes", [&](const Json& node, const GltfPlace& place) {
     check_string(node, "name", place);
@@ -248,6 +250,10 @@ void check_nodes(Check& gltf) {
   });
   check_node_trees(gltf.list("nodes"), gltf.list("scenes"), children, gltf.file);
   index_member(gltf.root, "scene", gltf.count("scenes"), {gltf.file});
+  std::vector<int> parents(children.size(), -1);
+  for (std::size_t i = 0; i < children.size(); ++i)
+    for (const int child : children[i]) parents[child] = static_cast<int>(i);
+  return parents;
 }
 
 }  // namespace
@@ -265,8 +271,8 @@ CheckedGltf check_gltf(std::string_view json, const std::string& file, bool texc
   check_materials(gltf);
   texcoords = texcoords || has_base_color_texture(gltf);
   if (texcoords) check_texcoords(root, file);
-  check_nodes(gltf);
-  if (gltf.count("animations") > 0) gltf.ignored.insert("animations are not read: nodes stand in their rest state");
+  const std::vector<int> parents = check_nodes(gltf);
+  result.camera_channels = camera_channels(root, parents, file, gltf.ignored);
   result.ignored.assign(gltf.ignored.begin(), gltf.ignored.end());
   result.json = reduced_gltf(root, texcoords).dump();
   return result;

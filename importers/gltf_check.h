@@ -3,6 +3,8 @@
 #include <string_view>
 #include <vector>
 
+#include "pipeline/model/motion.h"
+
 namespace patchlight {
 
 /// Where the bytes of a buffer or an image come from.
@@ -13,16 +15,26 @@ struct GltfData {
   std::size_t size = 0;  ///< Stated length of a buffer, bytes.
 };
 
+/// Keyframes of one property of a node.
+struct GltfChannel {
+  int node = 0;
+  Motion::Kind kind = Motion::Kind::translation;
+  Motion::Interpolation interpolation = Motion::Interpolation::linear;
+  int times = 0;   ///< Accessor.
+  int values = 0;  ///< Accessor.
+};
+
 /// A glTF file that is safe to parse.
 struct CheckedGltf {
   std::string json;               ///< What the importer reads of it, without buffers and images, for tinygltf.
   std::vector<GltfData> buffers;  ///< To be loaded apart from tinygltf, which would follow any URI.
   std::vector<GltfData> images;
-  std::vector<std::string> ignored;  ///< What the scene holds beyond what is read, one warning each.
+  std::vector<GltfChannel> camera_channels;  ///< Each property of a node once.
+  std::vector<std::string> ignored;          ///< What the scene holds beyond what is read, one warning each.
 };
 
 /// Checks all that the importer and tinygltf read of a glTF file's JSON: version, required extensions, types, indices,
-/// that accessors lie within bufferViews and these within buffers, and that nodes are trees.
+/// that accessors lie within bufferViews and these within buffers, that nodes are trees, and what moves cameras.
 /// Texture coordinates are checked, and kept, only if a base colour has a texture or `texcoords` says that they will be
 /// read.
 /// Throws: Error (bad_data) naming the place.

@@ -29,10 +29,9 @@ void FrameWriter::write(const Frame& frame, Image image, double seconds) const {
   Job job = job_;
   job.output.clear();  // the same picture wherever it is put
   job.bench = {};
-  const std::string& camera = scene_.cameras[frame.camera].name;
   image.metadata = {
       {"Software", "Patchlight"},
-      {"Camera", camera},
+      {"Camera", frame.camera.name},
       {"Frame", fmt::format("{:04}", frame.number)},
       {"Scene", job_.scene.filename().string()},
       {"RenderTime", fmt::format("{:.3f}", seconds)},

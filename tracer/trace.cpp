@@ -30,7 +30,7 @@ void trace_frames(const Job& job, const PatchSet& scene, const EnergyField& ener
   const Integrator integrator(scene, energy, job);
   for (const Frame& frame : frames) {
     const auto start = std::chrono::steady_clock::now();
-    const Image image = integrator.render(scene.cameras[frame.camera], progress);
+    const Image image = integrator.render(frame.camera, progress);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     writer.write(frame, image, seconds);
     progress.note(fmt::format("{} in {:.2f} s", frame.exr.filename().string(), seconds));

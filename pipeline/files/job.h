@@ -44,9 +44,19 @@ struct LightSetting {
   Color color{1.0f};
 };
 
+/// A camera of the job's own.
+struct CameraConfig {
+  Vec3d look_from{0.0};  ///< m, as are all here; world space, glTF axes (Y up).
+  Vec3d look_at{0.0};
+  Vec3d up{0.0, 1.0, 0.0};
+  std::optional<double> angle;   ///< Vertical, in degrees; absent: 40.
+  std::optional<double> height;  ///< Of what it sees in parallel projection.
+  double turntable = 0.0;        ///< Frames in which it turns once about `look_at`, right-handed about `up`; 0: still.
+};
+
 struct TraceConfig {
   std::vector<std::string> cameras;  ///< Empty: all.
-  std::string frames = "1";
+  std::string frames = "1";          ///< As frame_numbers() reads them.
   double fps = 24.0;
   std::array<int, 2> resolution{640, 480};
   int samples = 16;
@@ -85,7 +95,8 @@ struct Job {
   std::vector<MaterialOverride> materials;
   std::vector<Shader> shaders;
   SolveConfig solve;
-  std::map<std::string, LightSetting> lights;  ///< By light group, as files name it.
+  std::map<std::string, LightSetting> lights;   ///< By light group, as files name it.
+  std::map<std::string, CameraConfig> cameras;  ///< By name.
   TraceConfig trace;
   BenchConfig bench;
 

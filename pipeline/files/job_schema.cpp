@@ -5,10 +5,12 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <regex>
 
+#include "pipeline/files/frame_range.h"
+#include "pipeline/files/job_cameras.h"
 #include "pipeline/files/job_override.h"
 #include "pipeline/files/job_shaders.h"
+#include "pipeline/files/job_values.h"
 #include "pipeline/files/light_group_name.h"
 #include "pipeline/files/nearest_word.h"
 
@@ -17,24 +19,6 @@ namespace patchlight {
 namespace {
 
 using Node = YAML::Node;
-
-template <class T>
-T parse(const Node& node, const std::string& expected) {
-  try {
-    return node.as<T>();
-  } catch (const YAML::Exception&) {
-    throw "expected " + expected;
-  }
-}
-
-double parse_number(const Node& node, double low, double high) {
-  const std::string expected = high == std::numeric_limits<double>::infinity()
-                                   ? fmt::format("a number of at least {}", low)
-                                   : fmt::format("a number from {} to {}", low, high);
-  const double value = parse<double>(node, expected);
-  if (!(value >= low && value <= high) || !std::isfinite(value)) throw "expected " + expected;
-  return value;
-}
 
 std::int64_t parse_integer(const Node& node, std::int64_t low, std::int64_t high) {
   const std::string expected = fmt::format("a whole number from {} to {}", low, high);
@@ -56,50 +40,6 @@ std::string parse_choice(const Node& node, const std::vector<std::string>& choic
   throw fmt::format("expected {}", fmt::join(choices, " or "));
 }
 
-Node color_node(const Color& color) {
-  Node node;
-  node.SetStyle(YAML::EmitterStyle::Flow);
-  for (int k = 0; k < 3; ++k) node.push_back(color[k]);
-  return node;
-}
-
-/// As `--set` takes it.
-std::string quoted_if_dotted(const std::string& name) {
-  return name.find('.') == std::string::npos ? name : '"' + name + '"';
-}
-
-/// Settings of one name below `materials` or `lights`, each with its reader.
-using EntryReader = std::map<std::string, std::function<void(const Node&)>>;
-
-/// Reads a map of names with the settings of each. `entry_reader` makes or finds what a name stands for.
-template <class EntryReaderOf>
-void read_entries(const std::string& section, const Node& map, EntryReaderOf entry_reader) {
-  if (!map.IsMap()) throw std::string("expected a map of names");
-  for (const auto& entry : map) {
-    const YAML::Mark mark = entry.first.Mark();
-    if (!entry.first.IsScalar()) throw EntryFault{"a name that is not a word below `" + section + "`", "", mark};
-    const std::string name = entry.first.Scalar();
-    const std::string path = section + "." + quoted_if_dotted(name.substr(0, 100));
-    if (!entry.second.IsMap()) throw EntryFault{"bad value of `" + path + "`", "expected a map of settings", mark};
-    const EntryReader readers = entry_reader(name);
-    for (const auto& setting : entry.second) {
-      const std::string key = setting.first.IsScalar() ? setting.first.Scalar().substr(0, 100) : "";
-      const auto reader = readers.find(key);
-      if (reader == readers.end()) {
-        std::vector<std::string> known;
-        for (const auto& [word, unused] : readers) known.push_back(word);
-        throw EntryFault{"unknown key `" + path + "." + key + "`",
-                         "did you mean `" + path + "." + nearest_word(known, key) + "`?", setting.first.Mark()};
-      }
-      try {
-        reader->second(setting.second);
-      } catch (const std::string& expected) {
-        throw EntryFault{"bad value of `" + path + "." + key + "`", expected, setting.first.Mark()};
-      }
-    }
-  }
-}
-
 void read_materials(const Node& map, std::vector<MaterialOverride>& materials) {
   read_entries("materials", map, [&](const std::string& name) -> EntryReader {
     std::size_t at = 0;
@@ -116,9 +56,9 @@ void read_materials(const Node& map, std::vector<MaterialOverride>& materials) {
 Node materials_node(const std::vector<MaterialOverride>& materials) {
   Node map(YAML::NodeType::Map);
   for (const auto& material : materials) {
-    if (material.reflectance) map[material.pattern]["reflectance"] = color_node(*material.reflectance);
-    if (material.emission) map[material.pattern]["emission"] = color_node(*material.emission);
-    if (material.mirror) map[material.pattern]["mirror"] = color_node(*material.mirror);
+    if (material.reflectance) map[material.pattern]["reflectance"] = vector_node(*material.reflectance);
+    if (material.emission) map[material.pattern]["emission"] = vector_node(*material.emission);
+    if (material.mirror) map[material.pattern]["mirror"] = vector_node(*material.mirror);
   }
   return map;
 }
@@ -135,7 +75,7 @@ Node lights_node(const std::map<std::string, LightSetting>& lights) {
   Node map(YAML::NodeType::Map);
   for (const auto& [name, light] : lights) {
     map[name]["scale"] = light.scale;
-    map[name]["color"] = color_node(light.color);
+    map[name]["color"] = vector_node(light.color);
   }
   return map;
 }
@@ -179,7 +119,7 @@ JobKey patch_area_key(std::optional<double>& value) {
 }
 
 JobKey cameras_key(std::vector<std::string>& cameras) {
-  return {"trace.cameras", "names of glTF camera nodes; absent: all",
+  return {"trace.cameras", "names of cameras, those of glTF nodes or of the job's `cameras`; absent: all",
           [&cameras](const Node& n) {
             if (n.IsScalar())
               cameras = {n.as<std::string>()};
@@ -190,17 +130,20 @@ JobKey cameras_key(std::vector<std::string>& cameras) {
 }
 
 JobKey frames_key(std::string& frames) {
-  return {"trace.frames", "frames of animated cameras, inclusive, as in 1-120; a still camera writes frame 0001",
-          [&frames](const Node& n) {
-            const std::string text = parse<std::string>(n, "a range of frames");
-            static const std::regex range("[0-9]{1,7}(-[0-9]{1,7})?");
-            if (!std::regex_match(text, range)) throw std::string("expected a range of frames such as 1-120");
-            const std::size_t dash = text.find('-');
-            if (dash != std::string::npos && std::stoi(text) > std::stoi(text.substr(dash + 1)))
-              throw std::string("expected a range of frames that begins before it ends");
-            frames = text;
-          },
-          [&frames] { return Node(frames); }};
+  return {
+      "trace.frames",
+      "frames of cameras that move: 1-120; 1,5..9; with a step 1-120x10 or 1..120:10; a still one writes frame 0001",
+      [&frames](const Node& n) {
+        const std::string expected = "frames such as 1-120 or 1,5..9,20-40x2";
+        std::string list;
+        if (n.IsSequence())
+          list = fmt::format("{}", fmt::join(parse<std::vector<std::string>>(n, expected), ", "));
+        else
+          list = parse<std::string>(n, expected);
+        frame_numbers(list);
+        frames = list;
+      },
+      [&frames] { return Node(frames); }};
 }
 
 JobKey resolution_key(std::array<int, 2>& size) {
@@ -265,6 +208,14 @@ std::vector<JobKey> job_keys(Job& job) {
          read_lights(n, job.lights);
        },
        [&job] { return lights_node(job.lights); }, [&job](const Node& n) { read_lights(n, job.lights); }},
+      {"cameras",
+       "more of them, by name: look_from, look_at, up [x,y,z]; angle, vertical in degrees, or height in m; turntable, "
+       "frames for a turn about look_at",
+       [&job](const Node& n) {
+         job.cameras.clear();
+         read_cameras(n, job.cameras);
+       },
+       [&job] { return cameras_node(job.cameras); }, [&job](const Node& n) { read_cameras(n, job.cameras); }},
       cameras_key(trace.cameras),
       frames_key(trace.frames),
       number_key("trace.fps", trace.fps, 1e-3, 1e6, "frames a second of animated cameras"),

@@ -48,8 +48,8 @@ std::string energy_key(const std::string& patches_key, const SolveConfig& solve)
 std::string view_config_key();
 
 /// Key of one frame: solution, camera, lights, the settings of tracing and the `view_config_key`.
-/// `camera`: index into the scene's.
-std::string frame_key(const PatchSet& scene, const std::string& energy_key, const Job& job, std::size_t camera,
+/// `camera`: as it stands at the frame.
+std::string frame_key(const PatchSet& scene, const std::string& energy_key, const Job& job, const Camera& camera,
                       int frame, const std::string& view_config);
 
 }  // namespace patchlight

@@ -5,6 +5,7 @@
 
 #include "pipeline/files/h5_store.h"
 #include "pipeline/files/patch_check.h"
+#include "pipeline/files/patch_motions.h"
 #include "pipeline/files/patch_shaders.h"
 #include "pipeline/files/patch_textures.h"
 
@@ -188,6 +189,7 @@ void write_patches(const std::filesystem::path& file, PatchSet& scene) {
   write_primitives(writer, scene);
   write_materials(writer, scene.materials);
   write_cameras(writer, scene.cameras);
+  write_motion_datasets(writer, scene);
   write_sources(writer, scene.sources);
   writer.strings("/light_groups/name", scene.light_groups);
   write_shader_datasets(writer, scene);
@@ -221,6 +223,7 @@ PatchSet read_patches(const std::filesystem::path& file) {
   read_primitives(reader, scene);
   read_materials(reader, scene.materials);
   read_cameras(reader, scene.cameras);
+  read_motion_datasets(reader, scene);
   scene.light_groups = reader.strings("/light_groups/name", -1);
   read_shader_datasets(reader, scene);
   read_texture_datasets(reader, scene);

@@ -49,6 +49,46 @@ trace: {cameras: [Camera], frames: 1-120, fps: 24, resolution: [320, 200], sampl
   EXPECT_EQ(job.trace.frames, "1-120");
 }
 
+TEST_F(JobFile, ReadsCamerasOfItsOwn) {
+  const Job job = read(std::string(kMinimal) + R"(
+cameras:
+  corner: {look_from: [1, 2, 3], look_at: [0, 1, 0], angle: 55}
+  plan: {look_from: [0, 9, 0], up: [0, 0, -1], height: 4}
+)",
+                       {"cameras.corner.turntable=48"});
+  ASSERT_EQ(job.cameras.size(), 2u);
+  const CameraConfig &corner = job.cameras.at("corner"), &plan = job.cameras.at("plan");
+  EXPECT_EQ(corner.look_from, Vec3d(1, 2, 3));
+  EXPECT_EQ(corner.look_at, Vec3d(0, 1, 0));
+  EXPECT_EQ(corner.up, Vec3d(0, 1, 0));
+  EXPECT_EQ(corner.angle, 55);
+  EXPECT_EQ(corner.turntable, 48);
+  EXPECT_EQ(plan.height, 4);
+  EXPECT_EQ(effective_job(read(effective_job(job))), effective_job(job));
+}
+
+TEST_F(JobFile, RefusesCamerasThatLookNowhere) {
+  const auto cameras = [&](const std::string& text) { return read(std::string(kMinimal) + "cameras:\n  " + text); };
+  EXPECT_ERROR(
+      cameras("a: {look_from: [0, 0, 1]}\n  b: {angle: 30}"), ExitCode::bad_config,
+      "`cameras.b` that do not go together (" + (folder_ / "job.yaml").string() + ", line 5): give `look_from`");
+  EXPECT_ERROR(cameras("a: {look_from: [0, 5, 0]}"), ExitCode::bad_config, "`up` across");
+  EXPECT_ERROR(cameras("a: {look_from: [0, 0, 5], up: [0, 0, 0]}"), ExitCode::bad_config, "`up` across");
+  EXPECT_ERROR(cameras("a: {look_from: [0, 0, 5], angle: 40, height: 2}"), ExitCode::bad_config, "parallel");
+  EXPECT_ERROR(cameras("a: {look_from: [0, 0, 5], angle: 180}"), ExitCode::bad_config, "0.01 to 179");
+  EXPECT_ERROR(cameras("a: {look_from: [0, 0, .nan]}"), ExitCode::bad_config, "`cameras.a.look_from`");
+  EXPECT_ERROR(cameras("a: {look_from: [0, 0]}"), ExitCode::bad_config, "[x, y, z]");
+  EXPECT_ERROR(cameras("a: {look_form: [0, 0, 1]}"), ExitCode::bad_config, "did you mean `cameras.a.look_from`?");
+  EXPECT_ERROR(cameras("'': {look_from: [0, 0, 1]}"), ExitCode::bad_config, "name");
+  EXPECT_ERROR(read(kMinimal, {"cameras.a.angle=30"}), ExitCode::bad_config, "--set");
+}
+
+TEST_F(JobFile, ReadsFramesAsTextOrList) {
+  EXPECT_EQ(read(kMinimal, {"trace.frames=1,5..9"}).trace.frames, "1,5..9");
+  EXPECT_EQ(read(kMinimal, {"trace.frames=7"}).trace.frames, "7");
+  EXPECT_EQ(read(kMinimal, {"trace.frames=[1, 5-9, 20..40:2]"}).trace.frames, "1, 5-9, 20..40:2");
+}
+
 TEST_F(JobFile, NamesAnUnknownKeyItsLineAndTheNearest) {
   EXPECT_ERROR(read("scene: a.glb\noutput: out\nsolve:\n  toleranse: 1\n"), ExitCode::bad_config,
                "unknown key `solve.toleranse` (" + (folder_ / "job.yaml").string() +
@@ -104,6 +144,7 @@ TEST_F(JobFile, RefusesValuesThatAreNotAllowed) {
   EXPECT_ERROR(read(std::string(kMinimal) + "trace: {resolution: [0, 5]}"), ExitCode::bad_config, "resolution");
   EXPECT_ERROR(read(std::string(kMinimal) + "trace: {frames: 1-x}"), ExitCode::bad_config, "1-120");
   EXPECT_ERROR(read(kMinimal, {"trace.frames=5-3"}), ExitCode::bad_config, "begins before it ends");
+  EXPECT_ERROR(read(std::string(kMinimal) + "trace:\n  frames: 1,,2"), ExitCode::bad_config, "line 4");
   EXPECT_ERROR(read(std::string(kMinimal) + "materials: {a: {reflectance: [1, 2, 0]}}"), ExitCode::bad_config,
                "0 to 1");
   EXPECT_ERROR(read(std::string(kMinimal) + "materials: {a: {colour: 1}}"), ExitCode::bad_config, "colour");

@@ -1,0 +1,147 @@
+#include "importers/gltf_motion.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "pipeline/model/error.h"
+
+namespace patchlight {
+namespace {
+
+constexpr std::size_t kMostNumbers = 10'000'000;
+
+template <class T>
+double component(const unsigned char* at, double unit) {
+  T value{};
+  std::memcpy(&value, at, sizeof(value));
+  return std::max(static_cast<double>(value) / unit, -1.0);
+}
+
+double normalized(const AccessorReader& reader, std::size_t element, int k) {
+  const unsigned char* at = reader.data + element * reader.stride;
+  switch (reader.component_type) {
+    case TINYGLTF_COMPONENT_TYPE_BYTE:
+      return component<std::int8_t>(at + k, 127.0);
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+      return component<std::uint8_t>(at + k, 255.0);
+    case TINYGLTF_COMPONENT_TYPE_SHORT:
+      return component<std::int16_t>(at + 2 * k, 32767.0);
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+      return component<std::uint16_t>(at + 2 * k, 65535.0);
+    default: {
+      float value = 0.0f;
+      std::memcpy(&value, at + 4 * k, sizeof(value));
+      return value;
+    }
+  }
+}
+
+std::vector<double> numbers(const GltfModel& model, int accessor, int width) {
+  const AccessorReader reader(model, accessor);
+  std::vector<double> result;
+  result.reserve(reader.count * static_cast<std::size_t>(width));
+  for (std::size_t i = 0; i < reader.count; ++i)
+    for (int k = 0; k < width; ++k) result.push_back(normalized(reader, i, k));
+  return result;
+}
+
+bool is_finite(double x) {
+  return std::isfinite(x);
+}
+
+Motion fixed(const Matrix4& matrix) {
+  Motion factor;
+  factor.values.assign(&matrix[0][0], &matrix[0][0] + 16);
+  return factor;
+}
+
+/// The part of a node's transform at rest that `kind` is. glTF's column-major matrices of column vectors are Imath's
+/// row-major ones of row vectors.
+Matrix4 rest_factor(const tinygltf::Node& node, Motion::Kind kind) {
+  Matrix4 matrix;
+  if (kind == Motion::Kind::scale && node.scale.size() == 3)
+    matrix.setScale(Vec3d(node.scale[0], node.scale[1], node.scale[2]));
+  if (kind == Motion::Kind::rotation && node.rotation.size() == 4)
+    matrix = rotation_matrix({node.rotation[0], node.rotation[1], node.rotation[2], node.rotation[3]});
+  if (kind == Motion::Kind::translation && node.translation.size() == 3)
+    matrix.setTranslation(Vec3d(node.translation[0], node.translation[1], node.translation[2]));
+  return matrix;
+}
+
+constexpr std::array kOutwards{Motion::Kind::scale, Motion::Kind::rotation, Motion::Kind::translation};
+
+}  // namespace
+
+Matrix4 local_matrix(const tinygltf::Node& node) {
+  Matrix4 matrix;
+  if (node.matrix.size() == 16) {
+    std::copy(node.matrix.begin(), node.matrix.end(), &matrix[0][0]);
+    return matrix;
+  }
+  for (const Motion::Kind kind : kOutwards) matrix *= rest_factor(node, kind);
+  return matrix;
+}
+
+MotionReader::MotionReader(const GltfModel& model)
+    : model_(model), parents_(model.gltf.nodes.size(), -1), channels_(model.gltf.nodes.size()) {
+  for (std::size_t i = 0; i < parents_.size(); ++i)
+    for (const int child : model.gltf.nodes[i].children) parents_[child] = static_cast<int>(i);
+  for (const GltfChannel& channel : model.checked.camera_channels)
+    channels_[channel.node][static_cast<std::size_t>(channel.kind)] = &channel;
+}
+
+std::vector<Motion> MotionReader::motion_of(int node) {
+  std::vector<Motion> factors;
+  Matrix4 still;  // product of those since the last that moves
+  const auto end_still = [&] {
+    if (still != Matrix4()) factors.push_back(fixed(still));
+    still = Matrix4();
+  };
+  bool moves = false;
+  for (; node >= 0; node = parents_[node]) {
+    if (channels_[node] == std::array<const GltfChannel*, 4>{}) {
+      still *= local_matrix(model_.gltf.nodes[node]);
+      continue;
+    }
+    for (const Motion::Kind kind : kOutwards) {
+      const GltfChannel* channel = channels_[node][static_cast<std::size_t>(kind)];
+      if (!channel) {
+        still *= rest_factor(model_.gltf.nodes[node], kind);
+        continue;
+      }
+      end_still();
+      factors.push_back(read(*channel));
+      moves = true;
+    }
+  }
+  end_still();
+  return moves ? factors : std::vector<Motion>();
+}
+
+Motion MotionReader::read(const GltfChannel& channel) {
+  const std::string where = fmt::format("{}, animation of nodes[{}] '{}'", model_.file.name, channel.node,
+                                        model_.gltf.nodes[channel.node].name);
+  const auto refuse = [&](const std::string& what) {
+    throw Error(ExitCode::bad_data, what, where, "export the scene again, or without animations");
+  };
+  Motion motion;
+  motion.kind = channel.kind;
+  motion.interpolation = channel.interpolation;
+  read_ += model_.gltf.accessors[channel.times].count * static_cast<std::size_t>(1 + motion.stride());
+  if (read_ > kMostNumbers)
+    throw Error(ExitCode::over_limit, fmt::format("keyframes of cameras take more than {} numbers", kMostNumbers),
+                where, "export fewer animated cameras, or fewer keyframes");
+  motion.times = numbers(model_, channel.times, 1);
+  motion.values = numbers(model_, channel.values, motion.width());
+  if (!std::all_of(motion.times.begin(), motion.times.end(), is_finite) ||
+      !std::all_of(motion.values.begin(), motion.values.end(), is_finite))
+    refuse("a keyframe that is not finite");
+  if (!std::is_sorted(motion.times.begin(), motion.times.end())) refuse("keyframes that go back in time");
+  return motion;
+}
+
+}  // namespace patchlight
