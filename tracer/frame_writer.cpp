@@ -23,6 +23,10 @@ FrameWriter::FrameWriter(const Job& job, const PatchSet& scene, const EnergyFiel
       view_(job.trace.view, job.trace.exposure),
       view_config_(view_config_key()) {}
 
+std::string FrameWriter::key(const Frame& frame) const {
+  return frame_key(scene_, energy_.key, job_, frame.camera, frame.number, view_config_);
+}
+
 void FrameWriter::write(const Frame& frame, Image image, double seconds) const {
   for (Color& pixel : image.pixels)
     for (int k = 0; k < 3; ++k) pixel[k] = pixel[k] > 0 ? std::min(pixel[k], kBrightest) : 0.0f;  // NaN is not > 0
@@ -35,7 +39,7 @@ void FrameWriter::write(const Frame& frame, Image image, double seconds) const {
       {"Frame", fmt::format("{:04}", frame.number)},
       {"Scene", job_.scene.filename().string()},
       {"RenderTime", fmt::format("{:.3f}", seconds)},
-      {"patchlight:key", frame_key(scene_, energy_.key, job_, frame.camera, frame.number, view_config_)},
+      {"patchlight:key", key(frame)},
       {"patchlight:patches_key", scene_.key},
       {"patchlight:energy_key", energy_.key},
       {"patchlight:job", effective_job(job)},

@@ -24,7 +24,9 @@ int run_job(const RunCommand& command, Progress& progress) {
       progress.warning(stage + " runs again: " + state.reason);
     else
       progress.note(stage + " runs: " + (state.fresh ? "--force" : state.reason));
-    const int code = run_stage_program(stage, arguments).exit_code;
+    std::vector<std::string> all = arguments;
+    if (stage == "trace" && !command.force) all.insert(all.begin(), "--skip-fresh");
+    const int code = run_stage_program(stage, all).exit_code;
     if (code == 0) Progress::check_interrupted();  // a stage that was just ending does not tell
     return code;
   };

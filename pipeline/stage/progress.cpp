@@ -65,6 +65,7 @@ void Progress::error(const std::string& message, int exit_code) {
 void Progress::update(double fraction, const std::string& detail) {
   check_interrupted();
   fraction = fraction >= 0 ? std::min(fraction, 1.0) : 0.0;  // NaN is not at least zero
+  fraction = (part_ + fraction) / parts_;
   const Clock::time_point now = Clock::now();
   const double interval = terminal_ ? 0.1 : 5.0;
   if (seconds(now - std::max(last_shown_, start_)) < interval) return;
@@ -80,6 +81,11 @@ void Progress::update(double fraction, const std::string& detail) {
   } else {
     fmt::print(stderr, "{}\n", line);
   }
+}
+
+void Progress::set_part(std::size_t part, std::size_t count) {
+  part_ = double(part);
+  parts_ = double(count);
 }
 
 void Progress::check_interrupted() {

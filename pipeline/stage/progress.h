@@ -30,6 +30,9 @@ class Progress {
   /// Throws: Error (interrupted) after SIGINT or SIGTERM.
   void update(double fraction, const std::string& detail);
 
+  /// From now on update() is about part `part` of `count` alike.
+  void set_part(std::size_t part, std::size_t count);
+
   /// Throws: Error (interrupted) after SIGINT or SIGTERM.
   static void check_interrupted();
 
@@ -47,6 +50,7 @@ class Progress {
 
   Options options_;
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> json_{nullptr, nullptr};
+  double part_ = 0, parts_ = 1;
   Clock::time_point start_ = Clock::now();
   Clock::time_point last_shown_{};
   bool terminal_ = false;

@@ -309,6 +309,47 @@ TEST(Integrator, ShadersAreBroughtIntoRangeInFrames) {
   }
 }
 
+/// A floor under a lamp and a screen whose shadow's edge is soft, seen in parallel from above, `shift` pixels of 5 cm
+/// to the right.
+Image floor_under_screen(int shift) {
+  constexpr int kSize = 64;
+  PatchScene builder;
+  builder.quad({{{-4, 0, 4}, {4, 0, 4}, {4, 0, -4}, {-4, 0, -4}}}, 1, 1, {0.5f});
+  builder.quad({{{-0.5, 3, 0.5}, {-0.5, 3, -0.5}, {0.5, 3, -0.5}, {0.5, 3, 0.5}}}, 1, 1, {0.0f, 50.0f});
+  builder.quad({{{-0.7, 1, 2}, {-0.2, 1, 2}, {-0.2, 1, -2}, {-0.7, 1, -2}}}, 1, 1, {0.5f});
+  Solved solved(builder, 0.0f, 1.0f);
+  solved.job.trace.quality = "direct";
+  solved.job.trace.samples = 16;
+  solved.job.trace.resolution = {kSize, kSize};
+  solved.camera.projection = Camera::Projection::orthographic;
+  solved.camera.vertical = kSize * 0.05 / 2;
+  solved.camera.to_world.setAxisAngle(Vec3d(1, 0, 0), -kPi / 2);
+  solved.camera.to_world[3][0] = 0.05 * shift;
+  solved.camera.to_world[3][1] = 0.9;  // below the screen
+  return solved.render();
+}
+
+TEST(Integrator, SurfacesLookTheSameWhileTheCameraMoves) {
+  const Image before = floor_under_screen(0), after = floor_under_screen(1);
+  double squares = 0, pixels = 0, block_squares = 0, blocks = 0;
+  for (int y = 0; y < 64; y += 9)
+    for (int x = 0; x < 63; x += 9) {
+      double sum = 0, difference = 0;
+      for (int v = y; v < std::min(64, y + 9); ++v)
+        for (int u = x; u < std::min(63, x + 9); ++u) {
+          const double a = before.pixels[std::size_t(v * 64 + u + 1)].y, b = after.pixels[std::size_t(v * 64 + u)].y;
+          sum += a + b;
+          difference += a - b;
+          squares += std::pow((a - b) / ((a + b) / 2), 2);
+          ++pixels;
+        }
+      block_squares += std::pow(difference / (sum / 2), 2);
+      ++blocks;
+    }
+  EXPECT_LT(std::sqrt(squares / pixels), 0.02);
+  EXPECT_LT(std::sqrt(block_squares / blocks), 0.003);
+}
+
 TEST(Integrator, GivesTheSameBitsForAnyNumberOfThreads) {
   PatchScene builder;
   builder.room(1, 4, {0.5f, 1.0f});
