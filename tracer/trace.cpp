@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <malloc.h>
 
-#include <algorithm>
 #include <chrono>
 #include <functional>
 #include <thread>
@@ -52,7 +51,7 @@ void share_frames(const std::vector<Frame>& frames, const FrameWriter& writer, c
     }
     if (others.size() == left.size()) {
       progress.set_part(all - others.size(), all);
-      progress.update(0, fmt::format("waiting for {} frames that others render", others.size()));
+      progress.update(0, fmt::format("others render what is left, {} frames", others.size()));
       std::this_thread::sleep_for(std::chrono::milliseconds(300));
     }
     left = std::move(others);

@@ -209,7 +209,8 @@ std::vector<JobKey> job_keys(Job& job) {
        },
        [&job] { return lights_node(job.lights); }, [&job](const Node& n) { read_lights(n, job.lights); }},
       {"cameras",
-       "more of them, by name: look_from, look_at, up [x,y,z]; angle, vertical in degrees, or height in m; turntable, "
+       "beside the scene's, by name: look_from, look_at, up [x,y,z]; angle, vertical in degrees, or height in m; "
+       "turntable, "
        "frames for a turn about look_at",
        [&job](const Node& n) {
          job.cameras.clear();
