@@ -271,8 +271,8 @@ CheckedGltf check_gltf(std::string_view json, const std::string& file, bool texc
   check_materials(gltf);
   texcoords = texcoords || has_base_color_texture(gltf);
   if (texcoords) check_texcoords(root, file);
-  const std::vector<int> parents = check_nodes(gltf);
-  result.camera_channels = camera_channels(root, parents, file, gltf.ignored);
+  result.parents = check_nodes(gltf);
+  result.camera_channels = camera_channels(root, result.parents, file, gltf.ignored);
   result.ignored.assign(gltf.ignored.begin(), gltf.ignored.end());
   result.json = reduced_gltf(root, texcoords).dump();
   return result;

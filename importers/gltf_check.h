@@ -29,6 +29,7 @@ struct CheckedGltf {
   std::string json;               ///< What the importer reads of it, without buffers and images, for tinygltf.
   std::vector<GltfData> buffers;  ///< To be loaded apart from tinygltf, which would follow any URI.
   std::vector<GltfData> images;
+  std::vector<int> parents;                  ///< By node; -1: a root.
   std::vector<GltfChannel> camera_channels;  ///< Each property of a node once.
   std::vector<std::string> ignored;          ///< What the scene holds beyond what is read, one warning each.
 };

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <limits>
 
 #include "pipeline/model/error.h"
 
@@ -49,8 +48,8 @@ std::vector<double> numbers(const GltfModel& model, int accessor, int width) {
   return result;
 }
 
-bool is_finite(double x) {
-  return std::isfinite(x);
+bool all_finite(const std::vector<double>& values) {
+  return std::all_of(values.begin(), values.end(), [](double x) { return std::isfinite(x); });
 }
 
 Motion fixed(const Matrix4& matrix) {
@@ -86,23 +85,24 @@ Matrix4 local_matrix(const tinygltf::Node& node) {
   return matrix;
 }
 
-MotionReader::MotionReader(const GltfModel& model)
-    : model_(model), parents_(model.gltf.nodes.size(), -1), channels_(model.gltf.nodes.size()) {
-  for (std::size_t i = 0; i < parents_.size(); ++i)
-    for (const int child : model.gltf.nodes[i].children) parents_[child] = static_cast<int>(i);
+MotionReader::MotionReader(const GltfModel& model) : model_(model), channels_(model.gltf.nodes.size()) {
   for (const GltfChannel& channel : model.checked.camera_channels)
     channels_[channel.node][static_cast<std::size_t>(channel.kind)] = &channel;
 }
 
-std::vector<Motion> MotionReader::motion_of(int node) {
+std::vector<Motion> MotionReader::motion_of(int camera) {
   std::vector<Motion> factors;
+  if (model_.checked.camera_channels.empty()) return factors;
   Matrix4 still;  // product of those since the last that moves
   const auto end_still = [&] {
-    if (still != Matrix4()) factors.push_back(fixed(still));
+    if (still == Matrix4()) return;
+    factors.push_back(fixed(still));
+    if (!all_finite(factors.back().values)) refuse("a transform that is not finite", camera);
     still = Matrix4();
   };
   bool moves = false;
-  for (; node >= 0; node = parents_[node]) {
+  for (int node = camera; node >= 0; node = model_.checked.parents[node]) {
+    count(1, node);
     if (channels_[node] == std::array<const GltfChannel*, 4>{}) {
       still *= local_matrix(model_.gltf.nodes[node]);
       continue;
@@ -123,25 +123,30 @@ std::vector<Motion> MotionReader::motion_of(int node) {
 }
 
 Motion MotionReader::read(const GltfChannel& channel) {
-  const std::string where = fmt::format("{}, animation of nodes[{}] '{}'", model_.file.name, channel.node,
-                                        model_.gltf.nodes[channel.node].name);
-  const auto refuse = [&](const std::string& what) {
-    throw Error(ExitCode::bad_data, what, where, "export the scene again, or without animations");
-  };
   Motion motion;
   motion.kind = channel.kind;
   motion.interpolation = channel.interpolation;
-  read_ += model_.gltf.accessors[channel.times].count * static_cast<std::size_t>(1 + motion.stride());
-  if (read_ > kMostNumbers)
-    throw Error(ExitCode::over_limit, fmt::format("keyframes of cameras take more than {} numbers", kMostNumbers),
-                where, "export fewer animated cameras, or fewer keyframes");
+  count(model_.gltf.accessors[channel.times].count * static_cast<std::size_t>(1 + motion.stride()), channel.node);
   motion.times = numbers(model_, channel.times, 1);
   motion.values = numbers(model_, channel.values, motion.width());
-  if (!std::all_of(motion.times.begin(), motion.times.end(), is_finite) ||
-      !std::all_of(motion.values.begin(), motion.values.end(), is_finite))
-    refuse("a keyframe that is not finite");
-  if (!std::is_sorted(motion.times.begin(), motion.times.end())) refuse("keyframes that go back in time");
+  if (!all_finite(motion.times) || !all_finite(motion.values)) refuse("a keyframe that is not finite", channel.node);
+  if (!std::is_sorted(motion.times.begin(), motion.times.end())) refuse("keyframes that go back in time", channel.node);
   return motion;
+}
+
+void MotionReader::count(std::size_t numbers, int node) {
+  read_ += numbers;
+  if (read_ > kMostNumbers)
+    throw Error(ExitCode::over_limit, fmt::format("keyframes of cameras take more than {} numbers", kMostNumbers),
+                place(node), "export fewer animated cameras, or fewer keyframes");
+}
+
+void MotionReader::refuse(const std::string& what, int node) const {
+  throw Error(ExitCode::bad_data, what, place(node), "export the scene again, or without animations");
+}
+
+std::string MotionReader::place(int node) const {
+  return fmt::format("{}, animation of nodes[{}] '{}'", model_.file.name, node, model_.gltf.nodes[node].name);
 }
 
 }  // namespace patchlight

@@ -210,8 +210,7 @@ std::vector<JobKey> job_keys(Job& job) {
        [&job] { return lights_node(job.lights); }, [&job](const Node& n) { read_lights(n, job.lights); }},
       {"cameras",
        "beside the scene's, by name: look_from, look_at, up [x,y,z]; angle, vertical in degrees, or height in m; "
-       "turntable, "
-       "frames for a turn about look_at",
+       "turntable, frames for a turn",
        [&job](const Node& n) {
          job.cameras.clear();
          read_cameras(n, job.cameras);

@@ -168,6 +168,35 @@ TEST(CameraMotion, RefusesKeyframesThatGoBackOrAreNotFinite) {
   expect_refused(nothing, "'eye'", {0, 1}, INFINITY);
 }
 
+TEST(CameraMotion, RefusesATransformThatIsNotFinite) {
+  Importer importer;
+  Shot shot;
+  const int outer = shot.dolly + 1;
+  shot.gltf.json["nodes"][shot.eye]["scale"] = {1e200, 1, 1};
+  shot.gltf.json["nodes"][shot.dolly]["scale"] = {1e200, 1, 1};
+  shot.gltf.json["nodes"].push_back({{"children", {shot.dolly}}, {"scale", {1e-200, 1, 1}}});  // finite all in all
+  shot.gltf.json["scenes"][0]["nodes"] = {0, outer};
+  shot.animate(outer, "rotation", {0}, std::vector<float>{0, 0, 0, 1});
+  EXPECT_ERROR(importer.import(shot.gltf), ExitCode::bad_data, "a transform that is not finite");
+}
+
+TEST(CameraMotion, OfManyCamerasOnALongChainIsRefusedInTime) {
+  Importer importer;
+  Shot shot;
+  constexpr int kDeep = 20000;
+  for (int i = 0; i < kDeep; ++i) {
+    const int below = i == 0 ? shot.eye : int(shot.gltf.json["nodes"].size()) - 1;
+    shot.gltf.json["nodes"].push_back({{"children", {below}}});
+  }
+  shot.gltf.json["nodes"][shot.dolly]["children"] = {shot.gltf.json["nodes"].size() - 1};
+  shot.animate(shot.dolly, "translation", {0}, std::vector<float>{1, 0, 0});
+  for (int i = 0; i < kDeep; ++i) {
+    shot.gltf.json["nodes"].push_back({{"camera", 0}});
+    shot.gltf.json["nodes"][shot.eye]["children"].push_back(shot.gltf.json["nodes"].size() - 1);
+  }
+  EXPECT_ERROR(importer.import(shot.gltf), ExitCode::over_limit, "keyframes of cameras");
+}
+
 TEST(CameraMotion, IsNotMultipliedWithoutBoundsByManyCameras) {
   Importer importer;
   Shot shot;
