@@ -39,6 +39,9 @@ void FrameWriter::write(const Frame& frame, Image image, double seconds) const {
       {"patchlight:key", frame_key(scene_, energy_.key, job_, frame.camera, frame.number, view_config_)},
       {"patchlight:patches_key", scene_.key},
       {"patchlight:energy_key", energy_.key},
+      {"patchlight:frames_key", scene_.frames_key},
+      {"patchlight:camera_key", camera_key(scene_.cameras[frame.camera])},
+      {"patchlight:view_config", view_config_},
       {"patchlight:job", effective_job(job)},
   };
   write_png(frame.png, view_(image), job_.output);

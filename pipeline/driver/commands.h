@@ -12,11 +12,21 @@ struct RunCommand {
   bool force = false;
   CommonOptions common;
   std::string last_stage = "trace";
+  bool explain = false;  ///< Say all reasons, also those not to run.
 };
 
 /// Starts the stages whose outputs do not match the job, in order, and says why. Returns the exit code of the first
 /// stage that fails, else 0.
 int run_job(const RunCommand& command, Progress& progress);
+
+struct StatusCommand {
+  std::string job_file;
+  CommonOptions common;
+};
+
+/// Prints a line for each stage and frame of a job: fresh, stale, missing or damaged, and why; nothing is run or
+/// changed. Returns 0 if all is fresh, else 1. Throws: Error (bad_config, missing_input) for the job.
+int show_status(const StatusCommand& command);
 
 struct PreviewCommand {
   std::string job_file;

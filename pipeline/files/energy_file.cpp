@@ -4,6 +4,7 @@
 
 #include "pipeline/files/display_mesh_file.h"
 #include "pipeline/files/h5_store.h"
+#include "pipeline/files/provenance_file.h"
 #include "pipeline/model/error.h"
 
 namespace patchlight {
@@ -38,6 +39,7 @@ EnergyField read_fields(const H5Reader& reader, const std::vector<std::string>& 
   energy.rays = reader.integer("rays");
   energy.seconds = reader.real("seconds");
   energy.residual = reader.real("residual");
+  energy.made = read_provenance(reader);
   if (reader.has("/deviation"))
     energy.estimate = {reader.real("error"), reader.real("error_bound"), reader.real("balance"),
                        reader.real("reciprocity"), read_colors(reader, "/deviation", rows)};
@@ -78,6 +80,7 @@ void write_energy(const std::filesystem::path& file, const PatchSet& scene, cons
   writer.attribute("rays", energy.rays);
   writer.attribute("seconds", energy.seconds);
   writer.attribute("residual", energy.residual);
+  write_provenance(writer, energy.made);
   if (energy.estimate) {
     write_colors(writer, "/deviation", energy.estimate->deviation);
     writer.attribute("error", energy.estimate->error);

@@ -42,18 +42,9 @@ void refuse_duplicates(const fs::path& file, const YAML::Node& map, int levels, 
   }
 }
 
-YAML::Node load_yaml(const fs::path& file) {
-  std::error_code fault;
-  if (!fs::is_regular_file(file, fault))
-    throw Error(ExitCode::missing_input, "missing job file", file.string(), "check the path");
-  if (fs::file_size(file, fault) > kMaxJobBytes)
-    throw Error(ExitCode::bad_config, "job file of more than 1 MiB", file.string(), "is it a job file?");
-  std::ifstream stream(file, std::ios::binary);
-  std::stringstream text;
-  text << stream.rdbuf();
-  if (!stream) throw Error(ExitCode::missing_input, "cannot read the job file", file.string(), "check its permissions");
+YAML::Node parse_yaml(const fs::path& file, const std::string& text) {
   try {
-    YAML::Node root = YAML::Load(text.str());
+    YAML::Node root = YAML::Load(text);
     if (root.IsNull()) root = YAML::Node(YAML::NodeType::Map);
     if (!root.IsMap()) refuse(file, root.Mark(), "not a map of keys", "begin with `scene: FILE.glb`");
     std::size_t budget = kMaxEntries;
@@ -64,12 +55,27 @@ YAML::Node load_yaml(const fs::path& file) {
   }
 }
 
+YAML::Node load_yaml(const fs::path& file) {
+  std::error_code fault;
+  if (!fs::is_regular_file(file, fault))
+    throw Error(ExitCode::missing_input, "missing job file", file.string(), "check the path");
+  if (fs::file_size(file, fault) > kMaxJobBytes)
+    throw Error(ExitCode::bad_config, "job file of more than 1 MiB", file.string(), "is it a job file?");
+  std::ifstream stream(file, std::ios::binary);
+  std::stringstream text;
+  text << stream.rdbuf();
+  if (!stream) throw Error(ExitCode::missing_input, "cannot read the job file", file.string(), "check its permissions");
+  return parse_yaml(file, text.str());
+}
+
 /// Reads a job from its file and then from one override after the other, so that each fault has a place of its own.
 class JobReader {
  public:
   JobReader(const fs::path& file, Job& job) : file_(file), keys_(job_keys(job)) {}
 
   void read_file() { read_section(load_yaml(file_), ""); }
+
+  void read_text(const std::string& text) { read_section(parse_yaml(file_, text), ""); }
 
   void apply(const std::string& set) {
     const Override change(set);
@@ -171,6 +177,13 @@ std::string effective_job(const Job& job) {
       root[key.path.substr(0, dot)][key.path.substr(dot + 1)] = value;
   }
   return YAML::Dump(root);
+}
+
+Job parse_effective_job(const std::string& text) {
+  Job job;
+  const fs::path place = "effective job";
+  JobReader(place, job).read_text(text);
+  return job;
 }
 
 std::string job_key_help() {

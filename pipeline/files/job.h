@@ -107,6 +107,9 @@ Job read_job(const std::filesystem::path& file, const std::vector<std::string>& 
 /// has them so, and absent if empty; `bench` only if it sweeps something.
 std::string effective_job(const Job& job);
 
+/// Reads what effective_job() wrote. Throws: Error (bad_config).
+Job parse_effective_job(const std::string& text);
+
 /// One line for each key of a job file: name, default, meaning.
 std::string job_key_help();
 

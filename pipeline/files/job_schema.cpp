@@ -56,10 +56,16 @@ std::string parse_choice(const Node& node, const std::vector<std::string>& choic
   throw fmt::format("expected {}", fmt::join(choices, " or "));
 }
 
+/// In the fewest digits that read as the same value.
+template <class Number>
+Node number_node(Number value) {
+  return Node(fmt::format("{}", value));
+}
+
 Node color_node(const Color& color) {
   Node node;
   node.SetStyle(YAML::EmitterStyle::Flow);
-  for (int k = 0; k < 3; ++k) node.push_back(color[k]);
+  for (int k = 0; k < 3; ++k) node.push_back(number_node(color[k]));
   return node;
 }
 
@@ -134,7 +140,7 @@ void read_lights(const Node& map, std::map<std::string, LightSetting>& lights) {
 Node lights_node(const std::map<std::string, LightSetting>& lights) {
   Node map(YAML::NodeType::Map);
   for (const auto& [name, light] : lights) {
-    map[name]["scale"] = light.scale;
+    map[name]["scale"] = number_node(light.scale);
     map[name]["color"] = color_node(light.color);
   }
   return map;
@@ -151,7 +157,7 @@ JobKey path_key(const std::string& path, std::filesystem::path& value, const std
 
 JobKey number_key(const std::string& path, double& value, double low, double high, const std::string& help) {
   return {path, help, [&value, low, high](const Node& n) { value = parse_number(n, low, high); },
-          [&value] { return Node(value); }};
+          [&value] { return number_node(value); }};
 }
 
 template <class Integer>
@@ -175,7 +181,7 @@ JobKey choice_key(const std::string& path, std::string& value, const std::vector
 JobKey patch_area_key(std::optional<double>& value) {
   return {"import.patch_area", "target area of a patch in m2; absent: 1/8000 of the scene's area",
           [&value](const Node& n) { value = parse_number(n, 1e-30, 1e30); },
-          [&value] { return value ? Node(*value) : Node(); }};
+          [&value] { return value ? number_node(*value) : Node(); }};
 }
 
 JobKey cameras_key(std::vector<std::string>& cameras) {

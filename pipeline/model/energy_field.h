@@ -44,6 +44,7 @@ struct EnergyField {
   double residual = 0.0;  ///< Area-weighted L2 norm of what is left of the linear system over that of its source term.
   std::optional<Estimate> estimate;
   std::optional<DisplayMesh> display;
+  Provenance made;
 };
 
 /// Irradiance of all groups, direct and indirect, each multiplied by its setting, W/m2. Shape: [patches].

@@ -22,7 +22,7 @@ extern "C" void request_stop(int signal) {
   if (informed_process > 0) kill(pid_t(informed_process), signal);
 }
 
-double seconds(std::chrono::steady_clock::duration span) {
+double in_seconds(std::chrono::steady_clock::duration span) {
   return std::chrono::duration<double>(span).count();
 }
 
@@ -51,6 +51,7 @@ void Progress::note(const std::string& message) {
 }
 
 void Progress::warning(const std::string& message) {
+  warnings_.push_back(message);
   clear_line();
   fmt::print(stderr, "patchlight-{}: warning: {}\n", options_.stage, message);
   write_json("warning", message, -1, -1);
@@ -62,16 +63,20 @@ void Progress::error(const std::string& message, int exit_code) {
   write_json("error", message, -1, exit_code);
 }
 
+double Progress::seconds() const {
+  return in_seconds(Clock::now() - start_);
+}
+
 void Progress::update(double fraction, const std::string& detail) {
   check_interrupted();
   fraction = fraction >= 0 ? std::min(fraction, 1.0) : 0.0;  // NaN is not at least zero
   const Clock::time_point now = Clock::now();
   const double interval = terminal_ ? 0.1 : 5.0;
-  if (seconds(now - std::max(last_shown_, start_)) < interval) return;
+  if (in_seconds(now - std::max(last_shown_, start_)) < interval) return;
   last_shown_ = now;
   write_json("progress", detail, fraction, -1);
   if (options_.quiet) return;
-  const double spent = seconds(now - start_);
+  const double spent = seconds();
   const std::string left = fraction > 0.01 ? duration_text(spent * (1 / fraction - 1)) + " left" : "";
   const std::string line = fmt::format("patchlight-{}: {:3.0f}%  {}  {}", options_.stage, 100 * fraction, detail, left);
   if (terminal_) {
@@ -100,8 +105,7 @@ void Progress::pass_signals_to(int process) {
 
 void Progress::write_json(const char* level, const std::string& message, double fraction, int exit_code) {
   if (!json_) return;
-  nlohmann::json line{
-      {"stage", options_.stage}, {"level", level}, {"message", message}, {"seconds", seconds(Clock::now() - start_)}};
+  nlohmann::json line{{"stage", options_.stage}, {"level", level}, {"message", message}, {"seconds", seconds()}};
   if (fraction >= 0) line["fraction"] = fraction;
   if (exit_code >= 0) line["exit_code"] = exit_code;
   const std::string text = line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";

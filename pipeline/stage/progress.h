@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace patchlight {
 
@@ -25,6 +26,11 @@ class Progress {
   void note(const std::string& message);
   void warning(const std::string& message);
   void error(const std::string& message, int exit_code);
+
+  /// All that warning() was given so far.
+  const std::vector<std::string>& warnings() const { return warnings_; }
+  /// Wall time since this began, s.
+  double seconds() const;
 
   /// Reports how much of the stage is done, clamped to [0,1], and in the user's words what of it. Cheap: call it often.
   /// Throws: Error (interrupted) after SIGINT or SIGTERM.
@@ -49,6 +55,7 @@ class Progress {
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> json_{nullptr, nullptr};
   Clock::time_point start_ = Clock::now();
   Clock::time_point last_shown_{};
+  std::vector<std::string> warnings_;
   bool terminal_ = false;
   bool line_open_ = false;
 };

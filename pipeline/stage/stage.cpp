@@ -1,6 +1,7 @@
 #include "pipeline/stage/stage.h"
 
 #include <fmt/format.h>
+#include <sys/resource.h>
 #include <tbb/global_control.h>
 
 #include <CLI/CLI.hpp>
@@ -73,6 +74,17 @@ int with_progress(const std::string& stage, const CommonOptions& options, const 
     return int(error.code());
   }
   return report_errors(stage, *progress, [&] { body(*progress); });
+}
+
+Provenance provenance(const Job& job, const Progress& progress) {
+  Job kept = job;
+  kept.output.clear();  // the same wherever it is put
+  kept.bench = {};
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const auto seconds = [](const timeval& time) { return double(time.tv_sec) + 1e-6 * double(time.tv_usec); };
+  return {effective_job(kept), progress.warnings(), progress.seconds(),
+          seconds(usage.ru_utime) + seconds(usage.ru_stime), std::int64_t(usage.ru_maxrss) * 1024};
 }
 
 int run_stage(const std::string& stage, int argc, char** argv, const std::function<void(const Job&, Progress&)>& body,

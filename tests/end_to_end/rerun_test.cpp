@@ -87,6 +87,13 @@ TEST_F(Rerun, SolvesAgainForAShaderThatChangesPatches) {
   EXPECT_EQ(stages(run({})), "import solve trace");
 }
 
+TEST_F(Rerun, CastsNoRayForAnotherColour) {
+  const auto cast = [&] { return run_program(folder_, "patchlight", {"info", "out/energy.h5"}).out; };
+  EXPECT_THAT(cast(), Not(HasSubstr(" 0 rays")));
+  EXPECT_EQ(stages(run({"--set", "materials.red.reflectance=[0.5, 0.1, 0.1]"})), "import solve trace");
+  EXPECT_THAT(cast(), HasSubstr(" 0 rays"));
+}
+
 TEST_F(Rerun, DoesNothingForATouchedFileOrAComment) {
   folder_.write("box.glb", test::read_text(folder_ / "box.glb"));
   folder_.write("job.yaml", "# a comment\n" + test::read_text(folder_ / "job.yaml"));
