@@ -180,7 +180,7 @@ void Refinement::shoot_reflections(Progress& progress) {
     });
     take_stock();
     progress.update(std::log(first / std::max(residual(), 1e-300)) / std::log(first / config_.tolerance),
-                    fmt::format("unshot {:.2g}, {} shots", residual(), shots_));
+                    fmt::format("unshot {:.2g}, {} shots", residual(), shots_), rays_);
   }
   if (residual() > config_.tolerance)
     progress.warning(

@@ -29,6 +29,7 @@ void FrameWriter::write(const Frame& frame, Image image, double seconds) const {
   Job job = job_;
   job.output.clear();  // the same picture wherever it is put
   job.bench = {};
+  job.matrix.clear();
   const std::string& camera = scene_.cameras[frame.camera].name;
   image.metadata = {
       {"Software", "Patchlight"},

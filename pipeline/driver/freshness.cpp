@@ -37,8 +37,9 @@ Freshness try_reading(const fs::path& file, Read read) {
   }
 }
 
-bool keeps_transport(const Job& job, const PatchSet& scene) {
-  return job.solve.method == "matrix" && !scene.light_groups.empty();
+/// The scene itself comes first, wherever it stands now.
+fs::path source_file(const Job& job, const std::vector<SourceFile>& sources, std::size_t i) {
+  return i == 0 ? job.scene : job.scene.parent_path() / sources[i].path;
 }
 
 /// `what` and the old and new value; keys by their first digits.
@@ -63,13 +64,27 @@ void compare_keys(Freshness& state, const Job& job, const std::string& key, cons
 
 }  // namespace
 
+std::string import_key(const Job& job, const std::vector<SourceFile>& sources) {
+  std::vector<SourceFile> now = sources;
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    const fs::path file = source_file(job, sources, i);
+    if (!is_file(file)) return "";
+    now[i].hash = hash_file(file);
+  }
+  return import_inputs_key(now, job);
+}
+
+bool keeps_transport(const Job& job, const PatchSet& scene) {
+  return job.solve.method == "matrix" && !scene.light_groups.empty();
+}
+
 Freshness patches_freshness(const Job& job, PatchSet& scene) {
   Freshness state = try_reading(job.patch_file(), [&] { scene = read_patches(job.patch_file()); });
   if (!state.fresh()) return state;
   std::vector<SourceFile> sources = scene.sources;
   std::vector<std::string> changed;
   for (std::size_t i = 0; i < sources.size(); ++i) {
-    const fs::path file = i == 0 ? job.scene : job.scene.parent_path() / sources[i].path;
+    const fs::path file = source_file(job, sources, i);
     if (!is_file(file)) return {State::stale, {file.string() + " is gone"}, {}};
     sources[i].hash = hash_file(file);
     if (sources[i].hash != scene.sources[i].hash)

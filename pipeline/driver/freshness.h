@@ -20,6 +20,12 @@ struct Freshness {
   bool fresh() const { return state == State::fresh; }
 };
 
+/// The key that a job wants of a patches.h5 that is made from these files as they are now; empty if one is gone.
+std::string import_key(const Job& job, const std::vector<SourceFile>& sources);
+
+/// Whether a solve leaves a transport.h5.
+bool keeps_transport(const Job& job, const PatchSet& scene);
+
 /// Of patches.h5. Reads it into `scene` if it is whole.
 Freshness patches_freshness(const Job& job, PatchSet& scene);
 

@@ -1,6 +1,7 @@
 #include "pipeline/files/job_changes.h"
 
 #include <map>
+#include <set>
 
 #include "pipeline/files/job_schema.h"
 #include "pipeline/model/error.h"
@@ -9,9 +10,10 @@ namespace patchlight {
 
 namespace {
 
-/// Paths are where things stand and not what they are; no stage reads what a bench tries.
+/// What a stage reads: paths are where things stand and not what they are, and the rest is for the driver.
 bool is_setting(const JobKey& key) {
-  return key.path != "scene" && key.path != "output" && !key.path.starts_with("bench.");
+  static const std::set<std::string> others{"scene", "output", "include", "cache", "matrix"};
+  return !others.contains(key.path) && !key.path.starts_with("bench.");
 }
 
 /// A copy of `base` with the setting at `index` as in `other`.

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -230,6 +231,40 @@ JobKey view_key(std::string& view) {
           [&view] { return Node(view); }};
 }
 
+/// Read before all others, by the reader of job files.
+JobKey include_key() {
+  return {"include", "job files, relative to this one, whose keys this one overrides", [](const Node&) {},
+          [] { return Node(""); }};
+}
+
+/// A size in bytes, as in 500MiB; units are powers of 1024.
+std::uint64_t parse_size(const Node& node) {
+  const std::string expected = "expected a size such as 10GiB or 500MiB, or 0";
+  static const std::regex size("([0-9]{1,12}(?:\\.[0-9]{1,6})?) *(?:([KMGT])(?:i?B)?|B)?");
+  std::smatch parts;
+  const std::string text = node.IsScalar() ? node.Scalar() : "";
+  if (!std::regex_match(text, parts, size)) throw expected;
+  const std::string unit = parts[2].str();
+  const auto power = unit.empty() ? 0 : 1 + std::string("KMGT").find(unit);
+  const double bytes = std::stod(parts[1].str()) * std::pow(1024.0, double(power));
+  if (bytes > 1e18) throw expected;
+  return std::uint64_t(bytes);
+}
+
+std::string size_text(std::uint64_t bytes) {
+  std::size_t power = 0;
+  while (power < 4 && bytes > 0 && bytes % 1024 == 0) {
+    bytes /= 1024;
+    ++power;
+  }
+  return fmt::format("{}{}", bytes, std::array<const char*, 5>{"", "KiB", "MiB", "GiB", "TiB"}[power]);
+}
+
+JobKey cache_key(std::uint64_t& bytes) {
+  return {"cache", "most that outputs of earlier settings, kept to go back to them, may take; 0: keep none",
+          [&bytes](const Node& n) { bytes = parse_size(n); }, [&bytes] { return Node(size_text(bytes)); }};
+}
+
 }  // namespace
 
 std::vector<JobKey> job_keys(Job& job) {
@@ -284,16 +319,28 @@ std::vector<JobKey> job_keys(Job& job) {
       view_key(trace.view),
       number_key("trace.exposure", trace.exposure, -100, 100, "stops by which the PNG is brighter than the EXR"),
   };
+  keys.push_back(include_key());
+  keys.push_back(cache_key(job.cache));
+  keys.push_back(matrix_key(job.matrix));
   for (JobKey& key : bench_keys(job.bench)) keys.push_back(std::move(key));
   return keys;
+}
+
+std::string flow_text(const YAML::Node& value) {
+  YAML::Emitter out;
+  out.SetSeqFormat(YAML::Flow);
+  out.SetMapFormat(YAML::Flow);
+  out << value;
+  return out.c_str();
 }
 
 void check_setting(const std::string& text, const YAML::Node& value, const YAML::Mark& mark) {
   Job scratch;
   const std::vector<JobKey> keys = job_keys(scratch);
   const std::vector<std::string> path = split_key(text);
-  if (path.empty() || path[0] == "bench" || path[0] == "output")
-    throw EntryFault{"`" + text + "` cannot be tried by a bench", "name a key of a stage, as in `solve.rays`", mark};
+  for (const char* other : {"bench", "output", "matrix", "cache", "include"})
+    if (path.empty() || path[0] == other)
+      throw EntryFault{"`" + text + "` cannot vary", "name a key of a stage, as in `solve.rays`", mark};
   const std::string joined = fmt::format("{}", fmt::join(path, "."));
   std::vector<std::string> known;
   for (const JobKey& key : keys) {

@@ -42,8 +42,6 @@ std::optional<int> parse_options(CLI::App& app, const std::string& name, int arg
   }
 }
 
-namespace {
-
 int report_errors(const std::string& stage, Progress& progress, const std::function<void()>& body) {
   const auto fail = [&](ExitCode code, const std::string& message) {
     progress.error(message, int(code));
@@ -63,8 +61,6 @@ int report_errors(const std::string& stage, Progress& progress, const std::funct
   }
 }
 
-}  // namespace
-
 int with_progress(const std::string& stage, const CommonOptions& options, const std::function<void(Progress&)>& body) {
   std::unique_ptr<Progress> progress;
   try {
@@ -80,6 +76,7 @@ Provenance provenance(const Job& job, const Progress& progress) {
   Job kept = job;
   kept.output.clear();  // the same wherever it is put
   kept.bench = {};
+  kept.matrix.clear();
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   const auto seconds = [](const timeval& time) { return double(time.tv_sec) + 1e-6 * double(time.tv_usec); };
@@ -99,6 +96,7 @@ int run_stage(const std::string& stage, int argc, char** argv, const std::functi
   if (const auto exit_code = parse_options(app, "patchlight-" + stage, argc, argv)) return *exit_code;
   return with_progress(stage, options, [&](Progress& progress) {
     Progress::catch_signals();
+    progress.set_job(job_file, options.output);
     std::optional<tbb::global_control> limit;
     if (options.threads > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, std::size_t(options.threads));
     Job job = read_job(job_file, options.sets, options.output);

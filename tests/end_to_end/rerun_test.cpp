@@ -30,10 +30,10 @@ class Rerun : public ::testing::Test {
     return run_program(folder_, "patchlight", more);
   }
 
-  /// The stages that ran, in order.
+  /// The stages that ran or whose earlier outputs were put back, in order.
   static std::string stages(const Outcome& outcome) {
     std::string names;
-    static const std::regex ran("patchlight-run: (?:warning: )?(import|solve|trace) runs");
+    static const std::regex ran("patchlight-run: (?:warning: )?(import|solve|trace) (?:runs|restored)");
     for (std::sregex_iterator i(outcome.err.begin(), outcome.err.end(), ran), end; i != end; ++i)
       names += (names.empty() ? "" : " ") + (*i)[1].str();
     return names;

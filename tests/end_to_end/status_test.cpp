@@ -131,8 +131,9 @@ TEST_F(Status, IsSaidByRunToo) {
   outcome = run({"run", "--explain", "--set", "solve.rays=80", "--set", "solve.seed=2"});
   EXPECT_THAT(outcome.err, HasSubstr("solve runs: solve.rays 64 -> 80; solve.seed 1 -> 2\n"));
   EXPECT_THAT(outcome.err, HasSubstr("trace runs: camera.0001.exr: solve.rays 64 -> 80, solve.seed 1 -> 2\n"));
-  outcome = run({"run"});
-  EXPECT_THAT(outcome.err, HasSubstr("solve runs: solve.rays 80 -> 64, and 1 more (--explain lists them)\n"));
+  EXPECT_THAT(run({"run"}).err, HasSubstr("solve restored, made before: solve.rays 80 -> 64, and 1 more"));
+  outcome = run({"run", "--set", "solve.rays=96"});
+  EXPECT_THAT(outcome.err, HasSubstr("solve runs: solve.rays 64 -> 96\n"));
   EXPECT_THAT(outcome.err, Not(HasSubstr("still has the key")));
 }
 
