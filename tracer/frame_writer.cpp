@@ -1,9 +1,11 @@
 #include "tracer/frame_writer.h"
 
 #include <fmt/format.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "pipeline/files/key.h"
 
@@ -31,12 +33,19 @@ void FrameWriter::write(const Frame& frame, Image image, double seconds) const {
   job.bench = {};
   job.matrix.clear();
   const std::string& camera = scene_.cameras[frame.camera].name;
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const auto in_seconds = [](const timeval& time) { return double(time.tv_sec) + 1e-6 * double(time.tv_usec); };
+  const double cpu = in_seconds(usage.ru_utime) + in_seconds(usage.ru_stime),
+               cpu_before = std::exchange(cpu_before_, cpu);
   image.metadata = {
       {"Software", "Patchlight"},
       {"Camera", camera},
       {"Frame", fmt::format("{:04}", frame.number)},
       {"Scene", job_.scene.filename().string()},
       {"RenderTime", fmt::format("{:.3f}", seconds)},
+      {"patchlight:cpu_seconds", fmt::format("{:.3f}", cpu - cpu_before)},  // what comes before the first counts in it
+      {"patchlight:peak_bytes", fmt::format("{}", std::int64_t(usage.ru_maxrss) * 1024)},
       {"patchlight:key", frame_key(scene_, energy_.key, job_, frame.camera, frame.number, view_config_)},
       {"patchlight:patches_key", scene_.key},
       {"patchlight:energy_key", energy_.key},

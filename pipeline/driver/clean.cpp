@@ -64,7 +64,8 @@ int clean_job(const CleanCommand& command, Progress& progress) {
   }
   std::uintmax_t size = 0;
   {
-    const OutputLock lock(job, progress);
+    OutputLock lock(job, progress);
+    lock.for_one();
     size += discard(cache_folder(job));
     if (command.all) {
       for (const JobVariant& variant : job_variants(command.job_file, command.common)) {

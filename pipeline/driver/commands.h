@@ -65,6 +65,22 @@ struct PreviewCommand {
 /// the stages that it needs. Returns an exit code. Throws: Error (bad_config, missing_input) for the job.
 int draw_preview(const PreviewCommand& command, Progress& progress);
 
+/// Where that picture stands.
+std::filesystem::path preview_file(const PreviewCommand& command, const Job& job);
+
+/// Draws it from files that are fresh. Returns an exit code.
+int draw_picture(const PreviewCommand& command, const std::filesystem::path& picture);
+
+struct ReportCommand {
+  std::string job_file;
+  std::string variant;  ///< Glob; empty: all.
+  CommonOptions common;
+};
+
+/// Writes <output>/report.html, one page that needs nothing from elsewhere, after running what is stale. Returns an
+/// exit code. Throws: Error (bad_config, missing_input) for the job, (cannot_create, io_error, interrupted).
+int write_report_page(const ReportCommand& command, Progress& progress);
+
 struct BenchCommand {
   std::string job_file;
   CommonOptions common;  ///< Without `threads` the measured stages run on one.

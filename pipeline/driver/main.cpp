@@ -60,6 +60,17 @@ Command add_preview(CLI::App& app) {
   return {sub, &preview.common, [](Progress& progress) { return draw_preview(preview, progress); }};
 }
 
+Command add_report(CLI::App& app) {
+  static ReportCommand report;
+  CLI::App* sub = app.add_subcommand(
+      "report", "Write one HTML page of a job's frames, counts, times, convergence, errors, irradiance and warnings");
+  sub->add_option("JOB.yaml", report.job_file, "The job file")->required();
+  sub->add_option("--variant", report.variant, "Only variants of the job's matrix with such a name (glob)");
+  add_common_options(*sub, report.common);
+  sub->footer(job_key_help());
+  return {sub, &report.common, [](Progress& progress) { return write_report_page(report, progress); }};
+}
+
 Command add_bench(CLI::App& app) {
   static BenchCommand bench;
   CLI::App* sub = app.add_subcommand(
@@ -101,8 +112,8 @@ int main(int argc, char** argv) {
   CLI::App app{"Patchlight: radiosity from glTF scenes, in stages that run again only when they must.", "patchlight"};
   app.require_subcommand(1);
   app.set_version_flag("--version", patchlight_version());
-  const std::vector<Command> commands{add_run(app),   add_status(app), add_clean(app), add_preview(app),
-                                      add_bench(app), add_info(app),   add_diff(app)};
+  const std::vector<Command> commands{add_run(app),    add_status(app), add_clean(app), add_preview(app),
+                                      add_report(app), add_bench(app),  add_info(app),  add_diff(app)};
   if (const auto exit_code = parse_options(app, "patchlight", argc, argv)) return *exit_code;
   for (const Command& command : commands) {
     if (!command.app->parsed()) continue;

@@ -6,25 +6,37 @@
 
 #include <cerrno>
 #include <filesystem>
+#include <string>
 
 #include "pipeline/model/error.h"
 
 namespace patchlight {
 
-OutputLock::OutputLock(const Job& job, Progress& progress) {
+OutputLock::OutputLock(const Job& job, Progress& progress) : progress_(progress), name_(job.output.string()) {
   std::error_code fault;
   std::filesystem::create_directories(job.output, fault);
   folder_ = ::open(job.output.c_str(), O_RDONLY | O_DIRECTORY);  // which started programs inherit
   if (folder_ < 0)
-    throw Error(ExitCode::cannot_create, "cannot make the output folder", job.output.string(),
-                "choose another with --output");
-  if (::flock(folder_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;  // some file systems have no locks
-  progress.note("waits for another run in " + job.output.string());
-  while (::flock(folder_, LOCK_EX) != 0 && errno == EINTR) Progress::check_interrupted();
+    throw Error(ExitCode::cannot_create, "cannot make the output folder", name_, "choose another with --output");
+  for_tracing();
 }
 
 OutputLock::~OutputLock() {
   ::close(folder_);
+}
+
+void OutputLock::for_one() {
+  hold(LOCK_EX);
+}
+
+void OutputLock::for_tracing() {
+  hold(LOCK_SH);
+}
+
+void OutputLock::hold(int kind) {
+  if (::flock(folder_, kind | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
+  progress_.note("waits for another run in " + name_);
+  while (::flock(folder_, kind) != 0 && errno == EINTR) Progress::check_interrupted();
 }
 
 }  // namespace patchlight

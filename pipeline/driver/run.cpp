@@ -134,17 +134,8 @@ class JobRun {
   std::string* account_;
 };
 
-}  // namespace
-
-int run_job(const RunCommand& command, Progress& progress, std::string* account) {
-  Progress::catch_signals();
-  const Job job = read_job(command.job_file, command.common.sets, command.common.output);
-  check_available(job.solve);
-  const OutputLock lock(job, progress);
-  const OutputCache cache(command.cache.empty() ? cache_folder(job) : command.cache, job.cache);
-  JobRun run(command, progress, account);
-
-  PatchSet scene;
+/// Brings the solution up to date. Returns the exit code of the stage that fails, else 0.
+int make_solution(const RunCommand& command, const Job& job, const OutputCache& cache, JobRun& run, PatchSet& scene) {
   const auto import = [&] { return patches_freshness(job, scene); };
   if (const int code = run.bring_up_to_date(
           "import", stage_state(import, [&] { return !command.force && cache.restore_patches(job); })))
@@ -159,7 +150,31 @@ int run_job(const RunCommand& command, Progress& progress, std::string* account)
           "solve", stage_state(solve, [&] { return !command.force && cache.restore_energy(job, scene); })))
     return code;
   cache.keep_energy(job, scene);
-  if (command.last_stage == "solve") return 0;
+  return 0;
+}
+
+}  // namespace
+
+int run_job(const RunCommand& command, Progress& progress, std::string* account) {
+  Progress::catch_signals();
+  const Job job = read_job(command.job_file, command.common.sets, command.common.output);
+  check_available(job.solve);
+  const OutputCache cache(command.cache.empty() ? cache_folder(job) : command.cache, job.cache);
+  JobRun run(command, progress, account);
+  OutputLock lock(job, progress);
+
+  PatchSet scene;
+  const auto is_fresh = [&] {
+    return patches_freshness(job, scene).fresh() &&
+           (command.last_stage == "import" || energy_freshness(job, scene).fresh());
+  };
+  bool fresh = !command.force && is_fresh();
+  do {
+    if (!fresh) lock.for_one();
+    if (const int code = make_solution(command, job, cache, run, scene)) return code;
+    if (command.last_stage != "trace") return 0;
+    lock.for_tracing();
+  } while (!fresh && !(fresh = is_fresh()));  // else a run with other settings came between
 
   if (const int code = run.bring_up_to_date("trace", frames_state(job, scene, command.force ? nullptr : &cache)))
     return code;
