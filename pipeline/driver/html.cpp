@@ -149,9 +149,10 @@ std::string html_page(const std::string& title, const std::string& body) {
       "td,th{padding:.25em .9em .25em 0;text-align:left;border-bottom:1px solid #e2e2de;vertical-align:top;"
       "font-variant-numeric:tabular-nums}th{font-weight:600;color:#555}"
       ".pictures{display:flex;flex-wrap:wrap;gap:14px}figure{margin:0;max-width:100%}"
-      "figure img{display:block;max-width:min(100%,540px);min-width:240px;background:#000;image-rendering:auto}"
-      ".wide img{max-width:100%}figcaption{color:#555;font-size:.87em;max-width:540px}"
-      "svg text{font-size:12px;fill:#444}.grid{stroke:#ddd}.level{stroke:#888;stroke-dasharray:5 4}"
+      "figure img{display:block;max-width:min(100%,520px);min-width:240px;background:#000;image-rendering:auto}"
+      ".wide img{max-width:100%}figcaption{color:#555;font-size:.87em;max-width:520px}"
+      ".pictures figure{width:520px}svg "
+      "text{font-size:12px;fill:#444}.grid{stroke:#ddd}.level{stroke:#888;stroke-dasharray:5 4}"
       ".warning{border-left:4px solid #d55e00;padding:.2em .8em;margin:.4em 0;background:#fff4ec}"
       "pre{background:#f0f0ec;padding:.8em;overflow:auto;font-size:.85em}";
   return fmt::format(
