@@ -50,7 +50,8 @@ std::uintmax_t remove_outputs(const Job& job) {
     for (const fs::path& picture : pictures) size += discard(picture);
     fs::remove(folder, fault);  // if nothing else is in it
   }
-  return size + discard(bench_folder(job));
+  const bool benched = fs::exists(bench_folder(job) / "bench.json", fault);
+  return size + (benched ? discard(bench_folder(job)) : 0);
 }
 
 }  // namespace
@@ -66,7 +67,7 @@ int clean_job(const CleanCommand& command, Progress& progress) {
   {
     OutputLock lock(job, progress);
     lock.for_one();
-    size += discard(cache_folder(job));
+    size += OutputCache(cache_folder(job), 0).clear();
     if (command.all) {
       for (const JobVariant& variant : job_variants(command.job_file, command.common)) {
         const Job made = read_job(command.job_file, variant.options.sets, variant.options.output);

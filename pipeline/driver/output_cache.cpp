@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <regex>
 #include <tuple>
 #include <vector>
 
@@ -30,11 +31,25 @@ bool link_over(const fs::path& from, const fs::path& to) {
   std::error_code fault;
   if (!fs::is_regular_file(from, fault)) return false;
   if (fs::equivalent(from, to, fault)) return true;
-  TemporaryFile name(to);
-  fs::create_hard_link(from, name.path(), fault);
-  if (fault) return false;
-  name.commit();
-  return true;
+  try {
+    TemporaryFile name(to);
+    fs::create_hard_link(from, name.path(), fault);
+    if (fault) return false;
+    name.commit();
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+/// Files that are kept here, by their names: what others put there is not ours.
+std::vector<fs::path> kept_files(const fs::path& folder) {
+  static const std::regex ours("(patches-[0-9a-f]{32}|energy|transport|frame)-[0-9a-f]{32}[.](h5|exr|png)");
+  std::vector<fs::path> files;
+  std::error_code fault;
+  for (fs::directory_iterator entry(folder, fault), end; !fault && entry != end; entry.increment(fault))
+    if (std::regex_match(entry->path().filename().string(), ours)) files.push_back(entry->path());
+  return files;
 }
 
 std::string patches_prefix(const std::string& scene_hash) {
@@ -64,22 +79,31 @@ bool OutputCache::restore(const std::string& name, const fs::path& file) const {
 }
 
 void OutputCache::trim() const {
-  std::vector<std::tuple<std::int64_t, std::int64_t, fs::path>> kept;  // last use in s and ns
-  std::vector<std::uint64_t> sizes;
-  std::uint64_t total = 0;
+  remove_beyond(limit_);
+}
+
+std::uint64_t OutputCache::clear() const {
+  const std::uint64_t freed = remove_beyond(0);
   std::error_code fault;
-  for (fs::directory_iterator entry(folder_, fault), end; !fault && entry != end; entry.increment(fault)) {
+  for (const fs::path& file : kept_files(folder_)) fs::remove(file, fault);
+  fs::remove(folder_, fault);
+  return freed;
+}
+
+std::uint64_t OutputCache::remove_beyond(std::uint64_t limit) const {
+  std::vector<std::tuple<std::int64_t, std::int64_t, fs::path, std::uint64_t>> alone;  // last use in s and ns, size
+  std::uint64_t total = 0, freed = 0;
+  for (const fs::path& file : kept_files(folder_)) {
     struct stat info;
-    if (::lstat(entry->path().c_str(), &info) != 0 || !S_ISREG(info.st_mode) || info.st_nlink > 1) continue;
+    if (::lstat(file.c_str(), &info) != 0 || !S_ISREG(info.st_mode) || info.st_nlink > 1) continue;
+    alone.emplace_back(info.st_atim.tv_sec, info.st_atim.tv_nsec, file, std::uint64_t(info.st_size));
     total += std::uint64_t(info.st_size);
-    kept.emplace_back(info.st_atim.tv_sec, info.st_atim.tv_nsec, entry->path());
   }
-  std::sort(kept.begin(), kept.end());
-  for (const auto& [seconds, nanoseconds, file] : kept) {
-    if (total <= limit_) return;
-    const std::uintmax_t size = fs::file_size(file, fault);
-    if (fs::remove(file, fault) && !fault) total -= size;
-  }
+  std::sort(alone.begin(), alone.end());
+  std::error_code fault;
+  for (const auto& [seconds, nanoseconds, file, size] : alone)
+    if (total - freed > limit && fs::remove(file, fault)) freed += size;
+  return freed;
 }
 
 void OutputCache::keep_patches(const Job& job, const PatchSet& scene) const {
@@ -90,10 +114,10 @@ bool OutputCache::restore_patches(const Job& job) const {
   std::error_code fault;
   if (limit_ == 0 || !fs::is_regular_file(job.scene, fault)) return false;
   const std::string prefix = patches_prefix(hash_file(job.scene));
-  for (fs::directory_iterator entry(folder_, fault), end; !fault && entry != end; entry.increment(fault)) {
-    if (!entry->path().filename().string().starts_with(prefix)) continue;
+  for (const fs::path& file : kept_files(folder_)) {
+    if (!file.filename().string().starts_with(prefix)) continue;
     try {
-      const std::string key = import_key(job, read_patches(entry->path()).sources);
+      const std::string key = import_key(job, read_patches(file).sources);
       return !key.empty() && restore(prefix + key + ".h5", job.patch_file());
     } catch (const Error&) {  // damaged: another may tell
     }

@@ -73,7 +73,7 @@ StageState stage_state(FreshnessOf freshness, Restore restore) {
   const Freshness before = freshness();
   if (before.fresh() || !restore()) return {before, before, false};
   const Freshness now = freshness();
-  return {now.fresh() ? now : before, before, now.fresh()};
+  return {now, before, now.fresh()};
 }
 
 /// Keeps all frames of a job under their keys.
@@ -92,7 +92,8 @@ class JobRun {
   /// Runs the stage unless its output is fresh. Returns its exit code.
   int bring_up_to_date(const std::string& stage, const StageState& state) {
     Progress::check_interrupted();
-    const bool damaged = state.before.state == Freshness::State::damaged;
+    const bool damaged =
+        state.before.state == Freshness::State::damaged || state.now.state == Freshness::State::damaged;
     if (state.now.fresh() && !command_.force) {
       if (state.restored)
         say(damaged, stage + " restored, made before: " + reason(state.before));

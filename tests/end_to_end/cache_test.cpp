@@ -107,6 +107,8 @@ TEST_F(Cache, IsNotTrustedWhereItIsDamaged) {
     }
   const Outcome outcome = run({});
   EXPECT_EQ(stages(outcome), "solve runs, trace runs") << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("warning: solve runs again: "));
+  EXPECT_THAT(outcome.err, HasSubstr("warning: trace runs again: "));
   EXPECT_EQ(stages(run({})), "");
   set("solve.rays=80");
   EXPECT_EQ(stages(run({})), "solve restored, trace restored") << "what was damaged is replaced";
@@ -156,6 +158,14 @@ TEST_F(Cache, KeepsNothingIfItMayTakeNothing) {
   EXPECT_FALSE(fs::exists(folder_ / "other/cache"));
 }
 
+TEST_F(Cache, IsDoneWithoutWhereItCannotBe) {
+  folder_.write("none", "");
+  fs::remove_all(folder_ / "out/cache");
+  fs::rename(folder_ / "none", folder_ / "out/cache");
+  EXPECT_EQ(stages(set("solve.rays=80")), "solve runs, trace runs");
+  EXPECT_EQ(stages(run({})), "solve runs, trace runs");
+}
+
 TEST_F(Cache, IsNotUsedByForce) {
   set("solve.rays=80");
   EXPECT_EQ(stages(run({"--force"})), "import runs, solve runs, trace runs");
@@ -167,10 +177,13 @@ TEST_F(Cache, IsCleaned) {
   EXPECT_FALSE(fs::exists(folder_ / "out/cache"));
   EXPECT_EQ(stages(set("solve.rays=80")), "");
   folder_.write("out/mine.txt", "");
+  folder_.write("out/cache/mine.txt", "");
   EXPECT_EQ(run_program(folder_, "patchlight", {"clean", "job.yaml", "--all"}).code, 0);
   EXPECT_TRUE(fs::exists(folder_ / "out/mine.txt"));
-  EXPECT_EQ(std::distance(fs::directory_iterator(folder_ / "out"), {}), 1);
+  EXPECT_TRUE(fs::exists(folder_ / "out/cache/mine.txt"));
+  EXPECT_EQ(std::distance(fs::recursive_directory_iterator(folder_ / "out"), {}), 3);
   fs::remove(folder_ / "out/mine.txt");
+  fs::remove(folder_ / "out/cache/mine.txt");
   EXPECT_EQ(run_program(folder_, "patchlight", {"clean", "job.yaml"}).code, 0);
   EXPECT_FALSE(fs::exists(folder_ / "out"));
   EXPECT_THAT(run_program(folder_, "patchlight", {"clean", "job.yaml"}).err, HasSubstr("nothing to remove"));

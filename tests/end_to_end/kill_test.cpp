@@ -32,12 +32,12 @@ class Kill : public ::testing::Test {
   void SetUp() override { small_job(folder_); }
 
   /// Starts `patchlight run` with the job's output in `output`, as the leader of a process group of its own.
-  pid_t start(const std::string& output) {
+  pid_t start(const std::string& output, const std::string& set = "solve.rays=1000") {
     const std::string program = (fs::path(PATCHLIGHT_PROGRAMS) / "patchlight").string();
     const std::string job = (folder_ / "job.yaml").string(), folder = (folder_ / output).string();
     const std::string log = (folder_ / (output + ".log")).string();
-    std::vector<std::string> words{
-        program, "run", job, "--output=" + folder, "--set=import.patch_area=0.001", "--set=solve.rays=1000"};
+    std::vector<std::string> words{program,       "run", job, "--output=" + folder, "--set=import.patch_area=0.001",
+                                   "--set=" + set};
     std::vector<char*> argv;
     for (std::string& word : words) argv.push_back(word.data());
     argv.push_back(nullptr);
@@ -118,6 +118,20 @@ TEST_F(Kill, TwoRunsOfOneJobAtOnceDoNotHarmEachOther) {
     std::size_t solves = 0;
     for (std::size_t at = 0; (at = log.find("solve runs", at)) != std::string::npos; ++at) ++solves;
     EXPECT_EQ(solves, 1u) << log;
+  }
+}
+
+TEST_F(Kill, RunsWithOtherSettingsInOneFolderEachGetWhatTheyAskFor) {
+  const double whole = run_whole();
+  for (const double part : {0.0, 0.2, 0.4, 0.6, 0.8}) {
+    const std::string output = "mixed" + std::to_string(int(10 * part));
+    const pid_t first = start(output);
+    std::this_thread::sleep_for(std::chrono::duration<double>(part * whole));
+    const pid_t second = start(output, "solve.rays=300");
+    EXPECT_EQ(wait(first), 0);
+    EXPECT_EQ(wait(second), 0);
+    EXPECT_EQ(wait(start(output)), 0);
+    expect_same_bits(output);
   }
 }
 
