@@ -217,6 +217,7 @@ std::string effective_job(const Job& job) {
 Job parse_effective_job(const std::string& text) {
   Job job;
   const fs::path place = "effective job";
+  if (text.size() > 4 * kMaxJobBytes) throw Error(ExitCode::bad_config, "too long", place, "");
   JobReader(place, job).read_text(text);
   return job;
 }

@@ -36,9 +36,13 @@ std::string decoded(const std::string& base64) {
 
 class ReportPage : public ::testing::Test {
  protected:
-  /// Writes the report, and takes its pictures out of the page.
   void report(const std::string& more = "", const std::string& environment = "") {
     small_job(folder_, more);
+    report_job(environment);
+  }
+
+  /// Writes the report, and takes its pictures out of the page.
+  void report_job(const std::string& environment) {
     const Outcome outcome = run_program(folder_, "patchlight", {"report", "job.yaml"}, environment);
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     page_ = test::read_text(folder_ / "out/report.html");
@@ -154,6 +158,24 @@ TEST_F(ReportPage, HasASectionForEveryVariant) {
   }
   EXPECT_THAT(page_, HasSubstr("unshot</text>"));
   EXPECT_THAT(page_, HasSubstr(row("sampling", "not stated")));
+}
+
+TEST_F(ReportPage, ShowsEveryCameraAndLightGroupOfALargerScene) {
+  const std::string scene = std::string(PATCHLIGHT_SCENES) + "/blender/gallery.glb";
+  if (!std::filesystem::exists(scene)) GTEST_SKIP() << "no scene at " << scene;
+  folder_.write("job.yaml", "scene: " + scene +
+                                "\noutput: out\nimport: {patch_area: 0.1}\nsolve: {rays: 32, display: false}\n"
+                                "trace: {resolution: [96, 54], samples: 1}\n");
+  report_job("");
+  for (const char* camera : {"cam_hall", "cam_study", "cam_theatre", "cam_walk"}) {
+    EXPECT_TRUE(shows(std::string("out/frames/") + camera + ".0001.png")) << camera;
+    EXPECT_TRUE(shows(std::string("out/preview/irradiance.") + camera + ".png")) << camera;
+  }
+  const EnergyField energy = read_energy(folder_ / "out/energy.h5");
+  for (const auto& group : energy.groups) EXPECT_THAT(page_, HasSubstr(group.name + "</text>"));
+  EXPECT_THAT(page_, HasSubstr(row("iterations", std::to_string(energy.iterations))));
+  EXPECT_THAT(page_, HasSubstr(row("sampling", fmt::format("{:.2g}%", 100 * energy.estimate->error))));
+  EXPECT_THAT(page_, HasSubstr("7 triangles without area are skipped"));
 }
 
 }  // namespace

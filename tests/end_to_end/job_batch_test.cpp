@@ -17,7 +17,7 @@ using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-class Batch : public ::testing::Test {
+class JobBatch : public ::testing::Test {
  protected:
   void SetUp() override { small_job(folder_); }
 
@@ -26,7 +26,7 @@ class Batch : public ::testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(Batch, GoesOnPastAFailedJobAndSumsUp) {
+TEST_F(JobBatch, GoesOnPastAFailedJobAndSumsUp) {
   folder_.write("bad.yaml", "scene: none.glb\noutput: bad\n");
   folder_.write("broken.yaml", "scene: [\n");
   folder_.write("other.yaml", "include: job.yaml\noutput: other\n");
@@ -42,7 +42,7 @@ TEST_F(Batch, GoesOnPastAFailedJobAndSumsUp) {
   EXPECT_EQ(run({"run", "job.yaml", "other.yaml", "--output", "one"}).code, 64);
 }
 
-TEST_F(Batch, MakesEveryVariantOfAMatrixFromOneSolve) {
+TEST_F(JobBatch, MakesEveryVariantOfAMatrixFromOneSolve) {
   folder_.write("job.yaml",
                 test::read_text(folder_ / "job.yaml") +
                     "matrix:\n"
@@ -71,7 +71,7 @@ TEST_F(Batch, MakesEveryVariantOfAMatrixFromOneSolve) {
   EXPECT_FALSE(fs::exists(folder_ / "out"));
 }
 
-TEST_F(Batch, RefusesAMatrixOfWhatIsNoSetting) {
+TEST_F(JobBatch, RefusesAMatrixOfWhatIsNoSetting) {
   const std::string job = test::read_text(folder_ / "job.yaml");
   for (const auto& [matrix, said] : {std::pair("{solve.raise: [1, 2]}", "unknown key `solve.raise`"),
                                      {"{output: [a, b]}", "`output` cannot vary"},
@@ -86,7 +86,7 @@ TEST_F(Batch, RefusesAMatrixOfWhatIsNoSetting) {
   }
 }
 
-TEST_F(Batch, LogsEveryStageOfEveryJob) {
+TEST_F(JobBatch, LogsEveryStageOfEveryJob) {
   folder_.write("other.yaml", "include: job.yaml\nsolve: {rays: 80}\n");
   ASSERT_EQ(run({"run", "job.yaml", "other.yaml", "--log-json", "log"}).code, 0);
   ASSERT_EQ(run({"run", "job.yaml", "--log-json", "log"}).code, 0);
@@ -109,7 +109,7 @@ TEST_F(Batch, LogsEveryStageOfEveryJob) {
             "job.yaml import fresh\njob.yaml solve restored\njob.yaml trace restored\n");
 }
 
-TEST_F(Batch, ShowsALineOfProgressInATerminalAndPlainLinesElsewhere) {
+TEST_F(JobBatch, ShowsALineOfProgressInATerminalAndPlainLinesElsewhere) {
   const std::string solve = (fs::path(PATCHLIGHT_PROGRAMS) / "patchlight-solve").string();
   ASSERT_EQ(run_program(folder_, "patchlight-import", {"job.yaml"}).code, 0);
   const auto by = [&](const std::string& command) {
@@ -125,7 +125,7 @@ TEST_F(Batch, ShowsALineOfProgressInATerminalAndPlainLinesElsewhere) {
   EXPECT_THAT(test::read_text(folder_ / "plain.txt"), Not(HasSubstr("\r")));
 }
 
-TEST_F(Batch, StopsAtASignalAndGoesOnFromThere) {
+TEST_F(JobBatch, StopsAtASignalAndGoesOnFromThere) {
   folder_.write("long.yaml", "include: job.yaml\noutput: long\nsolve: {rays: 1000000}\n");
   folder_.write("after.yaml", "include: job.yaml\noutput: after\n");
   const Outcome outcome = run_program(folder_, "patchlight", {"run", "job.yaml", "long.yaml", "after.yaml"},
