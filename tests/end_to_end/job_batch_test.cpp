@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <tuple>
 
 #include "tests/end_to_end/program.h"
 
@@ -110,19 +111,24 @@ TEST_F(JobBatch, LogsEveryStageOfEveryJob) {
 }
 
 TEST_F(JobBatch, ShowsALineOfProgressInATerminalAndPlainLinesElsewhere) {
-  const std::string solve = (fs::path(PATCHLIGHT_PROGRAMS) / "patchlight-solve").string();
-  ASSERT_EQ(run_program(folder_, "patchlight-import", {"job.yaml"}).code, 0);
+  ASSERT_EQ(run({"run", "job.yaml"}).code, 0);
   const auto by = [&](const std::string& command) {
     const std::string line = "cd " + test::quoted(folder_.path().string()) + " && " + command;
     return std::system(line.c_str());
   };
-  const std::string slow = solve + " --set solve.rays=60000 --set solve.display=false --threads 1 job.yaml";
-  EXPECT_EQ(by("script -qec '" + slow + "' /dev/null >terminal.txt </dev/null"), 0);
-  EXPECT_THAT(test::read_text(folder_ / "terminal.txt"),
-              ContainsRegex("\r.\\[Kpatchlight-solve:  *[0-9]+%  rows of form factors  [0-9.]+ million rays/s"));
-  EXPECT_THAT(test::read_text(folder_ / "terminal.txt"), ContainsRegex("[0-9] s left"));
-  EXPECT_EQ(by(slow + " 2>plain.txt"), 0);
-  EXPECT_THAT(test::read_text(folder_ / "plain.txt"), Not(HasSubstr("\r")));
+  for (const auto& [stage, setting, part] :
+       {std::tuple("solve", "solve.rays=60000 --set solve.display=false", "rows of form factors"),
+        {"trace", "trace.resolution=[800,800] --set trace.samples=64", "camera"}}) {
+    const std::string slow = (fs::path(PATCHLIGHT_PROGRAMS) / "patchlight-").string() + stage + " --set " + setting +
+                             " --threads 1 job.yaml";
+    EXPECT_EQ(by("script -qec '" + slow + "' /dev/null >terminal.txt </dev/null"), 0);
+    const std::string terminal = test::read_text(folder_ / "terminal.txt");
+    EXPECT_THAT(terminal, ContainsRegex(std::string("\r.\\[Kpatchlight-") + stage + ":  *[0-9]+%  " + part +
+                                        "  [0-9.]+ million rays/s"));
+    EXPECT_THAT(terminal, ContainsRegex("[0-9] s left"));
+    EXPECT_EQ(by(slow + " 2>plain.txt"), 0);
+    EXPECT_THAT(test::read_text(folder_ / "plain.txt"), Not(HasSubstr("\r")));
+  }
 }
 
 TEST_F(JobBatch, StopsAtASignalAndGoesOnFromThere) {
