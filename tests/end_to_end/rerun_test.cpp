@@ -94,10 +94,16 @@ TEST_F(Rerun, CastsNoRayForAnotherColour) {
   EXPECT_THAT(cast(), HasSubstr(" 0 rays"));
 }
 
-TEST_F(Rerun, DoesNothingForATouchedFileOrAComment) {
+TEST_F(Rerun, DoesNothingForATouchedFileACommentAnotherSpellingOrAnUnrelatedKey) {
   folder_.write("box.glb", test::read_text(folder_ / "box.glb"));
-  folder_.write("job.yaml", "# a comment\n" + test::read_text(folder_ / "job.yaml"));
+  std::string job = "# a comment\n" + test::read_text(folder_ / "job.yaml");
+  folder_.write("job.yaml", job);
   EXPECT_EQ(stages(run({})), "");
+  folder_.write("job.yaml",
+                job.replace(job.find("box.glb"), 7, "./../" + folder_.path().filename().string() + "/box.glb"));
+  EXPECT_EQ(stages(run({})), "");
+  EXPECT_EQ(stages(run({"--set", "solve.hemicube_resolution=64", "--set", "bench.repeats=3", "--set", "cache=1GiB"})),
+            "");
 }
 
 TEST_F(Rerun, RebuildsADamagedFileWithAWarning) {
