@@ -203,7 +203,7 @@ std::int64_t RayRows::cast(int rays, TransportRows& to, Progress& progress) cons
       for (const std::int32_t hits : part.hits) to.starts.push_back(to.starts.back() + std::uint64_t(hits));
       cast += part.rays;
     }
-    progress.update(double(done) / blocks, "rows of form factors");
+    progress.update(double(done) / blocks, "rows of form factors", cast);
   }
   if (std::all_of(to.exposed.begin(), to.exposed.end(), [](float part) { return part == 1.0f; })) to.exposed.clear();
   return cast;

@@ -25,7 +25,8 @@ class FrameWriter {
   const PatchSet& scene_;
   const EnergyField& energy_;
   ViewTransform view_;
-  std::string view_config_;  ///< Its key.
+  std::string view_config_;          ///< Its key.
+  mutable double cpu_before_ = 0.0;  ///< Of the process, when it wrote the last frame, s.
 };
 
 }  // namespace patchlight

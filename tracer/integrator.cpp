@@ -4,6 +4,7 @@
 #include <xmmintrin.h>
 
 #include <algorithm>
+#include <atomic>
 #include <utility>
 
 #include "pipeline/files/job_check.h"
@@ -85,6 +86,9 @@ class Integrator::Tile {
     });
   }
 
+  /// Rays cast from the camera.
+  std::int64_t cast() const { return cast_; }
+
  private:
   std::uint32_t pixel(int x, int y) const { return std::uint32_t((y - window_.y0) * window_.width + x - window_.x0); }
 
@@ -104,6 +108,7 @@ class Integrator::Tile {
   }
 
   void finish_paths() {
+    cast_ += lane_;
     if (lane_ > 0) frame_.paths_.trace(packet_, going_, rays_, sums_);
     lane_ = 0;
   }
@@ -165,6 +170,7 @@ class Integrator::Tile {
   RayPacket packet_;
   std::array<PathTracer::Path, RayPacket::kSize> going_;
   int lane_ = 0;
+  std::int64_t cast_ = 0;
 };
 
 Integrator::Integrator(const PatchSet& scene, const EnergyField& energy, const Job& job)
@@ -184,14 +190,17 @@ Image Integrator::render(const Camera& camera, Progress& progress) const {
   const CameraRays rays(camera, width, height);
   const std::vector<float> outlines = outlines_.draw(rays, width, height);
   const int across = (width + kTile - 1) / kTile, down = (height + kTile - 1) / kTile;
+  std::atomic<std::int64_t> cast = 0;
   constexpr int kRowsAtOnce = 2;  // of tiles, between two looks at the signals
   for (int first = 0; first < down; first += kRowsAtOnce) {
     const int count = std::min(kRowsAtOnce, down - first) * across;
     tbb::parallel_for(0, count, [&](int index) {
       _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree wants denormals flushed
-      Tile(*this, rays, outlines, index % across * kTile, (first + index / across) * kTile, image).render();
+      Tile tile(*this, rays, outlines, index % across * kTile, (first + index / across) * kTile, image);
+      tile.render();
+      cast += tile.cast();
     });
-    progress.update(double(first + 1) / down, camera.name);
+    progress.update(double(first + 1) / down, camera.name, cast);
   }
   return image;
 }

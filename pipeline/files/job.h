@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "pipeline/model/math.h"
@@ -66,6 +67,16 @@ struct TraceConfig {
   double exposure = 0.0;  ///< Stops, for the PNG alone.
 };
 
+/// One axis of a job's matrix: what it can be, each by a name and overrides.
+struct MatrixAxis {
+  struct Choice {
+    std::string name;
+    std::vector<std::pair<std::string, std::string>> settings;  ///< Key and value, as an override takes them.
+  };
+  std::string name;
+  std::vector<Choice> choices;
+};
+
 /// One key of the job and the values to try, each as an override takes it.
 struct SweepAxis {
   std::string key;  ///< Dotted, as in an override.
@@ -99,6 +110,8 @@ struct Job {
   std::map<std::string, CameraConfig> cameras;  ///< By name.
   TraceConfig trace;
   BenchConfig bench;
+  std::vector<MatrixAxis> matrix;  ///< Every combination is a variant for the driver to run; no stage reads it.
+  std::uint64_t cache = std::uint64_t(10) << 30;  ///< Most bytes of outputs of earlier settings to keep.
 
   std::filesystem::path patch_file() const { return output / "patches.h5"; }
   std::filesystem::path transport_file() const { return output / "transport.h5"; }
@@ -106,17 +119,21 @@ struct Job {
   std::filesystem::path frame_folder() const { return output / "frames"; }
 };
 
-/// Reads a job file. Relative paths in it become relative to its folder.
-/// `output`, unless empty, replaces the job's, relative to the working directory. `sets` are `key.path=value`
-/// overrides; a key that holds dots stands in double quotes. Throws: Error (missing_input) without the file; (usage)
-/// for a malformed override; (bad_config), with key and line, for broken YAML, an unknown key or a value that is not
-/// allowed; (over_limit) for frames too large.
+/// Reads a job file and those that it includes, whose keys it overrides; entries of `materials` and `lights` are
+/// merged. Relative paths become relative to the folder of the file that they stand in. `output`, unless empty,
+/// replaces the job's, relative to the working directory. `sets` are `key.path=value` overrides; a key that holds dots
+/// stands in double quotes. Throws: Error (missing_input) without a file; (usage) for a malformed override;
+/// (bad_config), with key and line, for broken YAML, an unknown key or a value that is not allowed; (over_limit) for
+/// frames too large.
 Job read_job(const std::filesystem::path& file, const std::vector<std::string>& sets = {},
              const std::filesystem::path& output = {});
 
 /// The whole effective job as YAML, every default filled in; its paths relative to the job file's folder where the job
 /// has them so, and absent if empty; `bench` only if it sweeps something.
 std::string effective_job(const Job& job);
+
+/// Reads what effective_job() wrote. Throws: Error (bad_config).
+Job parse_effective_job(const std::string& text);
 
 /// One line for each key of a job file: name, default, meaning.
 std::string job_key_help();

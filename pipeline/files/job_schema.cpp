@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <regex>
 
 #include "pipeline/files/frame_range.h"
 #include "pipeline/files/job_cameras.h"
@@ -74,7 +76,7 @@ void read_lights(const Node& map, std::map<std::string, LightSetting>& lights) {
 Node lights_node(const std::map<std::string, LightSetting>& lights) {
   Node map(YAML::NodeType::Map);
   for (const auto& [name, light] : lights) {
-    map[name]["scale"] = light.scale;
+    map[name]["scale"] = number_node(light.scale);
     map[name]["color"] = vector_node(light.color);
   }
   return map;
@@ -91,7 +93,7 @@ JobKey path_key(const std::string& path, std::filesystem::path& value, const std
 
 JobKey number_key(const std::string& path, double& value, double low, double high, const std::string& help) {
   return {path, help, [&value, low, high](const Node& n) { value = parse_number(n, low, high); },
-          [&value] { return Node(value); }};
+          [&value] { return number_node(value); }};
 }
 
 template <class Integer>
@@ -115,7 +117,7 @@ JobKey choice_key(const std::string& path, std::string& value, const std::vector
 JobKey patch_area_key(std::optional<double>& value) {
   return {"import.patch_area", "target area of a patch in m2; absent: 1/8000 of the scene's area",
           [&value](const Node& n) { value = parse_number(n, 1e-30, 1e30); },
-          [&value] { return value ? Node(*value) : Node(); }};
+          [&value] { return value ? number_node(*value) : Node(); }};
 }
 
 JobKey cameras_key(std::vector<std::string>& cameras) {
@@ -165,6 +167,40 @@ JobKey view_key(std::string& view) {
   return {"trace.view", "OpenColorIO view of the PNG: sRGB, ACES or Raw of the shipped config, or one of $OCIO's",
           [&view](const Node& n) { view = parse<std::string>(n, "the name of a view"); },
           [&view] { return Node(view); }};
+}
+
+/// Read before all others, by the reader of job files.
+JobKey include_key() {
+  return {"include", "job files, relative to this one, whose keys this one overrides", [](const Node&) {},
+          [] { return Node(""); }};
+}
+
+/// A size in bytes, as in 500MiB; units are powers of 1024.
+std::uint64_t parse_size(const Node& node) {
+  const std::string expected = "expected a size such as 10GiB or 500MiB, or 0";
+  static const std::regex size("([0-9]{1,12}(?:\\.[0-9]{1,6})?) *(?:([KMGT])(?:i?B)?|B)?");
+  std::smatch parts;
+  const std::string text = node.IsScalar() ? node.Scalar() : "";
+  if (!std::regex_match(text, parts, size)) throw expected;
+  const std::string unit = parts[2].str();
+  const auto power = unit.empty() ? 0 : 1 + std::string("KMGT").find(unit);
+  const double bytes = std::stod(parts[1].str()) * std::pow(1024.0, double(power));
+  if (bytes > 1e18) throw expected;
+  return std::uint64_t(bytes);
+}
+
+std::string size_text(std::uint64_t bytes) {
+  std::size_t power = 0;
+  while (power < 4 && bytes > 0 && bytes % 1024 == 0) {
+    bytes /= 1024;
+    ++power;
+  }
+  return fmt::format("{}{}", bytes, std::array<const char*, 5>{"", "KiB", "MiB", "GiB", "TiB"}[power]);
+}
+
+JobKey cache_key(std::uint64_t& bytes) {
+  return {"cache", "most that outputs of earlier settings, kept to go back to them, may take; 0: keep none",
+          [&bytes](const Node& n) { bytes = parse_size(n); }, [&bytes] { return Node(size_text(bytes)); }};
 }
 
 }  // namespace
@@ -229,16 +265,28 @@ std::vector<JobKey> job_keys(Job& job) {
       view_key(trace.view),
       number_key("trace.exposure", trace.exposure, -100, 100, "stops by which the PNG is brighter than the EXR"),
   };
+  keys.push_back(include_key());
+  keys.push_back(cache_key(job.cache));
+  keys.push_back(matrix_key(job.matrix));
   for (JobKey& key : bench_keys(job.bench)) keys.push_back(std::move(key));
   return keys;
+}
+
+std::string flow_text(const YAML::Node& value) {
+  YAML::Emitter out;
+  out.SetSeqFormat(YAML::Flow);
+  out.SetMapFormat(YAML::Flow);
+  out << value;
+  return out.c_str();
 }
 
 void check_setting(const std::string& text, const YAML::Node& value, const YAML::Mark& mark) {
   Job scratch;
   const std::vector<JobKey> keys = job_keys(scratch);
   const std::vector<std::string> path = split_key(text);
-  if (path.empty() || path[0] == "bench" || path[0] == "output")
-    throw EntryFault{"`" + text + "` cannot be tried by a bench", "name a key of a stage, as in `solve.rays`", mark};
+  for (const char* other : {"bench", "output", "matrix", "cache", "include"})
+    if (path.empty() || path[0] == other)
+      throw EntryFault{"`" + text + "` cannot vary", "name a key of a stage, as in `solve.rays`", mark};
   const std::string joined = fmt::format("{}", fmt::join(path, "."));
   std::vector<std::string> known;
   for (const JobKey& key : keys) {

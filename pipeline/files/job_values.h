@@ -1,4 +1,5 @@
 #pragma once
+#include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
 #include <functional>
@@ -26,12 +27,18 @@ double parse_number(const YAML::Node& node, double low, double high);
 /// A point or a direction, [x, y, z].
 Vec3d parse_vector(const YAML::Node& node);
 
+/// In the fewest digits that read as the same value.
+template <class Number>
+YAML::Node number_node(Number value) {
+  return YAML::Node(fmt::format("{}", value));
+}
+
 /// Numbers as [a, b, c].
 template <class Vector>
 YAML::Node vector_node(const Vector& vector) {
   YAML::Node node;
   node.SetStyle(YAML::EmitterStyle::Flow);
-  for (int k = 0; k < 3; ++k) node.push_back(vector[k]);
+  for (int k = 0; k < 3; ++k) node.push_back(number_node(vector[k]));
   return node;
 }
 

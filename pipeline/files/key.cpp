@@ -145,14 +145,20 @@ std::string view_config_key() {
   return hash_file(file);
 }
 
+std::string camera_key(const Camera& camera) {
+  KeyHasher hasher;
+  hasher.add("camera").add(camera.name).add(int(camera.projection)).add(camera.vertical);
+  for (int k = 0; k < 16; ++k) hasher.add(camera.to_world.x[k / 4][k % 4]);
+  return hasher.hex();
+}
+
 std::string frame_key(const PatchSet& scene, const std::string& energy_key, const Job& job, const Camera& camera,
                       int frame, const std::string& view_config) {
   const TraceConfig& trace = job.trace;
   KeyHasher hasher;
   hasher.add("trace").add(kTraceVersion).add(scene.key).add(scene.frames_key).add(energy_key);
-  hasher.add(camera.name).add(int(camera.projection)).add(camera.vertical);
-  for (int k = 0; k < 16; ++k) hasher.add(camera.to_world.x[k / 4][k % 4]);
-  hasher.add(frame)
+  hasher.add(camera_key(camera))
+      .add(frame)
       .add(trace.resolution[0])
       .add(trace.resolution[1])
       .add(trace.samples)

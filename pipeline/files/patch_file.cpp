@@ -8,6 +8,7 @@
 #include "pipeline/files/patch_motions.h"
 #include "pipeline/files/patch_shaders.h"
 #include "pipeline/files/patch_textures.h"
+#include "pipeline/files/provenance_file.h"
 
 namespace patchlight {
 
@@ -209,6 +210,7 @@ void write_patches(const std::filesystem::path& file, PatchSet& scene) {
   writer.attribute("geometry_key", scene.geometry_key);
   writer.attribute("frames_key", scene.frames_key);
   writer.attribute("inputs_key", scene.inputs_key);
+  write_provenance(writer, scene.made);
   writer.commit();
 }
 
@@ -219,6 +221,7 @@ PatchSet read_patches(const std::filesystem::path& file) {
   scene.geometry_key = reader.text("geometry_key");
   scene.frames_key = reader.text("frames_key");
   scene.inputs_key = reader.text("inputs_key");
+  scene.made = read_provenance(reader);
   read_patch_rows(reader, scene.patches);
   read_primitives(reader, scene);
   read_materials(reader, scene.materials);

@@ -115,6 +115,59 @@ TEST_F(JobFile, RefusesAKeyThatStandsTwice) {
                "line 5");
 }
 
+TEST_F(JobFile, TakesKeysFromTheFilesThatItIncludes) {
+  std::filesystem::create_directory(folder_ / "base");
+  folder_.write("base/light.yaml", "lights: {a: {scale: 2}, b: {scale: 3}}\nsolve: {rays: 64, seed: 5}\n");
+  folder_.write("base/scene.yaml", "include: light.yaml\nscene: a.glb\nsolve: {rays: 128}\n");
+  const Job job = read("include: [base/scene.yaml]\noutput: out\nlights: {b: {scale: 4}}\n", {"solve.seed=6"});
+  EXPECT_EQ(job.scene, folder_ / "base/a.glb") << "relative to the file that it stands in";
+  EXPECT_EQ(job.output, folder_ / "out");
+  EXPECT_EQ(job.solve.rays, 128);
+  EXPECT_EQ(job.solve.seed, 6);
+  EXPECT_EQ(job.lights.at("a").scale, 2);
+  EXPECT_EQ(job.lights.at("b").scale, 4);
+  EXPECT_EQ(effective_job(job).find("include"), std::string::npos);
+}
+
+TEST_F(JobFile, NamesTheIncludedFileThatIsWrongOrMissing) {
+  folder_.write("base.yaml", "solve:\n  raise: 64\n");
+  EXPECT_ERROR(read("include: base.yaml\n"), ExitCode::bad_config, "base.yaml, line 2");
+  EXPECT_ERROR(read("scene: a.glb\ninclude: none.yaml\n"), ExitCode::missing_input, "job.yaml, line 2, include");
+  EXPECT_ERROR(read("include: job.yaml\n"), ExitCode::bad_config, "does one include itself?");
+  EXPECT_ERROR(read("include: {a: b}\n"), ExitCode::bad_config, "expected a path or a list of paths");
+  EXPECT_ERROR(read(kMinimal, {"include=base.yaml"}), ExitCode::bad_config, "stands in job files alone");
+}
+
+TEST_F(JobFile, ReadsSizesOfTheCache) {
+  EXPECT_EQ(read(kMinimal).cache, 10ull << 30);
+  for (const auto& [text, bytes] : {std::pair("0", 0ull),
+                                    {"12", 12ull},
+                                    {"1.5KiB", 1536ull},
+                                    {"2M", 2ull << 20},
+                                    {"3 GB", 3ull << 30},
+                                    {"1TiB", 1ull << 40}}) {
+    const Job job = read(std::string(kMinimal) + "cache: " + text + "\n");
+    EXPECT_EQ(job.cache, bytes) << text;
+    EXPECT_EQ(parse_effective_job(effective_job(job)).cache, bytes) << text;
+  }
+  for (const char* text : {"-1", "much", "1PiB", "[1]", "999999999999T"})
+    EXPECT_ERROR(read(std::string(kMinimal) + "cache: " + text + "\n"), ExitCode::bad_config, "expected a size");
+}
+
+TEST_F(JobFile, ReadsAMatrixOfVariants) {
+  const Job job = read(std::string(kMinimal) +
+                       "matrix: {solve.rays: [64, 128], mood: {day: {}, night: {lights.\"a.b\".scale: 0}}}\n");
+  ASSERT_EQ(job.matrix.size(), 2u);
+  EXPECT_EQ(job.matrix[0].choices[1].name, "128");
+  EXPECT_EQ(job.matrix[0].choices[1].settings[0], std::pair(std::string("solve.rays"), std::string("128")));
+  EXPECT_EQ(job.matrix[1].choices[0].settings.size(), 0u);
+  EXPECT_EQ(job.matrix[1].choices[1].settings[0], std::pair(std::string("lights.\"a.b\".scale"), std::string("0")));
+  std::string many = std::string(kMinimal) + "matrix: {";
+  for (const char* key : {"solve.rays", "solve.seed", "solve.max_shots", "trace.samples", "trace.fps"})
+    many += std::string(key) + ": [1, 2, 3, 4, 5, 6, 7, 8], ";
+  EXPECT_ERROR(read(many + "}\n"), ExitCode::bad_config, "at most 10000 combinations");
+}
+
 TEST_F(JobFile, KnowsLightGroupsByTheNamesThatFilesGiveThem) {
   const Job job = read(std::string(kMinimal) + "lights: {hall/lamp: {scale: 2}, .: {scale: 3}, ..: {scale: 4}}\n");
   EXPECT_EQ(job.lights.at("hall_lamp").scale, 2);
@@ -243,7 +296,7 @@ TEST_F(JobFile, NamesTheLineOfABadSweptKeyOrValue) {
                "line 6): did you mean `solve.rays`?");
   EXPECT_ERROR(bench("  sweep:\n    solve.tolerance: [0.1]\n    solve.rays: [64, few]\n"), ExitCode::bad_config,
                "line 6): expected a whole number");
-  EXPECT_ERROR(bench("  sweep: [{output: [a, b]}]\n"), ExitCode::bad_config, "`output` cannot be tried");
+  EXPECT_ERROR(bench("  sweep: [{output: [a, b]}]\n"), ExitCode::bad_config, "`output` cannot vary");
   EXPECT_ERROR(bench("  sweep: [{solve..rays: 1}]\n"), ExitCode::bad_config, "line 4");
   EXPECT_ERROR(bench("  sweep: [{solve.rays: []}]\n"), ExitCode::bad_config, "at least one value");
   EXPECT_ERROR(bench("  sweep: 3\n"), ExitCode::bad_config, "line 4");
