@@ -1,9 +1,12 @@
 #include "tracer/frame_writer.h"
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
+#include <limits>
 
 #include "pipeline/files/key.h"
 
@@ -13,6 +16,30 @@ namespace {
 
 /// Largest half float; what is brighter would become infinite in the file.
 constexpr float kBrightest = 65504.0f;
+
+void clamp(std::vector<Color>& pixels, float most) {
+  for (Color& pixel : pixels)
+    for (int k = 0; k < 3; ++k) pixel[k] = pixel[k] > 0 ? std::min(pixel[k], most) : 0.0f;  // NaN is not > 0
+}
+
+/// Hours, minutes, seconds and frames, by SMPTE.
+std::string timecode(int frame, double fps) {
+  const int seconds = int(frame / fps);
+  return fmt::format("{:02}:{:02}:{:02}:{:02}", seconds / 3600, seconds / 60 % 60, seconds % 60,
+                     int(std::lround(frame - seconds * fps)));
+}
+
+std::string duration(double seconds) {
+  const auto whole = std::int64_t(seconds * 100);
+  const std::string hours = whole >= 360000 ? fmt::format("{:02}:", whole / 360000) : "";
+  return hours + fmt::format("{:02}:{:02}.{:02}", whole / 6000 % 60, whole / 100 % 60, whole % 100);
+}
+
+/// Focal length in mm on the sensor that Blender gives every camera, 36 mm along the image's longer side.
+std::string lens(const Camera& camera, const std::array<int, 2>& size) {
+  const double longer = double(std::max(size[0], size[1])) / size[1];
+  return fmt::format("{:.2f}", 18 / (std::tan(camera.vertical / 2) * longer));
+}
 
 }  // namespace
 
@@ -24,26 +51,34 @@ FrameWriter::FrameWriter(const Job& job, const PatchSet& scene, const EnergyFiel
       view_config_(view_config_key()) {}
 
 void FrameWriter::write(const Frame& frame, Image image, double seconds) const {
-  for (Color& pixel : image.pixels)
-    for (int k = 0; k < 3; ++k) pixel[k] = pixel[k] > 0 ? std::min(pixel[k], kBrightest) : 0.0f;  // NaN is not > 0
+  const float most = job_.trace.pixel_type == "half" ? kBrightest : std::numeric_limits<float>::max();
+  clamp(image.pixels, most);
+  for (ImageLayer& layer : image.layers)
+    if (layer.channels == "RGB") clamp(std::get<std::vector<Color>>(layer.values), most);
   Job job = job_;
   job.output.clear();  // the same picture wherever it is put
   job.bench = {};
-  const std::string& camera = scene_.cameras[frame.camera].name;
+  const Camera& camera = scene_.cameras[frame.camera];
+  // The names under which Blender stamps its frames, in its formats.
   image.metadata = {
       {"Software", "Patchlight"},
-      {"Camera", camera},
-      {"Frame", fmt::format("{:04}", frame.number)},
+      {"File", job_.file.filename().string()},
       {"Scene", job_.scene.filename().string()},
-      {"RenderTime", fmt::format("{:.3f}", seconds)},
+      {"Camera", camera.name},
+      {"Frame", fmt::format("{:04}", frame.number)},
+      {"Time", timecode(frame.number, job_.trace.fps)},
+      {"RenderTime", duration(seconds)},
+      {"Date", fmt::format("{:%Y/%m/%d %H:%M:%S}", fmt::localtime(std::time(nullptr)))},
       {"patchlight:key", frame_key(scene_, energy_.key, job_, frame.camera, frame.number, view_config_)},
       {"patchlight:patches_key", scene_.key},
       {"patchlight:energy_key", energy_.key},
       {"patchlight:job", effective_job(job)},
   };
+  if (camera.projection == Camera::Projection::perspective)
+    image.metadata["Lens"] = lens(camera, job_.trace.resolution);
   write_png(frame.png, view_(image), job_.output);
   image.metadata["patchlight:png"] = hash_file(frame.png);
-  write_exr(frame.exr, image, job_.output);
+  write_exr(frame.exr, image, job_.output, {job_.trace.pixel_type, job_.trace.compression});
 }
 
 }  // namespace patchlight

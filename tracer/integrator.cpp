@@ -19,13 +19,8 @@ constexpr std::size_t kManyPoints = 1 << 16;  // that wait for direct light, aft
 constexpr std::size_t kMostPoints = 1 << 18;  // nor any more of this pixel's
 constexpr float kSlack = 1.02f;  // how much farther than all about it an edge may seem to be, and still be seen
 
-std::vector<Color> lit_emission(const PatchSet& scene, const std::vector<Color>& settings) {
-  std::vector<Color> emission(scene.patches.size(), Color(0.0f));
-  for (std::size_t i = 0; i < emission.size(); ++i) {
-    const std::int32_t group = scene.primitives[scene.patches[i].primitive].light_group;
-    if (group >= 0) emission[i] = scene.patches[i].emission * settings[group];
-  }
-  return emission;
+bool asks_for(const TraceConfig& config, const char* layer) {
+  return std::find(config.layers.begin(), config.layers.end(), layer) != config.layers.end();
 }
 
 }  // namespace
@@ -54,6 +49,7 @@ class Integrator::Tile {
     window_.height = std::min(y1_ + 1, image.height) - window_.y0;
     const auto pixels = std::size_t(window_.pixels());
     sums_ = {std::vector<Color>(pixels, Color(0.0f)), {}, std::vector<PixelDetail>(pixels)};
+    if (!image.layers.empty()) sums_.layers = &layers_.emplace(frame_.config_, frame_.scene_, pixels);
     packet_.clear();
   }
 
@@ -69,7 +65,8 @@ class Integrator::Tile {
       samples[p] = samples_at(details, x, y);
       smooth_[p] = samples[p] < counts.edge || counts.edge == counts.first;
     });
-    if (frame_.lights_) light_.emplace(*frame_.lights_, window_, counts.some).look(std::move(points), smooth_);
+    if (frame_.lights_)
+      light_.emplace(*frame_.lights_, window_, counts.some, sums_.layers).look(std::move(points), smooth_);
     for_each_pixel([&](int, int, std::uint32_t p) {
       if (light_ && (smooth_[p] == 0 || light_->sharp(p))) {
         samples[p] = std::max(samples[p], counts.some);
@@ -81,7 +78,9 @@ class Integrator::Tile {
     });
     add_light();
     for_each_pixel([&](int x, int y, std::uint32_t p) {
-      image_.pixels[std::size_t(y) * image_.width + x] = sums_.pixels[p] / float(samples[p]);
+      const std::size_t at = std::size_t(y) * image_.width + x;
+      image_.pixels[at] = sums_.pixels[p] / float(samples[p]);
+      if (layers_) layers_->put(p, samples[p], at, image_.layers);
     });
   }
 
@@ -96,7 +95,7 @@ class Integrator::Tile {
       const Vec2f at = pixel_sample(std::uint32_t(k), seed);
       const CameraRay ray = rays_(float(x) + at.x, float(y) + at.y);
       packet_.set(lane_, frame_.ray_scene_.to_local(ray.origin), ray.direction);
-      going_[lane_] = {p};
+      going_[lane_] = {p, std::uint32_t(k), layers_ ? (at - Vec2f(0.5f)).length2() : 0.0f};
       if (++lane_ < RayPacket::kSize) continue;
       finish_paths();
       if (light_ && sums_.points.size() > kMostPoints) add_light();
@@ -160,6 +159,7 @@ class Integrator::Tile {
   const int x0_, y0_, x1_, y1_;
   TileLight::Window window_;
   std::vector<std::uint8_t> smooth_;  ///< By pixel: all of it gets as much direct light as its first samples do.
+  std::optional<LayerSums> layers_;
   std::optional<TileLight> light_;
   PathSums sums_;
   RayPacket packet_;
@@ -168,19 +168,22 @@ class Integrator::Tile {
 };
 
 Integrator::Integrator(const PatchSet& scene, const EnergyField& energy, const Job& job)
-    : config_(job.trace),
+    : scene_(scene),
+      config_(job.trace),
       counts_(config_.samples),
       ray_scene_(scene),
       outlines_(scene),
-      settings_(light_settings(job, scene)),
-      emission_(lit_emission(scene, settings_)),
-      paths_(scene, ray_scene_, outlines_, energy, config_, settings_, emission_) {
-  if (config_.quality == "direct") lights_.emplace(scene, ray_scene_, emission_);
+      mixes_(light_settings(job, scene), asks_for(config_, "light_groups")),
+      surfaces_(scene, ray_scene_, energy, mixes_, config_.quality == "direct",
+                asks_for(config_, "direct") || asks_for(config_, "indirect")),
+      paths_(scene, ray_scene_, outlines_, surfaces_, mixes_, config_) {
+  if (config_.quality == "direct") lights_.emplace(scene, ray_scene_, mixes_.all[0]);
 }
 
 Image Integrator::render(const Camera& camera, Progress& progress) const {
   const auto [width, height] = config_.resolution;
-  Image image{width, height, std::vector<Color>(std::size_t(width) * height, Color(0.0f)), {}};
+  const std::size_t pixels = std::size_t(width) * height;
+  Image image{width, height, std::vector<Color>(pixels, Color(0.0f)), {}, LayerSums::blank(config_, scene_, pixels)};
   const CameraRays rays(camera, width, height);
   const std::vector<float> outlines = outlines_.draw(rays, width, height);
   const int across = (width + kTile - 1) / kTile, down = (height + kTile - 1) / kTile;

@@ -19,6 +19,7 @@ LightSpot::LightSpot(std::span<const ShadingPoint> all)
     middle += p.position;
     normal += p.normal;
     weight += p.weight;
+    if (p.mirrored != 0) mirrored += p.weight;
   }
   middle /= double(points.size());
   normal.normalize();

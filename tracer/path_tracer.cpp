@@ -6,7 +6,6 @@
 #include "pipeline/optics/mirror.h"
 #include "pipeline/optics/patch_sampling.h"
 #include "pipeline/optics/random.h"
-#include "pipeline/optics/texture_lookup.h"
 
 namespace patchlight {
 
@@ -22,23 +21,15 @@ float largest(const Color& c) {
 }  // namespace
 
 PathTracer::PathTracer(const PatchSet& scene, const RayScene& ray_scene, const Outlines& outlines,
-                       const EnergyField& energy, const TraceConfig& config, const std::vector<Color>& settings,
-                       const std::vector<Color>& emission)
+                       const SolvedSurfaces& surfaces, const LightMixes& mixes, const TraceConfig& config)
     : scene_(scene),
       ray_scene_(ray_scene),
       outlines_(outlines),
+      surfaces_(surfaces),
+      mixes_(mixes),
       config_(config),
-      settings_(settings),
-      emission_(emission),
       direct_(config.quality == "direct"),
-      lookup_(scene),
-      irradiance_(direct_ ? irradiance_without_apart(energy, settings, scene.patches.size())
-                          : irradiance(energy, settings, scene.patches.size())),
-      irradiance_lookup_(scene, lookup_, irradiance_),
-      normals_(scene),
-      shaders_([&scene] { return compile_shaders(scene); }) {
-  if (direct_ && energy.display) display_.emplace(scene, ray_scene, irradiance_lookup_, energy, settings);
-}
+      normals_(scene) {}
 
 void PathTracer::trace(RayPacket& packet, std::array<Path, RayPacket::kSize>& paths, const CameraRays& camera,
                        PathSums& sums) const {
@@ -59,45 +50,73 @@ void PathTracer::trace(RayPacket& packet, std::array<Path, RayPacket::kSize>& pa
 
 bool PathTracer::shade(RayPacket& packet, int lane, Path& path, const CameraRays& camera, PathSums& sums) const {
   const SurfaceHit hit = ray_scene_.hit(packet, lane);
-  if (hit.primitive < 0) return false;
-  const Primitive& primitive = scene_.primitives[hit.primitive];
+  PathView& view = path.view;
+  LayerSums* const layers = sums.layers;
+  const bool in_layers = layers && layers->surface() && std::isinf(view.depth);
+  if (hit.primitive < 0) {
+    if (in_layers) layers->add_surface(path.pixel, {}, path.off);
+    return false;
+  }
   const SurfacePoint point = point_of(hit);
   const Vec3f direction = packet.direction(lane);
-  PathView& view = path.view;
-  const auto see = [&] {
-    if (std::isinf(view.depth)) view.depth = float(-camera.to_camera(point.position).z);
-  };
-  if (!hit.front) {
-    if (!config_.cull_backfaces) return see(), false;
+  if (!hit.front && config_.cull_backfaces) {
     packet.set(lane, ray_scene_.to_local(point.position) + direction * ray_scene_.offset(hit.primitive), direction);
-    return ++path.mirrors < kMostMirrors;
+    return ++path.surfaces < kMostMirrors;
   }
-  see();
-  const std::int32_t i = lookup_.patch(hit.primitive, hit.u, hit.v);
-  const Material& material = scene_.materials[primitive.material];
+  if (std::isinf(view.depth)) view.depth = float(camera.depth(point.position));
+  if (!hit.front) {
+    if (in_layers) layers->add_surface(path.pixel, {view.depth, point.position, -point.normal}, path.off);
+    return false;
+  }
+  const Material& material = scene_.materials[scene_.primitives[hit.primitive].material];
   const bool mirror = material.roughness < kMirrorRoughness;
-  Color reflectance = scene_.patches[i].reflectance;
-  Color emission = emission_[i];
-  if (primitive.texture >= 0) reflectance = textured_reflectance(scene_, hit.primitive, hit.u, hit.v);
-  if (primitive.shader >= 0) apply_shader(hit, reflectance, emission);
-  if (!mirror) reflectance += material.specular;
-  const Color radiance =
-      path.throughput * (emission + reflectance * irradiance_at(hit, i, path.pixel, sums)) / float(kPi);
-  sums.pixels[path.pixel] += radiance;
+  SolvedSurfaces::Colors colors = surfaces_.colors(hit);
+  view.normal = normals_(hit.primitive, hit.u, hit.v, point.normal);
+  if (in_layers)
+    layers->add_surface(path.pixel,
+                        {view.depth, point.position, view.normal, colors.reflectance, std::uint32_t(colors.patch)},
+                        path.off);
+  if (!mirror) colors.reflectance += material.specular;
+  sums.seen.start(path.pixel);
+  const DisplayLookup::Blend blend = surfaces_.blend(hit, colors.patch, sums.seen);
+  const auto radiance = [&](std::size_t mix) {
+    return path.throughput *
+           (surfaces_.emission(colors, mix) + colors.reflectance * surfaces_.irradiance(hit, blend, mix)) / float(kPi);
+  };
+  const Color shown = radiance(0);
+  sums.pixels[path.pixel] += shown;
+  if (layers) add_layers(hit, colors, blend, path, *layers);
   const std::int32_t surface = outlines_.surface(hit.primitive);
   view.surface =
       std::int32_t(std::uint32_t(scramble(std::uint64_t(std::uint32_t(view.surface)) << 32 | std::uint32_t(surface))));
-  view.normal = normals_(hit.primitive, hit.u, hit.v, point.normal);
-  view.light += radiance;
-  view.reflectance += path.throughput * reflectance;
+  view.light += mixes_.own == 0 ? shown : radiance(mixes_.own);
+  view.reflectance += path.throughput * colors.reflectance;
   const Vec3d off = point.position + Vec3d(point.normal) * double(ray_scene_.offset(hit.primitive));
-  if (direct_ && largest(reflectance) > 0)
-    sums.points.push_back(
-        {path.pixel, surface, hit.primitive, off, view.normal, path.throughput * reflectance / float(kPi)});
+  if (direct_ && largest(colors.reflectance) > 0)
+    sums.points.push_back({path.pixel, surface, hit.primitive, std::uint32_t(path.mirrored), off, view.normal,
+                           path.throughput * colors.reflectance / float(kPi)});
   path.throughput *= material.specular;
-  if (!mirror || largest(path.throughput) < kLeastThroughput || ++path.mirrors >= kMostMirrors) return false;
+  if (!mirror || largest(path.throughput) < kLeastThroughput || ++path.surfaces >= kMostMirrors) return false;
+  path.mirrored = true;
   packet.set(lane, ray_scene_.to_local(off), direction - point.normal * (2.0f * (point.normal ^ direction)));
   return true;
+}
+
+void PathTracer::add_layers(const SurfaceHit& hit, const SolvedSurfaces::Colors& colors,
+                            const DisplayLookup::Blend& blend, const Path& path, LayerSums& layers) const {
+  const Color through = path.throughput / float(kPi);
+  const Color reflected = through * colors.reflectance;
+  if (layers.light()) {
+    const Color irradiance = surfaces_.irradiance(hit, blend), direct = surfaces_.direct_part(hit, irradiance);
+    layers.add_emission(path.pixel, path.mirrored, through * surfaces_.emission(colors));
+    layers.add_direct(path.pixel, path.mirrored, reflected * direct);
+    layers.add_indirect(path.pixel, path.mirrored, reflected * (irradiance - direct));
+  }
+  for (std::size_t g = 0; g < layers.group_count(); ++g) {
+    const std::size_t mix = mixes_.groups + g;
+    layers.add_of_group(g, path.pixel,
+                        through * surfaces_.emission(colors, mix) + reflected * surfaces_.irradiance(hit, blend, mix));
+  }
 }
 
 /// From (u,v), since the ray's own end is only as exact as the ray is long.
@@ -108,21 +127,6 @@ SurfacePoint PathTracer::point_of(const SurfaceHit& hit) const {
   const double u = hit.u, v = hit.v;
   return {(c[0] * (1 - u) + c[1] * u) * (1 - v) + (c[3] * (1 - u) + c[2] * u) * v,
           Vec3f(outlines_.normal(hit.primitive))};
-}
-
-Color PathTracer::irradiance_at(const SurfaceHit& hit, std::int32_t patch, std::uint32_t pixel, PathSums& sums) const {
-  if (!display_) return irradiance_lookup_(hit.primitive, hit.u, hit.v);
-  sums.seen.start(pixel);
-  return (*display_)(hit.primitive, patch, hit.u, hit.v, sums.seen);
-}
-
-void PathTracer::apply_shader(const SurfaceHit& hit, Color& reflectance, Color& emission) const {
-  const Primitive& p = scene_.primitives[hit.primitive];
-  MaterialShader& shader = shaders_.local()[p.shader];
-  if (shader.reflects()) reflectance = shaded_reflectance(scene_, shader, hit.primitive, hit.u, hit.v);
-  if (!shader.emits()) return;
-  const ExpressionInputs at = shader_inputs(scene_, hit.primitive, hit.u, hit.v);
-  emission = within_range(shader.emission(at), Color(kMostEmission)) * settings_[p.light_group];
 }
 
 }  // namespace patchlight

@@ -38,6 +38,9 @@ struct SolveConfig {
   std::uint64_t memory = 0;  ///< Most bytes, from the command line; 0: what the machine has.
 };
 
+/// What the layers of light groups are called before the group's name: as Blender calls them.
+inline constexpr const char* kLightGroupLayer = "Combined_";
+
 /// How frames show one light group.
 struct LightSetting {
   double scale = 1.0;
@@ -52,6 +55,9 @@ struct TraceConfig {
   int samples = 16;
   std::string quality = "direct";  ///< direct or patches.
   bool cull_backfaces = false;
+  std::vector<std::string> layers;  ///< Of the EXR, beside the beauty; `light_groups` stands for one for each.
+  std::string pixel_type = "half";  ///< half or float, of the EXR's light and colours.
+  std::string compression = "zip";  ///< Of the EXR, as OpenImageIO names it.
   std::string view = "sRGB";
   double exposure = 0.0;  ///< Stops, for the PNG alone.
 };

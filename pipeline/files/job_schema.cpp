@@ -6,7 +6,9 @@
 #include <functional>
 #include <limits>
 #include <regex>
+#include <set>
 
+#include "pipeline/files/image_file.h"
 #include "pipeline/files/job_override.h"
 #include "pipeline/files/job_shaders.h"
 #include "pipeline/files/light_group_name.h"
@@ -218,6 +220,22 @@ JobKey resolution_key(std::array<int, 2>& size) {
           }};
 }
 
+JobKey layers_key(std::vector<std::string>& layers) {
+  const std::vector<std::string> known{"direct", "indirect", "specular", "emission", "albedo",
+                                       "normal", "depth",    "position", "patch",    "light_groups"};
+  return {"trace.layers", fmt::format("of the EXR, beside the beauty: {}", fmt::join(known, ", ")),
+          [&layers, known](const Node& n) {
+            if (n.IsMap()) throw std::string("expected a list of layers");
+            std::set<std::string> chosen;
+            if (n.IsScalar()) chosen.insert(parse_choice(n, known));
+            for (const Node& name : n) chosen.insert(parse_choice(name, known));
+            layers.clear();
+            for (const std::string& name : known)  // their order means nothing
+              if (chosen.contains(name)) layers.push_back(name);
+          },
+          [&layers] { return Node(layers); }};
+}
+
 JobKey view_key(std::string& view) {
   return {"trace.view", "OpenColorIO view of the PNG: sRGB, ACES or Raw of the shipped config, or one of $OCIO's",
           [&view](const Node& n) { view = parse<std::string>(n, "the name of a view"); },
@@ -275,6 +293,9 @@ std::vector<JobKey> job_keys(Job& job) {
           "trace.samples", trace.samples, 1, 1 << 16,
           "samples of a pixel where colours change; 4 times as many at edges, a quarter (4 or more) where all is even"),
       flag_key("trace.cull_backfaces", trace.cull_backfaces, "look through the backs of single-sided surfaces"),
+      layers_key(trace.layers),
+      choice_key("trace.pixel_type", trace.pixel_type, {"half", "float"}, "of light and colours in the EXR"),
+      choice_key("trace.compression", trace.compression, exr_compressions(), "of the EXR"),
       view_key(trace.view),
       number_key("trace.exposure", trace.exposure, -100, 100, "stops by which the PNG is brighter than the EXR"),
   };

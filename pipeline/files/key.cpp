@@ -160,6 +160,8 @@ std::string frame_key(const PatchSet& scene, const std::string& energy_key, cons
       .add(trace.quality)
       .add(view_config);
   hasher.add(trace.cull_backfaces).add(trace.view).add(trace.exposure);
+  hasher.add(trace.pixel_type).add(trace.compression);
+  for (const std::string& layer : trace.layers) hasher.add(layer);
   for (const auto& [name, light] : job.lights) {
     if (light.scale == 1.0 && light.color == Color(1.0f)) continue;
     hasher.add(name).add(light.scale);

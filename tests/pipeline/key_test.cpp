@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <set>
 
 #include "tests/expect_error.h"
 #include "tests/temporary_folder.h"
@@ -82,6 +83,23 @@ TEST(Key, OfAFrameCoversItsOwnCameraAlone) {
   moved.cameras[1].to_world.translate(Vec3d(0, 1, 0));
   EXPECT_EQ(frame_key(scene, "e", {}, 0, 1, "v"), frame_key(moved, "e", {}, 0, 1, "v"));
   EXPECT_NE(frame_key(scene, "e", {}, 1, 1, "v"), frame_key(moved, "e", {}, 1, 1, "v"));
+}
+
+TEST(Key, OfAFrameCoversWhatItsFileHolds) {
+  PatchSet scene;
+  scene.cameras.resize(1);
+  const Job plain;
+  std::set<std::string> keys{frame_key(scene, "e", plain, 0, 1, "v")};
+  Job job;
+  job.trace.layers = {"depth"};
+  keys.insert(frame_key(scene, "e", job, 0, 1, "v"));
+  job.trace.layers = {"depth", "patch"};
+  keys.insert(frame_key(scene, "e", job, 0, 1, "v"));
+  job.trace.pixel_type = "float";
+  keys.insert(frame_key(scene, "e", job, 0, 1, "v"));
+  job.trace.compression = "piz";
+  keys.insert(frame_key(scene, "e", job, 0, 1, "v"));
+  EXPECT_EQ(keys.size(), 5u);
 }
 
 TEST(Key, OfAFrameCoversTheContentOfTheViewsConfig) {

@@ -7,33 +7,13 @@
 #include <cmath>
 
 #include "tests/expect_error.h"
-#include "tests/patch_scene.h"
+#include "tests/tracer/solved_scene.h"
 
 namespace patchlight {
 namespace {
 
 using test::PatchScene;
-
-/// A solved scene in which every patch receives `direct` and `indirect` of group 0.
-struct Solved {
-  PatchSet scene;
-  EnergyField energy;
-  Job job;
-  Camera camera;
-
-  explicit Solved(PatchScene& builder, float direct = 2.0f, float indirect = 1.0f) : scene(builder.get()) {
-    const std::size_t n = scene.patches.size();
-    energy.groups = {{"light", std::vector<Color>(n, Color(direct)), std::vector<Color>(n, Color(indirect))}};
-    job.trace.resolution = {8, 8};
-    job.trace.samples = 4;
-    job.trace.quality = "patches";
-  }
-
-  Image render() const {
-    Progress progress({"test", true, ""});
-    return Integrator(scene, energy, job).render(camera, progress);
-  }
-};
+using test::Solved;
 
 TEST(Integrator, ShowsEmissionAndReflectedIrradiance) {
   PatchScene builder;
