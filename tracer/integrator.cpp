@@ -19,10 +19,6 @@ constexpr std::size_t kManyPoints = 1 << 16;  // that wait for direct light, aft
 constexpr std::size_t kMostPoints = 1 << 18;  // nor any more of this pixel's
 constexpr float kSlack = 1.02f;  // how much farther than all about it an edge may seem to be, and still be seen
 
-bool asks_for(const TraceConfig& config, const char* layer) {
-  return std::find(config.layers.begin(), config.layers.end(), layer) != config.layers.end();
-}
-
 }  // namespace
 
 SampleCounts::SampleCounts(int samples)
@@ -48,7 +44,8 @@ class Integrator::Tile {
     window_.width = std::min(x1_ + 1, image.width) - window_.x0;
     window_.height = std::min(y1_ + 1, image.height) - window_.y0;
     const auto pixels = std::size_t(window_.pixels());
-    sums_ = {std::vector<Color>(pixels, Color(0.0f)), {}, std::vector<PixelDetail>(pixels)};
+    sums_.pixels.assign(pixels, Color(0.0f));
+    sums_.details.resize(pixels);
     if (!image.layers.empty()) sums_.layers = &layers_.emplace(frame_.config_, frame_.scene_, pixels);
     packet_.clear();
   }
@@ -85,6 +82,12 @@ class Integrator::Tile {
   }
 
  private:
+  /// Not of the margin.
+  bool is_own(std::uint32_t p) const {
+    const int x = window_.x0 + int(p) % window_.width, y = window_.y0 + int(p) / window_.width;
+    return x >= x0_ && x < x1_ && y >= y0_ && y < y1_;
+  }
+
   std::uint32_t pixel(int x, int y) const { return std::uint32_t((y - window_.y0) * window_.width + x - window_.x0); }
 
   /// Samples `from` to `to` of a pixel.
@@ -105,6 +108,10 @@ class Integrator::Tile {
   void finish_paths() {
     if (lane_ > 0) frame_.paths_.trace(packet_, going_, rays_, sums_);
     lane_ = 0;
+    if (sums_.gather.empty()) return;
+    std::erase_if(sums_.gather, [&](const GatherPoint& point) { return !is_own(point.at.pixel); });
+    frame_.gather_->add(sums_.gather, window_, sums_.pixels, sums_.layers);
+    sums_.gather.clear();
   }
 
   void add_first_points(std::uint32_t p) {
@@ -173,11 +180,11 @@ Integrator::Integrator(const PatchSet& scene, const EnergyField& energy, const J
       counts_(config_.samples),
       ray_scene_(scene),
       outlines_(scene),
-      mixes_(light_settings(job, scene), asks_for(config_, "light_groups")),
-      surfaces_(scene, ray_scene_, energy, mixes_, config_.quality == "direct",
-                asks_for(config_, "direct") || asks_for(config_, "indirect")),
+      mixes_(light_settings(job, scene), config_.asks_for("light_groups")),
+      surfaces_(scene, ray_scene_, energy, mixes_, config_),
       paths_(scene, ray_scene_, outlines_, surfaces_, mixes_, config_) {
-  if (config_.quality == "direct") lights_.emplace(scene, ray_scene_, mixes_.all[0]);
+  if (config_.quality != "patches") lights_.emplace(scene, ray_scene_, mixes_.all[0]);
+  if (config_.quality == "gather") gather_.emplace(scene, ray_scene_, surfaces_, mixes_, config_.gather_rays);
 }
 
 Image Integrator::render(const Camera& camera, Progress& progress) const {

@@ -44,6 +44,7 @@ class Integrator {
   SolvedSurfaces surfaces_;
   PathTracer paths_;
   std::optional<PixelLight> lights_;  ///< With direct light at the pixel.
+  std::optional<FinalGather> gather_;
 };
 
 }  // namespace patchlight

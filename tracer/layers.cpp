@@ -10,22 +10,20 @@ namespace {
 
 constexpr std::size_t kLongestGroup = 240;  // of the 255 bytes of a channel's name
 
-bool asks_for(const TraceConfig& config, std::initializer_list<std::string_view> names) {
-  return std::any_of(config.layers.begin(), config.layers.end(), [&](const std::string& layer) {
-    return std::find(names.begin(), names.end(), layer) != names.end();
-  });
+bool asks_for_any(const TraceConfig& config, std::initializer_list<std::string_view> names) {
+  return std::any_of(names.begin(), names.end(), [&](std::string_view name) { return config.asks_for(name); });
 }
 
 }  // namespace
 
 LayerSums::LayerSums(const TraceConfig& config, const PatchSet& scene, std::size_t pixels) : config_(config) {
-  if (asks_for(config, {"direct", "indirect", "specular", "emission"}))
+  if (asks_for_any(config, {"direct", "indirect", "specular", "emission"}))
     for (auto* sums : {&emission_, &direct_, &indirect_, &specular_}) sums->assign(pixels, Color(0.0f));
-  if (asks_for(config, {"albedo", "normal", "depth", "position", "patch"})) {
+  if (asks_for_any(config, {"albedo", "normal", "depth", "position", "patch"})) {
     for (auto* sums : {&albedo_, &normal_}) sums->assign(pixels, Color(0.0f));
     nearest_.resize(pixels);
   }
-  if (asks_for(config, {"light_groups"}))
+  if (config.asks_for("light_groups"))
     of_group_.assign(scene.light_groups.size(), std::vector<Color>(pixels, Color(0.0f)));
 }
 

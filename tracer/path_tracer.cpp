@@ -28,7 +28,8 @@ PathTracer::PathTracer(const PatchSet& scene, const RayScene& ray_scene, const O
       surfaces_(surfaces),
       mixes_(mixes),
       config_(config),
-      direct_(config.quality == "direct"),
+      direct_(config.quality != "patches"),
+      gather_(config.quality == "gather"),
       normals_(scene) {}
 
 void PathTracer::trace(RayPacket& packet, std::array<Path, RayPacket::kSize>& paths, const CameraRays& camera,
@@ -83,18 +84,20 @@ bool PathTracer::shade(RayPacket& packet, int lane, Path& path, const CameraRays
     return path.throughput *
            (surfaces_.emission(colors, mix) + colors.reflectance * surfaces_.irradiance(hit, blend, mix)) / float(kPi);
   };
-  const Color shown = radiance(0);
+  const Color shown = gather_ ? path.throughput * surfaces_.emission(colors) / float(kPi) : radiance(0);
   sums.pixels[path.pixel] += shown;
   if (layers) add_layers(hit, colors, blend, path, *layers);
   const std::int32_t surface = outlines_.surface(hit.primitive);
   view.surface =
       std::int32_t(std::uint32_t(scramble(std::uint64_t(std::uint32_t(view.surface)) << 32 | std::uint32_t(surface))));
-  view.light += mixes_.own == 0 ? shown : radiance(mixes_.own);
+  view.light += mixes_.own == 0 && !gather_ ? shown : radiance(mixes_.own);
   view.reflectance += path.throughput * colors.reflectance;
   const Vec3d off = point.position + Vec3d(point.normal) * double(ray_scene_.offset(hit.primitive));
   if (direct_ && largest(colors.reflectance) > 0)
     sums.points.push_back({path.pixel, surface, hit.primitive, std::uint32_t(path.mirrored), off, view.normal,
                            path.throughput * colors.reflectance / float(kPi)});
+  if (gather_ && largest(colors.reflectance) > 0)
+    sums.gather.push_back({sums.points.back(), point.normal, path.sample, std::uint32_t(path.surfaces)});
   path.throughput *= material.specular;
   if (!mirror || largest(path.throughput) < kLeastThroughput || ++path.surfaces >= kMostMirrors) return false;
   path.mirrored = true;
@@ -106,16 +109,16 @@ void PathTracer::add_layers(const SurfaceHit& hit, const SolvedSurfaces::Colors&
                             const DisplayLookup::Blend& blend, const Path& path, LayerSums& layers) const {
   const Color through = path.throughput / float(kPi);
   const Color reflected = through * colors.reflectance;
-  if (layers.light()) {
+  if (layers.light()) layers.add_emission(path.pixel, path.mirrored, through * surfaces_.emission(colors));
+  if (layers.light() && !gather_) {
     const Color irradiance = surfaces_.irradiance(hit, blend), direct = surfaces_.direct_part(hit, irradiance);
-    layers.add_emission(path.pixel, path.mirrored, through * surfaces_.emission(colors));
     layers.add_direct(path.pixel, path.mirrored, reflected * direct);
     layers.add_indirect(path.pixel, path.mirrored, reflected * (irradiance - direct));
   }
   for (std::size_t g = 0; g < layers.group_count(); ++g) {
     const std::size_t mix = mixes_.groups + g;
-    layers.add_of_group(g, path.pixel,
-                        through * surfaces_.emission(colors, mix) + reflected * surfaces_.irradiance(hit, blend, mix));
+    layers.add_of_group(g, path.pixel, through * surfaces_.emission(colors, mix));
+    if (!gather_) layers.add_of_group(g, path.pixel, reflected * surfaces_.irradiance(hit, blend, mix));
   }
 }
 

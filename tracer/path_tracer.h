@@ -2,6 +2,7 @@
 #include "pipeline/optics/patch_sampling.h"
 #include "pipeline/optics/smooth_normals.h"
 #include "tracer/camera_rays.h"
+#include "tracer/final_gather.h"
 #include "tracer/layers.h"
 #include "tracer/outlines.h"
 #include "tracer/pixel_detail.h"
@@ -14,6 +15,7 @@ namespace patchlight {
 struct PathSums {
   std::vector<Color> pixels;           ///< Sums of radiance, without light that is found at the pixel.
   std::vector<ShadingPoint> points;    ///< Where such light is still to be added.
+  std::vector<GatherPoint> gather{};   ///< Where other light is; none unless by `quality: gather`.
   std::vector<PixelDetail> details{};  ///< Of each pixel; empty: not asked for.
   LayerSums* layers = nullptr;         ///< Null: not asked for.
   DisplayLookup::Seen seen{};
@@ -21,7 +23,8 @@ struct PathSums {
 
 /// Follows paths from the camera to what they show: E / pi + rho H / pi at the first surface, plus what mirrors show. H
 /// is interpolated; with `quality: direct` it lacks the direct light of emitters that are sampled apart, which
-/// PixelLight adds. Mirrors are followed until what they pass on is below a thousandth.
+/// PixelLight adds; with `quality: gather` FinalGather adds the rest of it. Mirrors are followed until what they pass
+/// on is below a thousandth.
 ///
 /// What a path has come to for PixelDetail is light at the scene's own strength, so that the lights' settings have no
 /// say in where samples go.
@@ -59,7 +62,7 @@ class PathTracer {
   const SolvedSurfaces& surfaces_;
   const LightMixes& mixes_;
   const TraceConfig& config_;
-  const bool direct_;
+  const bool direct_, gather_;
   const SmoothNormals normals_;
 };
 

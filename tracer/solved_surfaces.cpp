@@ -6,6 +6,14 @@
 
 namespace patchlight {
 
+namespace {
+
+std::vector<Color> direct_by_rows(const EnergyField::Group& group) {
+  return group.direct_by_rows.empty() ? std::vector<Color>(group.direct.size(), Color(0.0f)) : group.direct_by_rows;
+}
+
+}  // namespace
+
 LightMixes::LightMixes(const std::vector<Color>& settings, bool by_group) : all{settings} {
   const std::size_t count = settings.size();
   if (std::any_of(settings.begin(), settings.end(), [](const Color& c) { return c != Color(1.0f); })) {
@@ -18,30 +26,42 @@ LightMixes::LightMixes(const std::vector<Color>& settings, bool by_group) : all{
 }
 
 SolvedSurfaces::SolvedSurfaces(const PatchSet& scene, const RayScene& ray_scene, const EnergyField& energy,
-                               const LightMixes& mixes, bool without_apart, bool tells_direct)
+                               const LightMixes& mixes, const TraceConfig& config)
     : scene_(scene),
       mixes_(mixes),
       lookup_(scene),
       patches_(
           scene, lookup_,
           [&](std::size_t g) {
-            return without_apart ? irradiance_without_apart(energy.groups[g])
-                                 : patchlight::irradiance(energy.groups[g]);
+            return config.quality == "patches" ? patchlight::irradiance(energy.groups[g])
+                                               : irradiance_without_apart(energy.groups[g]);
           },
           mixes.all),
       shaders_([&scene] { return compile_shaders(scene); }) {
-  if (without_apart && energy.display) display_.emplace(scene, ray_scene, patches_, energy, mixes.all);
+  const bool direct_in_patches = config.quality == "patches";
+  if (!direct_in_patches && energy.display) display_.emplace(scene, ray_scene, patches_, energy, mixes.all);
   const bool by_rows = std::any_of(energy.groups.begin(), energy.groups.end(),
                                    [](const EnergyField::Group& group) { return !group.direct_by_rows.empty(); });
-  if (!tells_direct || (without_apart && !by_rows)) return;
-  const std::vector<Color> none(scene.patches.size(), Color(0.0f));
-  direct_.emplace(
-      scene, lookup_,
-      [&](std::size_t g) {
-        const EnergyField::Group& group = energy.groups[g];
-        return !without_apart ? group.direct : group.direct_by_rows.empty() ? none : group.direct_by_rows;
-      },
-      std::vector<LightMix>{mixes.all[0]});
+  if (config.asks_for("direct") || config.asks_for("indirect")) {
+    if (direct_in_patches)
+      direct_.emplace(
+          scene, lookup_, [&](std::size_t g) { return energy.groups[g].direct; }, std::vector<LightMix>{mixes.all[0]});
+    else if (by_rows)
+      direct_.emplace(
+          scene, lookup_, [&](std::size_t g) { return direct_by_rows(energy.groups[g]); },
+          std::vector<LightMix>{mixes.all[0]});
+  }
+  if (config.quality == "gather")
+    apart_.emplace(
+        scene, lookup_,
+        [&](std::size_t g) {
+          std::vector<Color> direct = energy.groups[g].direct;
+          const std::vector<Color> rows = direct_by_rows(energy.groups[g]);
+          for (std::size_t i = 0; i < direct.size(); ++i)
+            for (int k = 0; k < 3; ++k) direct[i][k] = std::max(0.0f, direct[i][k] - rows[i][k]);
+          return direct;
+        },
+        mixes.all);
 }
 
 void SolvedSurfaces::vary(const SurfaceHit& hit, Colors& colors) const {

@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "pipeline/files/job.h"
 #include "pipeline/model/energy_field.h"
 #include "pipeline/optics/material_shader.h"
 #include "pipeline/optics/ray_scene.h"
@@ -22,10 +23,8 @@ struct LightMixes {
 /// What is known of a surface where a ray meets its lit side: its colours, and the irradiance that the solution tells.
 class SolvedSurfaces {
  public:
-  /// `without_apart`: irradiance lacks what comes straight from emitters that are sampled apart. `tells_direct`:
-  /// direct_part() will be asked.
   SolvedSurfaces(const PatchSet& scene, const RayScene& ray_scene, const EnergyField& energy, const LightMixes& mixes,
-                 bool without_apart, bool tells_direct);
+                 const TraceConfig& config);
 
   struct Colors {
     std::int32_t patch = 0;
@@ -49,11 +48,15 @@ class SolvedSurfaces {
   DisplayLookup::Blend blend(const SurfaceHit& hit, std::int32_t patch, DisplayLookup::Seen& seen) const {
     return display_ ? display_->blend(hit.primitive, patch, hit.u, hit.v, seen) : DisplayLookup::Blend{};
   }
-  /// W/m2.
+  /// W/m2. But with `quality: patches` it lacks what comes straight from emitters that are sampled apart.
   Color irradiance(const SurfaceHit& hit, const DisplayLookup::Blend& blend, std::size_t mix = 0) const {
     return display_ ? (*display_)(blend, hit.primitive, hit.u, hit.v, mix) : patches_(hit.primitive, hit.u, hit.v, mix);
   }
-  /// How much of an irradiance that was told under the lights' settings came straight from emitters.
+  /// All of it; with `quality: gather` alone.
+  Color all_irradiance(const SurfaceHit& hit, const DisplayLookup::Blend& blend, std::size_t mix) const {
+    return irradiance(hit, blend, mix) + (*apart_)(hit.primitive, hit.u, hit.v, mix);
+  }
+  /// How much of an irradiance that was told under the lights' settings came straight from emitters. For the layers.
   Color direct_part(const SurfaceHit& hit, const Color& irradiance) const;
 
  private:
@@ -66,6 +69,7 @@ class SolvedSurfaces {
   const IrradianceLookup patches_;
   std::optional<DisplayLookup> display_;
   std::optional<IrradianceLookup> direct_;  ///< Of what irradiance() tells, under the lights' settings.
+  std::optional<IrradianceLookup> apart_;   ///< Of emitters that are sampled apart, straight.
   mutable tbb::enumerable_thread_specific<std::vector<MaterialShader>> shaders_;
 };
 

@@ -287,8 +287,9 @@ std::vector<JobKey> job_keys(Job& job) {
       frames_key(trace.frames),
       number_key("trace.fps", trace.fps, 1e-3, 1e6, "frames a second of animated cameras"),
       resolution_key(trace.resolution),
-      choice_key("trace.quality", trace.quality, {"direct", "patches"},
-                 "direct light at the pixel, or interpolated between patches as the rest is"),
+      choice_key("trace.quality", trace.quality, {"patches", "direct", "gather"},
+                 "all light interpolated; direct light at the pixel; or the rest gathered there too, to check it"),
+      integer_key("trace.gather_rays", trace.gather_rays, 1, 4096, "rays of a sample by which `gather` gathers"),
       integer_key(
           "trace.samples", trace.samples, 1, 1 << 16,
           "samples of a pixel where colours change; 4 times as many at edges, a quarter (4 or more) where all is even"),

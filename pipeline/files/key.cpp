@@ -158,6 +158,7 @@ std::string frame_key(const PatchSet& scene, const std::string& energy_key, cons
       .add(trace.resolution[1])
       .add(trace.samples)
       .add(trace.quality)
+      .add(trace.quality == "gather" ? trace.gather_rays : 0)
       .add(view_config);
   hasher.add(trace.cull_backfaces).add(trace.view).add(trace.exposure);
   hasher.add(trace.pixel_type).add(trace.compression);

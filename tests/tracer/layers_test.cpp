@@ -45,6 +45,7 @@ Solved lit_room() {
   solved.camera.vertical = 2.0;
   solved.job.trace.resolution = {56, 40};
   solved.job.trace.quality = "direct";
+  solved.job.trace.gather_rays = 4;
   return solved;
 }
 
@@ -67,7 +68,7 @@ void expect_equal(const Color& is, const Color& should, std::size_t pixel) {
 }
 
 TEST(Layers, DoNotChangeTheBeauty) {
-  for (const char* quality : {"patches", "direct"}) {
+  for (const char* quality : {"patches", "direct", "gather"}) {
     Solved solved = lit_room();
     solved.job.trace.quality = quality;
     const Image plain = solved.render();
@@ -78,7 +79,7 @@ TEST(Layers, DoNotChangeTheBeauty) {
 }
 
 TEST(Layers, LightByItsWayAddsUpToTheBeauty) {
-  for (const char* quality : {"patches", "direct"}) {
+  for (const char* quality : {"patches", "direct", "gather"}) {
     Solved solved = lit_room();
     solved.job.trace.quality = quality;
     solved.job.trace.layers = {"direct", "indirect", "specular", "emission"};
@@ -99,7 +100,7 @@ TEST(Layers, LightByItsWayAddsUpToTheBeauty) {
 }
 
 TEST(Layers, AFrameUnderOtherSettingsIsTheSumOfItsLightGroups) {
-  for (const char* quality : {"patches", "direct"}) {
+  for (const char* quality : {"patches", "direct", "gather"}) {
     Solved solved = lit_room();
     solved.job.trace.quality = quality;
     solved.job.trace.layers = {"light_groups"};
@@ -215,16 +216,20 @@ TEST(Layers, AlbedoTimesIrradianceIsWhatIsReflected) {
 }
 
 TEST(Layers, AreTheSameBitsForAnyNumberOfThreads) {
-  Solved solved = lit_room();
-  solved.job.trace.layers = kAll;
-  std::vector<Image> images;
-  for (const std::size_t threads : {1, 3}) {
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    images.push_back(solved.render());
+  for (const char* quality : {"patches", "direct", "gather"}) {
+    Solved solved = lit_room();
+    solved.job.trace.quality = quality;
+    solved.job.trace.layers = kAll;
+    std::vector<Image> images;
+    for (const std::size_t threads : {1, 3}) {
+      const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+      images.push_back(solved.render());
+    }
+    EXPECT_EQ(images[0].pixels, images[1].pixels);
+    ASSERT_EQ(images[0].layers.size(), 11u);
+    for (std::size_t k = 0; k < images[0].layers.size(); ++k)
+      EXPECT_EQ(images[0].layers[k].values, images[1].layers[k].values) << quality << images[0].layers[k].name;
   }
-  ASSERT_EQ(images[0].layers.size(), 11u);
-  for (std::size_t k = 0; k < images[0].layers.size(); ++k)
-    EXPECT_EQ(images[0].layers[k].values, images[1].layers[k].values) << images[0].layers[k].name;
 }
 
 }  // namespace

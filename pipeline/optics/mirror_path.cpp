@@ -1,4 +1,4 @@
-#include "solver/mirror_path.h"
+#include "pipeline/optics/mirror_path.h"
 
 #include <algorithm>
 
