@@ -76,8 +76,8 @@ void FinalGather::add(std::span<const GatherPoint> points, const TileLight::Wind
     pixels[at.pixel] += weight * (arrived[i].direct + arrived[i].indirect);
     if (!layers) continue;
     if (layers->light()) {
-      layers->add_direct(at.pixel, at.mirrored != 0, weight * arrived[i].direct);
-      layers->add_indirect(at.pixel, at.mirrored != 0, weight * arrived[i].indirect);
+      layers->add_direct(at.pixel, at.way != ShadingPoint::Way::straight, weight * arrived[i].direct);
+      layers->add_indirect(at.pixel, at.way != ShadingPoint::Way::straight, weight * arrived[i].indirect);
     }
     for (std::size_t g = 0; g < layers->group_count(); ++g)
       layers->add_of_group(g, at.pixel, weight * arrived[i].of_group[g]);

@@ -46,6 +46,7 @@ class Integrator::Tile {
     const auto pixels = std::size_t(window_.pixels());
     sums_.pixels.assign(pixels, Color(0.0f));
     sums_.details.resize(pixels);
+    sums_.window = &window_;
     if (!image.layers.empty()) sums_.layers = &layers_.emplace(frame_.config_, frame_.scene_, pixels);
     packet_.clear();
   }

@@ -19,7 +19,8 @@ LightSpot::LightSpot(std::span<const ShadingPoint> all)
     middle += p.position;
     normal += p.normal;
     weight += p.weight;
-    if (p.mirrored != 0) mirrored += p.weight;
+    if (p.way != ShadingPoint::Way::straight) mirrored += p.weight;
+    scattered = scattered || p.way == ShadingPoint::Way::scattered;
   }
   middle /= double(points.size());
   normal.normalize();

@@ -6,6 +6,7 @@
 #include "pipeline/optics/mirror.h"
 #include "pipeline/optics/patch_sampling.h"
 #include "pipeline/optics/random.h"
+#include "tracer/pixel_samples.h"
 
 namespace patchlight {
 
@@ -59,7 +60,7 @@ bool PathTracer::shade(RayPacket& packet, int lane, Path& path, const CameraRays
     return false;
   }
   const SurfacePoint point = point_of(hit);
-  const Vec3f direction = packet.direction(lane);
+  Vec3f direction = packet.direction(lane);
   if (!hit.front && config_.cull_backfaces) {
     packet.set(lane, ray_scene_.to_local(point.position) + direction * ray_scene_.offset(hit.primitive), direction);
     return ++path.surfaces < kMostMirrors;
@@ -70,14 +71,12 @@ bool PathTracer::shade(RayPacket& packet, int lane, Path& path, const CameraRays
     return false;
   }
   const Material& material = scene_.materials[scene_.primitives[hit.primitive].material];
-  const bool mirror = material.roughness < kMirrorRoughness;
-  SolvedSurfaces::Colors colors = surfaces_.colors(hit);
+  const SolvedSurfaces::Colors colors = surfaces_.colors(hit);
   view.normal = normals_(hit.primitive, hit.u, hit.v, point.normal);
   if (in_layers)
     layers->add_surface(path.pixel,
                         {view.depth, point.position, view.normal, colors.reflectance, std::uint32_t(colors.patch)},
                         path.off);
-  if (!mirror) colors.reflectance += material.specular;
   sums.seen.start(path.pixel);
   const DisplayLookup::Blend blend = surfaces_.blend(hit, colors.patch, sums.seen);
   const auto radiance = [&](std::size_t mix) {
@@ -93,15 +92,32 @@ bool PathTracer::shade(RayPacket& packet, int lane, Path& path, const CameraRays
   view.light += mixes_.own == 0 && !gather_ ? shown : radiance(mixes_.own);
   view.reflectance += path.throughput * colors.reflectance;
   const Vec3d off = point.position + Vec3d(point.normal) * double(ray_scene_.offset(hit.primitive));
-  if (direct_ && largest(colors.reflectance) > 0)
-    sums.points.push_back({path.pixel, surface, hit.primitive, std::uint32_t(path.mirrored), off, view.normal,
-                           path.throughput * colors.reflectance / float(kPi)});
-  if (gather_ && largest(colors.reflectance) > 0)
-    sums.gather.push_back({sums.points.back(), point.normal, path.sample, std::uint32_t(path.surfaces)});
-  path.throughput *= material.specular;
-  if (!mirror || largest(path.throughput) < kLeastThroughput || ++path.surfaces >= kMostMirrors) return false;
+  if (direct_ && largest(colors.reflectance) > 0) {
+    using Way = ShadingPoint::Way;
+    const Way way = view.scattered ? Way::scattered : path.mirrored ? Way::mirrored : Way::straight;
+    sums.points.push_back(
+        {path.pixel, surface, hit.primitive, way, off, view.normal, path.throughput * colors.reflectance / float(kPi)});
+    if (gather_) sums.gather.push_back({sums.points.back(), point.normal, path.sample, std::uint32_t(path.surfaces)});
+  }
+  if (material.specular == Color(0.0f) || !turn(material, view.normal, point.normal, *sums.window, path, direction) ||
+      largest(path.throughput) < kLeastThroughput || ++path.surfaces >= kMostMirrors)
+    return false;
+  packet.set(lane, ray_scene_.to_local(off), direction);
+  return true;
+}
+
+bool PathTracer::turn(const Material& material, const Vec3f& normal, const Vec3f& flat, const TileLight::Window& window,
+                      Path& path, Vec3f& direction) const {
   path.mirrored = true;
-  packet.set(lane, ray_scene_.to_local(off), direction - point.normal * (2.0f * (point.normal ^ direction)));
+  Vec2f at(0.0f);
+  if (material.roughness >= kMirrorRoughness) {
+    path.view.scattered = true;
+    const std::uint64_t seed = scramble(~scramble(window.place(path.pixel)) + std::uint64_t(path.surfaces));
+    at = pixel_sample(shuffled(path.sample, std::uint32_t(scramble(seed))), seed);
+  }
+  if (!reflect(material, normal, at, direction, path.throughput)) return false;
+  // A smooth normal may turn it below the facet that it left.
+  if ((direction ^ flat) < 0) direction -= flat * (2.0f * (direction ^ flat));
   return true;
 }
 

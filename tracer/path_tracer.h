@@ -13,11 +13,12 @@ namespace patchlight {
 
 /// What the paths of some pixels have come to.
 struct PathSums {
-  std::vector<Color> pixels;           ///< Sums of radiance, without light that is found at the pixel.
-  std::vector<ShadingPoint> points;    ///< Where such light is still to be added.
-  std::vector<GatherPoint> gather{};   ///< Where other light is; none unless by `quality: gather`.
-  std::vector<PixelDetail> details{};  ///< Of each pixel; empty: not asked for.
-  LayerSums* layers = nullptr;         ///< Null: not asked for.
+  std::vector<Color> pixels;                  ///< Sums of radiance, without light that is found at the pixel.
+  std::vector<ShadingPoint> points;           ///< Where such light is still to be added.
+  std::vector<GatherPoint> gather{};          ///< Where other light is; none unless by `quality: gather`.
+  std::vector<PixelDetail> details{};         ///< Of each pixel; empty: not asked for.
+  LayerSums* layers = nullptr;                ///< Null: not asked for.
+  const TileLight::Window* window = nullptr;  ///< Of the pixels.
   DisplayLookup::Seen seen{};
 };
 
@@ -36,7 +37,7 @@ class PathTracer {
     std::uint32_t sample = 0;  ///< Of the pixel's.
     float off = 0.0f;          ///< From the pixel's middle.
     Color throughput{1.0f};
-    int surfaces = 0;  ///< Mirrors, and backs that it went through.
+    int surfaces = 0;  ///< Metals, and backs that it went through.
     bool mirrored = false;
     PathView view{};
   };
@@ -50,10 +51,13 @@ class PathTracer {
              PathSums& sums) const;
 
  private:
-  /// Adds what a hit shows and turns the lane towards what its mirror shows; false when the path ends.
+  /// Adds what a hit shows and turns the lane towards what a metal there shows; false when the path ends.
   bool shade(RayPacket& packet, int lane, Path& path, const CameraRays& camera, PathSums& sums) const;
   void add_layers(const SurfaceHit& hit, const SolvedSurfaces::Colors& colors, const DisplayLookup::Blend& blend,
                   const Path& path, LayerSums& layers) const;
+  /// Turns `direction` as the metal at a hit does; `normal`: smooth. False: it reflects nothing.
+  bool turn(const Material& material, const Vec3f& normal, const Vec3f& flat, const TileLight::Window& window,
+            Path& path, Vec3f& direction) const;
   SurfacePoint point_of(const SurfaceHit& hit) const;
 
   const PatchSet& scene_;

@@ -10,8 +10,10 @@ struct ShadingPoint {
   std::uint32_t pixel = 0;   ///< Of the tile.
   std::int32_t surface = 0;  ///< The same for primitives that meet smoothly.
   std::int32_t primitive = 0;
-  std::uint32_t mirrored = 0;  ///< 1: seen by way of mirrors.
-  Vec3d position{0.0};         ///< Where shadow rays start: off the surface.
+  /// How a pixel sees a point: `scattered` by a rough metal, so that its other points may be anywhere.
+  enum class Way : std::uint32_t { straight, mirrored, scattered };
+  Way way = Way::straight;
+  Vec3d position{0.0};  ///< Where shadow rays start: off the surface.
   Vec3f normal{0.0f};
   Color weight{0.0f};  ///< What the pixel gets for irradiance there, 1/sr.
 };

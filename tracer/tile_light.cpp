@@ -153,7 +153,8 @@ bool TileLight::add_seen(const ShadingPoint& point, std::span<Color> pixels) con
   const std::int32_t s = spot_at(point.pixel, point.surface, point.normal);
   if (s < 0) return false;
   pixels[point.pixel] += seen_[s] * point.weight;
-  if (layers_ && layers_->light()) layers_->add_direct(point.pixel, point.mirrored != 0, seen_[s] * point.weight);
+  if (layers_ && layers_->light())
+    layers_->add_direct(point.pixel, point.way != ShadingPoint::Way::straight, seen_[s] * point.weight);
   for (std::size_t g = 0; g < seen_of_group_.size(); ++g)
     layers_->add_of_group(g, point.pixel, seen_of_group_[g][s] * point.weight);
   return true;
@@ -226,10 +227,11 @@ void TileLight::add(std::vector<ShadingPoint>& points, std::span<Color> pixels) 
       if (factors.of(l, s) <= 0) continue;
       around[s].add(own[s]);
       const float share = factors.share(lamps[l], l, s);
-      if (!around[s].partial() || share < kLittle) continue;
+      const bool scattered = spots[s].scattered;  // then what is seen from elsewhere says nothing
+      if ((!around[s].partial() && !scattered) || share < kLittle) continue;
       const float part = float(spots[s].points.size()) / float(of_pixel[spots[s].pixel]);
-      sample(lamps[l], spots[s], rays_for(part * share, samples_, around[s]), 0, scramble(seeds[s] + 2 * l + 1), rays,
-             more[s]);
+      const int count = scattered ? int(spots[s].points.size()) : rays_for(part * share, samples_, around[s]);
+      sample(lamps[l], spots[s], count, 0, scramble(seeds[s] + 2 * l + 1), rays, more[s]);
     }
     rays.cast();
     for (std::size_t s = 0; s < spots.size(); ++s) {

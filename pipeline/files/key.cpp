@@ -20,7 +20,7 @@ namespace {
 constexpr int kImportVersion = 1;
 constexpr int kTransportKeyVersion = 11;
 constexpr int kSolveVersion = 13;
-constexpr int kTraceVersion = 6;
+constexpr int kTraceVersion = 7;
 
 XXH3_state_t* state_of(void* state) {
   return static_cast<XXH3_state_t*>(state);

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "pipeline/optics/patch_sampling.h"
-#include "pipeline/optics/random.h"
 
 namespace patchlight {
 
@@ -32,7 +31,7 @@ float smith_lambda(const Vec3f& direction, float alpha) {
 
 }  // namespace
 
-bool reflect(const Material& material, const Vec3f& normal, std::uint64_t random, Vec3f& direction, Color& throughput) {
+bool reflect(const Material& material, const Vec3f& normal, const Vec2f& at, Vec3f& direction, Color& throughput) {
   throughput *= material.specular;
   if (material.roughness < kMirrorRoughness) {
     direction -= normal * (2.0f * (normal ^ direction));
@@ -42,7 +41,7 @@ bool reflect(const Material& material, const Vec3f& normal, std::uint64_t random
   Vec3f tangent, bitangent;
   orthonormal_frame(normal, tangent, bitangent);
   const Vec3f view(-(direction ^ tangent), -(direction ^ bitangent), std::max(-(direction ^ normal), 1e-6f));
-  const Vec3f half = visible_normal(view, alpha, to_unit(random), to_unit(scramble(random)));
+  const Vec3f half = visible_normal(view, alpha, at.x, at.y);
   const Vec3f out = half * (2.0f * (view ^ half)) - view;
   if (out.z <= 1e-6f) return false;
   const float seen = smith_lambda(view, alpha);

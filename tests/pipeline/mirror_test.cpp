@@ -21,7 +21,7 @@ TEST(Mirror, PerfectOnesReflectAtTheSameAngle) {
   Vec3f direction = incoming(0.6f);
   const Vec3f before = direction;
   Color throughput(0.5f);
-  EXPECT_TRUE(reflect({"m", Color(0.8f, 0.4f, 0.0f), 0.0f}, kNormal, 1, direction, throughput));
+  EXPECT_TRUE(reflect({"m", Color(0.8f, 0.4f, 0.0f), 0.0f}, kNormal, {0.3f, 0.6f}, direction, throughput));
   EXPECT_NEAR(direction ^ kNormal, 0.6, 1e-6);
   EXPECT_NEAR((direction - before).length(), 1.2, 1e-6);
   EXPECT_NEAR(throughput.x, 0.4, 1e-6);
@@ -38,7 +38,7 @@ TEST(Mirror, RoughOnesReflectWhatTheirMicrofacetsLeave) {
     for (std::uint64_t k = 0; k < kSamples; ++k) {
       Vec3f direction = incoming(c.mu);
       Color throughput(1.0f);
-      if (!reflect({"m", Color(1.0f), c.roughness}, kNormal, scramble(k), direction, throughput)) continue;
+      if (!reflect({"m", Color(1.0f), c.roughness}, kNormal, kronecker2(k, 1), direction, throughput)) continue;
       ASSERT_GT(direction ^ kNormal, 0);
       ASSERT_NEAR(direction.length(), 1, 1e-5);
       ASSERT_LE(throughput.x, 1);
@@ -54,7 +54,7 @@ TEST(Mirror, SmoothOnesStayNearThePerfectDirection) {
   for (std::uint64_t k = 0; k < 100; ++k) {
     Vec3f direction = incoming(0.5f);
     Color throughput(1.0f);
-    ASSERT_TRUE(reflect({"m", Color(1.0f), 0.06f}, kNormal, scramble(k), direction, throughput));
+    ASSERT_TRUE(reflect({"m", Color(1.0f), 0.06f}, kNormal, kronecker2(k, 1), direction, throughput));
     EXPECT_GT(direction ^ perfect, 0.99f);
   }
 }

@@ -43,7 +43,8 @@ struct Ground {
     std::vector<ShadingPoint> points;
     for (int k = 0; k < kPerPixel; ++k)
       for (std::uint32_t pixel = 0; pixel < kWidth; ++pixel)
-        points.push_back({pixel, 1, 1, 0, Vec3d(x(int(pixel), k), 1e-6, 0.1), Vec3f(0, 1, 0), Color(1.0f / kPerPixel)});
+        points.push_back(
+            {pixel, 1, 1, {}, Vec3d(x(int(pixel), k), 1e-6, 0.1), Vec3f(0, 1, 0), Color(1.0f / kPerPixel)});
     return light_of(builder.get(), setting, points, kWidth, place);
   }
 
@@ -143,8 +144,8 @@ TEST(TileLight, ALampDoesNotLightItself) {
   PatchScene builder;
   builder.quad({{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}, 2, 2, {0.5f, 3.0f});
   builder.sphere({0, 0, 5}, 1, 4, 8, {0.5f, 3.0f});
-  const std::vector<ShadingPoint> points{{0, 0, 0, 0, Vec3d(0.3, 0.4, 1e-5), Vec3f(0, 0, 1), Color(1.0f)},
-                                         {1, 1, 1, 0, Vec3d(0, 0, 6 + 1e-4), Vec3f(0, 0, 1), Color(1.0f)}};
+  const std::vector<ShadingPoint> points{{0, 0, 0, {}, Vec3d(0.3, 0.4, 1e-5), Vec3f(0, 0, 1), Color(1.0f)},
+                                         {1, 1, 1, {}, Vec3d(0, 0, 6 + 1e-4), Vec3f(0, 0, 1), Color(1.0f)}};
   const std::vector<Color> pixels = light_of(builder.get(), Color(1.0f), points, 2, 1);
   EXPECT_GT(pixels[0].y, 0) << "the sphere lights the square";
   EXPECT_EQ(pixels[1].y, 0) << "the sphere's far side sees nothing";
