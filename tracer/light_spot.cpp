@@ -30,7 +30,7 @@ LightSpot::LightSpot(std::span<const ShadingPoint> all)
 }
 
 double LightSpot::form_factor(const PixelLight::Lamp& lamp) const {
-  if (lamp.primitive == primitive) return 0.0;
+  if (lamp.emitter.primitive == primitive) return 0.0;
   if (radius < kSmall * lamp.light.distance(middle)) return lamp.light.form_factor(middle, normal);
   const std::size_t step = (points.size() + kEnough - 1) / kEnough;
   double sum = 0;

@@ -31,7 +31,9 @@ PathTracer::PathTracer(const PatchSet& scene, const RayScene& ray_scene, const O
       config_(config),
       direct_(config.quality != "patches"),
       gather_(config.quality == "gather"),
-      normals_(scene) {}
+      normals_(scene) {
+  if (MetalLight::is_of_use(scene)) metals_.emplace(scene, ray_scene, mixes.all[0]);
+}
 
 void PathTracer::trace(RayPacket& packet, std::array<Path, RayPacket::kSize>& paths, const CameraRays& camera,
                        PathSums& sums) const {
@@ -47,6 +49,7 @@ void PathTracer::trace(RayPacket& packet, std::array<Path, RayPacket::kSize>& pa
       packet.valid[lane] = 0;
       if (!sums.details.empty()) sums.details[paths[lane].pixel].add(paths[lane].view);
     }
+    if (sums.metal_rays && sums.metal_rays->any) add_metal_light(paths, sums);
   }
 }
 
@@ -62,6 +65,7 @@ bool PathTracer::shade(RayPacket& packet, int lane, Path& path, const CameraRays
   const SurfacePoint point = point_of(hit);
   Vec3f direction = packet.direction(lane);
   if (!hit.front && config_.cull_backfaces) {
+    path.density = 0;  // rays to emitters do not look through
     packet.set(lane, ray_scene_.to_local(point.position) + direction * ray_scene_.offset(hit.primitive), direction);
     return ++path.surfaces < kMostMirrors;
   }
@@ -71,12 +75,14 @@ bool PathTracer::shade(RayPacket& packet, int lane, Path& path, const CameraRays
     return false;
   }
   const Material& material = scene_.materials[scene_.primitives[hit.primitive].material];
-  const SolvedSurfaces::Colors colors = surfaces_.colors(hit);
+  SolvedSurfaces::Colors colors = surfaces_.colors(hit);
   view.normal = normals_(hit.primitive, hit.u, hit.v, point.normal);
   if (in_layers)
     layers->add_surface(path.pixel,
                         {view.depth, point.position, view.normal, colors.reflectance, std::uint32_t(colors.patch)},
                         path.off);
+  if (path.density > 0)
+    colors.emission *= metals_->part_met(sums.metal_rays->places[lane], direction, path.density, colors.patch);
   sums.seen.start(path.pixel);
   const DisplayLookup::Blend blend = surfaces_.blend(hit, colors.patch, sums.seen);
   const auto radiance = [&](std::size_t mix) {
@@ -99,26 +105,67 @@ bool PathTracer::shade(RayPacket& packet, int lane, Path& path, const CameraRays
         {path.pixel, surface, hit.primitive, way, off, view.normal, path.throughput * colors.reflectance / float(kPi)});
     if (gather_) sums.gather.push_back({sums.points.back(), point.normal, path.sample, std::uint32_t(path.surfaces)});
   }
-  if (material.specular == Color(0.0f) || !turn(material, view.normal, point.normal, *sums.window, path, direction) ||
+  if (material.specular == Color(0.0f) ||
+      !turn(material, off, view.normal, point.normal, lane, path, direction, sums) ||
       largest(path.throughput) < kLeastThroughput || ++path.surfaces >= kMostMirrors)
     return false;
   packet.set(lane, ray_scene_.to_local(off), direction);
   return true;
 }
 
-bool PathTracer::turn(const Material& material, const Vec3f& normal, const Vec3f& flat, const TileLight::Window& window,
-                      Path& path, Vec3f& direction) const {
+bool PathTracer::turn(const Material& material, const Vec3d& off, const Vec3f& normal, const Vec3f& flat, int lane,
+                      Path& path, Vec3f& direction, PathSums& sums) const {
   path.mirrored = true;
+  path.density = 0;
   Vec2f at(0.0f);
-  if (material.roughness >= kMirrorRoughness) {
+  const Vec3f in = direction;
+  const bool rough = material.roughness >= kMirrorRoughness;
+  if (rough) {
     path.view.scattered = true;
-    const std::uint64_t seed = scramble(~scramble(window.place(path.pixel)) + std::uint64_t(path.surfaces));
+    MetalRays& rays = sums.metal_rays ? *sums.metal_rays : sums.metal_rays.emplace();
+    rays.places[lane] = {off, normal, in, material.roughness};
+    const std::uint64_t seed = scramble(~scramble(sums.window->place(path.pixel)) + std::uint64_t(path.surfaces));
     at = pixel_sample(shuffled(path.sample, std::uint32_t(scramble(seed))), seed);
+    ask_for_metal_light(material, scramble(~seed), lane, path, rays);
   }
   if (!reflect(material, normal, at, direction, path.throughput)) return false;
+  if (rough) path.density = metal_lobe(material.roughness, normal, in, direction).density;
   // A smooth normal may turn it below the facet that it left.
   if ((direction ^ flat) < 0) direction -= flat * (2.0f * (direction ^ flat));
   return true;
+}
+
+void PathTracer::ask_for_metal_light(const Material& material, std::uint64_t seed, int lane, const Path& path,
+                                     MetalRays& rays) const {
+  const Vec2f at = pixel_sample(shuffled(path.sample, std::uint32_t(scramble(seed))), seed);
+  const std::uint64_t other = scramble(seed);
+  const float choice = pixel_sample(shuffled(path.sample, std::uint32_t(scramble(other))), other).x;
+  const MetalLight::Sample sample = metals_->sample(rays.places[lane], choice, at);
+  if (sample.weight <= 0) return;
+  rays.any = true;
+  rays.samples[lane] = sample;
+  rays.throughputs[lane] = path.throughput * material.specular;
+  rays.packet.set_shadow(lane, ray_scene_.to_local(rays.places[lane].position), sample.direction, sample.distance);
+}
+
+/// Of the rays that a packet's paths have asked for.
+void PathTracer::add_metal_light(std::array<Path, RayPacket::kSize>& paths, PathSums& sums) const {
+  MetalRays& rays = *sums.metal_rays;
+  const std::uint32_t hidden = ray_scene_.occluded(rays.packet);
+  for (int lane = 0; lane < RayPacket::kSize; ++lane) {
+    if (rays.packet.valid[lane] == 0) continue;
+    rays.packet.valid[lane] = 0;
+    if (hidden >> lane & 1u) continue;
+    const MetalLight::Sample& sample = rays.samples[lane];
+    const std::uint32_t pixel = paths[lane].pixel;
+    const Color through = rays.throughputs[lane] * sample.weight / float(kPi);
+    sums.pixels[pixel] += through * sample.lamp->exitance;
+    if (!sums.layers) continue;
+    if (sums.layers->light()) sums.layers->add_emission(pixel, true, through * sample.lamp->exitance);
+    if (sums.layers->groups())
+      sums.layers->add_of_group(std::size_t(sample.lamp->group), pixel, through * sample.lamp->own);
+  }
+  rays.any = false;
 }
 
 void PathTracer::add_layers(const SurfaceHit& hit, const SolvedSurfaces::Colors& colors,

@@ -4,12 +4,24 @@
 #include "tracer/camera_rays.h"
 #include "tracer/final_gather.h"
 #include "tracer/layers.h"
+#include "tracer/metal_light.h"
 #include "tracer/outlines.h"
 #include "tracer/pixel_detail.h"
 #include "tracer/pixel_light.h"
 #include "tracer/solved_surfaces.h"
 
 namespace patchlight {
+
+/// The rough metals that a packet's paths have met, and rays from there to emitters.
+struct MetalRays {
+  RayPacket packet;
+  std::array<MetalLight::Place, RayPacket::kSize> places;  ///< The last that each path has met.
+  std::array<MetalLight::Sample, RayPacket::kSize> samples;
+  std::array<Color, RayPacket::kSize> throughputs;
+  bool any = false;
+
+  MetalRays() { packet.clear(); }
+};
 
 /// What the paths of some pixels have come to.
 struct PathSums {
@@ -19,6 +31,7 @@ struct PathSums {
   std::vector<PixelDetail> details{};         ///< Of each pixel; empty: not asked for.
   LayerSums* layers = nullptr;                ///< Null: not asked for.
   const TileLight::Window* window = nullptr;  ///< Of the pixels.
+  std::optional<MetalRays> metal_rays{};      ///< Where there are rough metals.
   DisplayLookup::Seen seen{};
 };
 
@@ -39,6 +52,7 @@ class PathTracer {
     Color throughput{1.0f};
     int surfaces = 0;  ///< Metals, and backs that it went through.
     bool mirrored = false;
+    float density = 0.0f;  ///< Of the last turn, by a rough metal, per sr; 0: the last turn was not by one.
     PathView view{};
   };
 
@@ -56,8 +70,11 @@ class PathTracer {
   void add_layers(const SurfaceHit& hit, const SolvedSurfaces::Colors& colors, const DisplayLookup::Blend& blend,
                   const Path& path, LayerSums& layers) const;
   /// Turns `direction` as the metal at a hit does; `normal`: smooth. False: it reflects nothing.
-  bool turn(const Material& material, const Vec3f& normal, const Vec3f& flat, const TileLight::Window& window,
-            Path& path, Vec3f& direction) const;
+  bool turn(const Material& material, const Vec3d& off, const Vec3f& normal, const Vec3f& flat, int lane, Path& path,
+            Vec3f& direction, PathSums& sums) const;
+  void ask_for_metal_light(const Material& material, std::uint64_t seed, int lane, const Path& path,
+                           MetalRays& rays) const;
+  void add_metal_light(std::array<Path, RayPacket::kSize>& paths, PathSums& sums) const;
   SurfacePoint point_of(const SurfaceHit& hit) const;
 
   const PatchSet& scene_;
@@ -68,6 +85,7 @@ class PathTracer {
   const TraceConfig& config_;
   const bool direct_, gather_;
   const SmoothNormals normals_;
+  std::optional<MetalLight> metals_;  ///< Where there are rough ones.
 };
 
 }  // namespace patchlight

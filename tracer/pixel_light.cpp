@@ -7,7 +7,7 @@ PixelLight::PixelLight(const PatchSet& scene, const RayScene& ray_scene, const s
   for (const Emitter& emitter : emitters_apart(scene)) {
     const std::int32_t group = scene.primitives[emitter.primitive].light_group;
     const Color own = scene.patches[emitter.first_patch].emission;
-    const Lamp lamp{{scene, ray_scene, emitter}, emitter.primitive, group, own, own * settings[group]};
+    const Lamp lamp{{scene, ray_scene, emitter}, emitter, group, own, own * settings[group]};
     if (lamp.brightness() > 0) lamps_.push_back(lamp);
   }
 }

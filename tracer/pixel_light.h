@@ -24,7 +24,7 @@ class PixelLight {
  public:
   struct Lamp {
     DirectLight light;
-    std::int32_t primitive;
+    Emitter emitter;
     std::int32_t group;
     Color own;       ///< Exitance at the scene's own strength, W/m2.
     Color exitance;  ///< The same under the lights' settings.

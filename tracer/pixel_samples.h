@@ -22,8 +22,8 @@ inline std::uint32_t reversed_bits(std::uint32_t x) {
   return (x & 0xaaaaaaaau) >> 1 | (x & 0x55555555u) << 1;
 }
 
-/// Another order of all numbers, in which aligned runs of 1, 2, 4, ... stay together: so that what one sample takes from
-/// two sequences has nothing in common (Burley 2020, section 4).
+/// Another order of all numbers, in which aligned runs of 1, 2, 4, ... stay together: so that what one sample takes
+/// from two sequences has nothing in common (Burley 2020, section 4).
 inline std::uint32_t shuffled(std::uint32_t k, std::uint32_t seed) {
   return reversed_bits(owen_scrambled(reversed_bits(k), seed));
 }

@@ -50,4 +50,16 @@ bool reflect(const Material& material, const Vec3f& normal, const Vec2f& at, Vec
   return true;
 }
 
+MetalLobe metal_lobe(float roughness, const Vec3f& normal, const Vec3f& in, const Vec3f& out) {
+  const float alpha = roughness * roughness;
+  const Vec3f view = -in;
+  const float cos_view = std::max(view ^ normal, 1e-6f), cos_out = out ^ normal;
+  if (cos_out <= 1e-6f) return {};
+  const float cos_half = (view + out).normalized() ^ normal;
+  const float below = cos_half * cos_half * (alpha * alpha - 1.0f) + 1.0f;
+  const float facets = alpha * alpha / (float(kPi) * below * below) / (4.0f * cos_view);
+  const float seen = smith_lambda({0, 0, cos_view}, alpha), left = smith_lambda({0, 0, cos_out}, alpha);
+  return {facets / (1.0f + seen + left), facets / (1.0f + seen)};
+}
+
 }  // namespace patchlight

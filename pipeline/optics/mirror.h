@@ -12,4 +12,13 @@ constexpr float kMirrorRoughness = 0.05f;
 /// nothing is reflected.
 bool reflect(const Material& material, const Vec3f& normal, const Vec2f& at, Vec3f& direction, Color& throughput);
 
+/// The GGX lobe that a rough metal reflects a ray by, per sr.
+struct MetalLobe {
+  float value = 0.0f;    ///< BRDF times the outgoing cosine, but for the metal's reflectance.
+  float density = 0.0f;  ///< With which reflect() takes a direction.
+};
+
+/// For a ray along `in`, towards the surface, that leaves along `out`; unit vectors. Zero below the surface.
+MetalLobe metal_lobe(float roughness, const Vec3f& normal, const Vec3f& in, const Vec3f& out);
+
 }  // namespace patchlight

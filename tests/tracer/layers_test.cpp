@@ -19,17 +19,19 @@ using test::Solved;
 const std::vector<std::string> kAll{"direct", "indirect", "specular", "emission", "albedo",
                                     "normal", "depth",    "position", "patch",    "light_groups"};
 
-/// A room with two lamps of two groups, a block that stands in their light, a ball, and a wall that is half a mirror.
+/// A room with two lamps of two groups, a block that stands in their light, a ball of rough metal, and a wall that is
+/// half a mirror.
 Solved lit_room() {
   PatchScene builder;
   builder.get().light_groups = {"sun", "lamp"};
   builder.get().materials.push_back({"half mirror", Color(0.5f, 0.4f, 0.3f), 0.0f});
+  builder.get().materials.push_back({"satin", Color(0.3f, 0.5f, 0.5f), 0.4f});
   builder.room(1, 3, {0.5f, 0.0f});
   builder.get().primitives[4].material = 1;  // before the camera
   builder.quad({{{-0.6, 0.99, -0.4}, {0.0, 0.99, -0.4}, {0.0, 0.99, 0.2}, {-0.6, 0.99, 0.2}}}, 1, 1, {0.3f, 9.0f, 0});
   builder.quad({{{0.3, 0.9, -0.8}, {0.4, 0.9, -0.8}, {0.4, 0.9, -0.7}, {0.3, 0.9, -0.7}}}, 1, 1, {0.3f, 40.0f, 1});
   builder.quad({{{-0.4, 0, -0.5}, {-0.4, 0, 0.1}, {0.5, 0, 0.1}, {0.5, 0, -0.5}}}, 2, 2, {0.7f, 0.0f});
-  builder.sphere({0.5, -0.6, 0.3}, 0.3, 4, 8, {0.4f, 0.0f});
+  builder.sphere({0.5, -0.6, 0.3}, 0.3, 4, 8, {0.4f, 0.0f, 0, 2});
   Solved solved(builder);
   for (std::size_t g = 0; g < 2; ++g) {
     EnergyField::Group& group = solved.energy.groups[g];
@@ -41,7 +43,7 @@ Solved lit_room() {
     }
     group.direct_by_rows.assign(solved.scene.patches.size(), Color(g == 0 ? 0.1f : 0.0f));
   }
-  solved.camera.to_world.translate(Vec3d(0, 0, 0.6));
+  solved.camera.to_world.translate(Vec3d(0, 0, 0.95));
   solved.camera.vertical = 2.0;
   solved.job.trace.resolution = {56, 40};
   solved.job.trace.quality = "direct";
