@@ -24,9 +24,9 @@ void clamp(std::vector<Color>& pixels, float most) {
 
 /// Hours, minutes, seconds and frames, by SMPTE.
 std::string timecode(int frame, double fps) {
-  const int seconds = int(frame / fps);
+  const auto seconds = std::int64_t(frame / fps);
   return fmt::format("{:02}:{:02}:{:02}:{:02}", seconds / 3600, seconds / 60 % 60, seconds % 60,
-                     int(std::lround(frame - seconds * fps)));
+                     int(std::lround(frame - double(seconds) * fps)));
 }
 
 std::string duration(double seconds) {

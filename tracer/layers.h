@@ -9,7 +9,7 @@ namespace patchlight {
 
 /// What the samples of some pixels add up to beside their beauty, as far as the layers of a job ask for it.
 ///
-/// Light counts where the camera sees it: `specular` is all that comes by way of mirrors. The light of a group is that
+/// Light counts where the camera sees it: `specular` is all that comes by way of metals. The light of a group is that
 /// at the scene's own strength, so that a frame under other settings is their sum, each times its setting.
 class LayerSums {
  public:
@@ -34,7 +34,8 @@ class LayerSums {
     std::uint32_t patch = kNoPatch;
   };
   static constexpr std::uint32_t kNoPatch = 0xffffffffu;
-  /// `off`: how far from the pixel's middle. Depths, places and patches have no mean: those nearest to it count.
+  /// `off`: how far from the pixel's middle, squared. Depths, places and patches have no mean: those nearest to it
+  /// count.
   void add_surface(std::uint32_t pixel, const Surface& surface, float off);
 
   /// Layers of a whole frame, still to be filled. In the order of `config.layers`.

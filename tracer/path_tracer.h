@@ -35,10 +35,11 @@ struct PathSums {
   DisplayLookup::Seen seen{};
 };
 
-/// Follows paths from the camera to what they show: E / pi + rho H / pi at the first surface, plus what mirrors show. H
+/// Follows paths from the camera to what they show: E / pi + rho H / pi at the first surface, plus what metals show. H
 /// is interpolated; with `quality: direct` it lacks the direct light of emitters that are sampled apart, which
-/// PixelLight adds; with `quality: gather` FinalGather adds the rest of it. Mirrors are followed until what they pass
-/// on is below a thousandth.
+/// PixelLight adds; with `quality: gather` FinalGather adds the rest of it. Metals are followed until what they pass on
+/// is below a thousandth: mirrors the one way, rough ones by a direction of their GGX lobe for each sample, a pixel's
+/// being stratified together, and by MetalLight.
 ///
 /// What a path has come to for PixelDetail is light at the scene's own strength, so that the lights' settings have no
 /// say in where samples go.
@@ -48,7 +49,7 @@ class PathTracer {
   struct Path {
     std::uint32_t pixel = 0;   ///< Of the sums.
     std::uint32_t sample = 0;  ///< Of the pixel's.
-    float off = 0.0f;          ///< From the pixel's middle.
+    float off = 0.0f;          ///< From the pixel's middle, squared; for layers.
     Color throughput{1.0f};
     int surfaces = 0;  ///< Metals, and backs that it went through.
     bool mirrored = false;

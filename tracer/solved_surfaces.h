@@ -48,11 +48,11 @@ class SolvedSurfaces {
   DisplayLookup::Blend blend(const SurfaceHit& hit, std::int32_t patch, DisplayLookup::Seen& seen) const {
     return display_ ? display_->blend(hit.primitive, patch, hit.u, hit.v, seen) : DisplayLookup::Blend{};
   }
-  /// W/m2. But with `quality: patches` it lacks what comes straight from emitters that are sampled apart.
+  /// W/m2. Unless `quality` is `patches` it lacks what comes straight from emitters that are sampled apart.
   Color irradiance(const SurfaceHit& hit, const DisplayLookup::Blend& blend, std::size_t mix = 0) const {
     return display_ ? (*display_)(blend, hit.primitive, hit.u, hit.v, mix) : patches_(hit.primitive, hit.u, hit.v, mix);
   }
-  /// All of it; with `quality: gather` alone.
+  /// All of it; only with `quality: gather`.
   Color all_irradiance(const SurfaceHit& hit, const DisplayLookup::Blend& blend, std::size_t mix) const {
     return irradiance(hit, blend, mix) + (*apart_)(hit.primitive, hit.u, hit.v, mix);
   }

@@ -230,7 +230,8 @@ void TileLight::add(std::vector<ShadingPoint>& points, std::span<Color> pixels) 
       const bool scattered = spots[s].scattered;  // then what is seen from elsewhere says nothing
       if ((!around[s].partial() && !scattered) || share < kLittle) continue;
       const float part = float(spots[s].points.size()) / float(of_pixel[spots[s].pixel]);
-      const int count = scattered ? int(spots[s].points.size()) : rays_for(part * share, samples_, around[s]);
+      const int count = scattered ? std::max(kLeast, int(share * float(spots[s].points.size())))
+                                  : rays_for(part * share, samples_, around[s]);
       sample(lamps[l], spots[s], count, 0, scramble(seeds[s] + 2 * l + 1), rays, more[s]);
     }
     rays.cast();
