@@ -7,11 +7,11 @@
 #include <cmath>
 #include <optional>
 
+#include "pipeline/optics/mirror_path.h"
 #include "pipeline/optics/patch_sampling.h"
 #include "pipeline/optics/random.h"
 #include "pipeline/optics/vector_code.h"
 #include "solver/exposed_part.h"
-#include "solver/mirror_path.h"
 #include "solver/touched_memory.h"
 
 namespace patchlight {

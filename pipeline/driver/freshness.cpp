@@ -135,11 +135,10 @@ Freshness frame_freshness(const Job& job, const PatchSet& scene, const Frame& fr
   if (state.state == State::missing) return refuse(State::missing, "missing");
   if (!state.fresh()) return state;
   std::vector<std::string> inputs;
-  for (const auto& [what, attribute, now] :
-       {std::tuple("the patches", "patchlight:patches_key", scene.key),
-        {"textures and shaders", "patchlight:frames_key", scene.frames_key},
-        {"the camera", "patchlight:camera_key", camera_key(frame.camera)},
-        {"the OpenColorIO config", "patchlight:view_config", view_config}})
+  for (const auto& [what, attribute, now] : {std::tuple("the patches", "patchlight:patches_key", scene.key),
+                                             {"textures and shaders", "patchlight:frames_key", scene.frames_key},
+                                             {"the camera", "patchlight:camera_key", camera_key(frame.camera)},
+                                             {"the OpenColorIO config", "patchlight:view_config", view_config}})
     if (header.metadata[attribute] != now) inputs.push_back(change(what, header.metadata[attribute], now));
   compare_keys(state, job, header.metadata["patchlight:key"], header.metadata["patchlight:job"], key_of, inputs);
   if (!state.fresh()) return state;

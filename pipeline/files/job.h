@@ -1,10 +1,12 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -39,6 +41,9 @@ struct SolveConfig {
   std::uint64_t memory = 0;  ///< Most bytes, from the command line; 0: what the machine has.
 };
 
+/// What the layers of light groups are called before the group's name: as Blender calls them.
+inline constexpr const char* kLightGroupLayer = "Combined_";
+
 /// How frames show one light group.
 struct LightSetting {
   double scale = 1.0;
@@ -61,10 +66,16 @@ struct TraceConfig {
   double fps = 24.0;
   std::array<int, 2> resolution{640, 480};
   int samples = 16;
-  std::string quality = "direct";  ///< direct or patches.
+  std::string quality = "direct";  ///< patches, direct or gather.
+  int gather_rays = 64;            ///< Of a sample, with quality gather.
   bool cull_backfaces = false;
+  std::vector<std::string> layers;  ///< Of the EXR, beside the beauty; `light_groups` stands for one for each.
+  std::string pixel_type = "half";  ///< half or float, of the EXR's light and colours.
+  std::string compression = "zip";  ///< Of the EXR, as OpenImageIO names it.
   std::string view = "sRGB";
   double exposure = 0.0;  ///< Stops, for the PNG alone.
+
+  bool asks_for(std::string_view layer) const { return std::find(layers.begin(), layers.end(), layer) != layers.end(); }
 };
 
 /// One axis of a job's matrix: what it can be, each by a name and overrides.

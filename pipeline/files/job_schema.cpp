@@ -7,9 +7,11 @@
 #include <functional>
 #include <limits>
 #include <regex>
+#include <set>
 
 #include "pipeline/files/frame_range.h"
 #include "pipeline/files/job_cameras.h"
+#include "pipeline/files/image_file.h"
 #include "pipeline/files/job_override.h"
 #include "pipeline/files/job_shaders.h"
 #include "pipeline/files/job_values.h"
@@ -163,6 +165,22 @@ JobKey resolution_key(std::array<int, 2>& size) {
           }};
 }
 
+JobKey layers_key(std::vector<std::string>& layers) {
+  const std::vector<std::string> known{"direct", "indirect", "specular", "emission", "albedo",
+                                       "normal", "depth",    "position", "patch",    "light_groups"};
+  return {"trace.layers", fmt::format("of the EXR, beside the beauty: {}", fmt::join(known, ", ")),
+          [&layers, known](const Node& n) {
+            if (n.IsMap()) throw std::string("expected a list of layers");
+            std::set<std::string> chosen;
+            if (n.IsScalar()) chosen.insert(parse_choice(n, known));
+            for (const Node& name : n) chosen.insert(parse_choice(name, known));
+            layers.clear();
+            for (const std::string& name : known)  // their order means nothing
+              if (chosen.contains(name)) layers.push_back(name);
+          },
+          [&layers] { return Node(layers); }};
+}
+
 JobKey view_key(std::string& view) {
   return {"trace.view", "OpenColorIO view of the PNG: sRGB, ACES or Raw of the shipped config, or one of $OCIO's",
           [&view](const Node& n) { view = parse<std::string>(n, "the name of a view"); },
@@ -256,12 +274,16 @@ std::vector<JobKey> job_keys(Job& job) {
       frames_key(trace.frames),
       number_key("trace.fps", trace.fps, 1e-3, 1e6, "frames a second of animated cameras"),
       resolution_key(trace.resolution),
-      choice_key("trace.quality", trace.quality, {"direct", "patches"},
-                 "direct light at the pixel, or interpolated between patches as the rest is"),
+      choice_key("trace.quality", trace.quality, {"patches", "direct", "gather"},
+                 "all light interpolated; direct light at the pixel; or the rest gathered there too, to check it"),
+      integer_key("trace.gather_rays", trace.gather_rays, 1, 4096, "rays of a sample by which `gather` gathers"),
       integer_key(
           "trace.samples", trace.samples, 1, 1 << 16,
           "samples of a pixel where colours change; 4 times as many at edges, a quarter (4 or more) where all is even"),
       flag_key("trace.cull_backfaces", trace.cull_backfaces, "look through the backs of single-sided surfaces"),
+      layers_key(trace.layers),
+      choice_key("trace.pixel_type", trace.pixel_type, {"half", "float"}, "of light and colours in the EXR"),
+      choice_key("trace.compression", trace.compression, exr_compressions(), "of the EXR"),
       view_key(trace.view),
       number_key("trace.exposure", trace.exposure, -100, 100, "stops by which the PNG is brighter than the EXR"),
   };

@@ -20,7 +20,7 @@ namespace {
 constexpr int kImportVersion = 2;
 constexpr int kTransportKeyVersion = 11;
 constexpr int kSolveVersion = 13;
-constexpr int kTraceVersion = 6;
+constexpr int kTraceVersion = 7;
 
 XXH3_state_t* state_of(void* state) {
   return static_cast<XXH3_state_t*>(state);
@@ -163,8 +163,11 @@ std::string frame_key(const PatchSet& scene, const std::string& energy_key, cons
       .add(trace.resolution[1])
       .add(trace.samples)
       .add(trace.quality)
+      .add(trace.quality == "gather" ? trace.gather_rays : 0)
       .add(view_config);
   hasher.add(trace.cull_backfaces).add(trace.view).add(trace.exposure);
+  hasher.add(trace.pixel_type).add(trace.compression);
+  for (const std::string& layer : trace.layers) hasher.add(layer);
   for (const auto& [name, light] : job.lights) {
     if (light.scale == 1.0 && light.color == Color(1.0f)) continue;
     hasher.add(name).add(light.scale);

@@ -57,9 +57,11 @@ struct EnergyField {
 /// Irradiance of all groups, direct and indirect, each multiplied by its setting, W/m2. Shape: [patches].
 std::vector<Color> irradiance(const EnergyField& energy, const std::vector<Color>& settings, std::size_t patches);
 
+/// What one group causes, direct and indirect, W/m2. Shape: [patches].
+std::vector<Color> irradiance(const EnergyField::Group& group);
+
 /// The same without what comes straight from emitters that are sampled apart.
-std::vector<Color> irradiance_without_apart(const EnergyField& energy, const std::vector<Color>& settings,
-                                            std::size_t patches);
+std::vector<Color> irradiance_without_apart(const EnergyField::Group& group);
 
 /// Radiosity B = E + rho * (all groups' direct + indirect irradiance), W/m2. Shape: [patches].
 std::vector<Color> radiosity(const PatchSet& scene, const EnergyField& energy);

@@ -33,7 +33,7 @@ class Batch : public ::testing::Test {
   }
 
   Outcome run(std::vector<std::string> more = {}) {
-    more.insert(more.begin(), {"run", "job.yaml", "--set", "trace.cameras=[spin]"});
+    more.insert(more.begin(), {"run", "job.yaml", "--set", "cache=0", "--set", "trace.cameras=[spin]"});
     return run_program(folder_, "patchlight", more);
   }
   Outcome run_frames(const std::string& frames) { return run({"--set", "trace.frames=" + frames}); }

@@ -120,7 +120,7 @@ TEST_F(Rerun, RebuildsADamagedFileWithAWarning) {
 
 TEST_F(Rerun, RefusesWhatAFreshRunWouldRefuse) {
   for (const char* set :
-       {"trace.cameras=[nobody]", "lights.nobody.scale=1", "trace.view=Sepia", "trace.quality=gather"}) {
+       {"trace.cameras=[nobody]", "lights.nobody.scale=1", "trace.view=Sepia", "trace.quality=magic"}) {
     const Outcome outcome = run({"--set", set});
     EXPECT_EQ(outcome.code, 78) << set << outcome.err;
     EXPECT_THAT(outcome.err, HasSubstr("error: ")) << set;

@@ -89,6 +89,14 @@ TEST_F(JobFile, ReadsFramesAsTextOrList) {
   EXPECT_EQ(read(kMinimal, {"trace.frames=[1, 5-9, 20..40:2]"}).trace.frames, "1, 5-9, 20..40:2");
 }
 
+TEST_F(JobFile, TakesLayersInAnyOrder) {
+  const Job job = read(std::string(kMinimal) + "trace: {layers: [depth, direct, depth]}");
+  EXPECT_EQ(job.trace.layers, (std::vector<std::string>{"direct", "depth"}));
+  EXPECT_EQ(read(kMinimal, {"trace.layers=[depth, direct]"}).trace.layers, job.trace.layers);
+  EXPECT_EQ(read(kMinimal, {"trace.layers=patch"}).trace.layers, std::vector<std::string>{"patch"});
+  EXPECT_TRUE(read(kMinimal).trace.layers.empty());
+}
+
 TEST_F(JobFile, NamesAnUnknownKeyItsLineAndTheNearest) {
   EXPECT_ERROR(read("scene: a.glb\noutput: out\nsolve:\n  toleranse: 1\n"), ExitCode::bad_config,
                "unknown key `solve.toleranse` (" + (folder_ / "job.yaml").string() +
@@ -196,6 +204,10 @@ TEST_F(JobFile, RefusesValuesThatAreNotAllowed) {
   EXPECT_ERROR(read(std::string(kMinimal) + "solve: {rays: 2.5}"), ExitCode::bad_config, "whole number");
   EXPECT_ERROR(read(std::string(kMinimal) + "trace: {resolution: [0, 5]}"), ExitCode::bad_config, "resolution");
   EXPECT_ERROR(read(std::string(kMinimal) + "trace: {frames: 1-x}"), ExitCode::bad_config, "1-120");
+  EXPECT_ERROR(read(std::string(kMinimal) + "trace: {layers: [direct, spekular]}"), ExitCode::bad_config, "specular");
+  EXPECT_ERROR(read(std::string(kMinimal) + "trace: {layers: {depth: true}}"), ExitCode::bad_config, "list of layers");
+  EXPECT_ERROR(read(std::string(kMinimal) + "trace: {pixel_type: double}"), ExitCode::bad_config, "half or float");
+  EXPECT_ERROR(read(std::string(kMinimal) + "trace: {compression: jpeg}"), ExitCode::bad_config, "dwaa");
   EXPECT_ERROR(read(kMinimal, {"trace.frames=5-3"}), ExitCode::bad_config, "begins before it ends");
   EXPECT_ERROR(read(std::string(kMinimal) + "trace:\n  frames: 1,,2"), ExitCode::bad_config, "line 4");
   EXPECT_ERROR(read(std::string(kMinimal) + "materials: {a: {reflectance: [1, 2, 0]}}"), ExitCode::bad_config,

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <set>
 
 #include "tests/expect_error.h"
 #include "tests/temporary_folder.h"
@@ -95,6 +96,23 @@ TEST(Key, OfAFrameCoversWhereTheCameraStandsThen) {
   faster.trace.fps = 48;
   faster.trace.frames = "1-9";
   EXPECT_EQ(frame_key(scene, "e", {}, camera, 1, "v"), frame_key(scene, "e", faster, camera, 1, "v"));
+}
+
+TEST(Key, OfAFrameCoversWhatItsFileHolds) {
+  PatchSet scene;
+  scene.cameras.resize(1);
+  const Job plain;
+  std::set<std::string> keys{frame_key(scene, "e", plain, Camera(), 1, "v")};
+  Job job;
+  job.trace.layers = {"depth"};
+  keys.insert(frame_key(scene, "e", job, Camera(), 1, "v"));
+  job.trace.layers = {"depth", "patch"};
+  keys.insert(frame_key(scene, "e", job, Camera(), 1, "v"));
+  job.trace.pixel_type = "float";
+  keys.insert(frame_key(scene, "e", job, Camera(), 1, "v"));
+  job.trace.compression = "piz";
+  keys.insert(frame_key(scene, "e", job, Camera(), 1, "v"));
+  EXPECT_EQ(keys.size(), 5u);
 }
 
 TEST(Key, OfAFrameCoversTheContentOfTheViewsConfig) {
