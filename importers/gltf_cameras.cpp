@@ -8,27 +8,11 @@
 namespace patchlight {
 namespace {
 
-Vec3d axis(const Matrix4& matrix, int row) {
-  return {matrix[row][0], matrix[row][1], matrix[row][2]};
-}
-
 Matrix4 frame(const Vec3d& x, const Vec3d& y, const Vec3d& z, const Vec3d& origin) {
   return {x.x, x.y, x.z, 0.0, y.x, y.y, y.z, 0.0, z.x, z.y, z.z, 0.0, origin.x, origin.y, origin.z, 1.0};
 }
 
 }  // namespace
-
-std::optional<Matrix4> rigid_frame(const Matrix4& to_world) {
-  const Vec3d back = axis(to_world, 2);
-  const Vec3d origin = axis(to_world, 3);
-  if (!(back.length() > 0.0) || !std::isfinite(back.length()) || !std::isfinite(origin.length())) return std::nullopt;
-  const Vec3d z = back.normalized();
-  const Vec3d up = axis(to_world, 1);
-  const Vec3d rest = up - z * up.dot(z);
-  if (!(rest.length() > 1e-12 * up.length()) || !std::isfinite(up.length())) return std::nullopt;
-  const Vec3d y = rest.normalized();
-  return frame(y.cross(z), y, z, origin);
-}
 
 std::optional<Camera> read_camera(const tinygltf::Camera& source, const Matrix4& to_world, const std::string& node) {
   const std::optional<Matrix4> rigid = rigid_frame(to_world);

@@ -11,10 +11,6 @@ struct Camera;
 
 namespace patchlight {
 
-/// A rigid camera frame from a node's transform: scale, shear and mirroring are taken out, the view direction and then
-/// the up direction kept. Nothing where the transform leaves no such directions.
-std::optional<Matrix4> rigid_frame(const Matrix4& to_world);
-
 /// A node's camera; nothing if its lens or its transform can make no picture.
 std::optional<Camera> read_camera(const tinygltf::Camera& source, const Matrix4& to_world, const std::string& node);
 

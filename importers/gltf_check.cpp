@@ -7,6 +7,7 @@
 #include <set>
 
 #include "importers/gltf_accessor_check.h"
+#include "importers/gltf_animation_check.h"
 #include "importers/gltf_deform_check.h"
 #include "importers/gltf_lists.h"
 #include "importers/gltf_mesh_check.h"
@@ -134,7 +135,8 @@ std::set<int> base_color_texcoords(const GltfLists& gltf) {
   return sets;
 }
 
-void check_nodes(GltfLists& gltf) {
+/// Returns the parent of each node, -1 of a root.
+std::vector<int> check_nodes(GltfLists& gltf) {
   std::vector<std::vector<int>> children(gltf.count("nodes"));
   gltf.each("nodes", [&](const Json& node, const GltfPlace& place) {
     check_string(node, "name", place);
@@ -155,6 +157,10 @@ void check_nodes(GltfLists& gltf) {
   });
   check_node_trees(gltf.list("nodes"), gltf.list("scenes"), children, gltf.file);
   index_member(gltf.root, "scene", gltf.count("scenes"), {gltf.file});
+  std::vector<int> parents(children.size(), -1);
+  for (std::size_t i = 0; i < children.size(); ++i)
+    for (const int child : children[i]) parents[child] = static_cast<int>(i);
+  return parents;
 }
 
 }  // namespace
@@ -177,11 +183,13 @@ CheckedGltf check_gltf(std::string_view json, const std::string& file, const Glt
   check_skins(gltf);
   result.instances = checked_instances(gltf);
   result.draco_primitives = checked_draco_primitives(gltf);
-  check_nodes(gltf);
+  result.parents = check_nodes(gltf);
+  std::set<std::string> at_rest;
+  result.camera_channels = camera_channels(root, result.parents, file, at_rest);
   if (wanted.animations) {
     result.node_channels = checked_node_channels(gltf);
-  } else if (gltf.count("animations") > 0) {
-    gltf.ignored.insert("animations are not read: nodes stand in their rest state, unless import.time says when");
+  } else {
+    gltf.ignored.merge(at_rest);
   }
   result.ignored.assign(gltf.ignored.begin(), gltf.ignored.end());
   result.json = reduced_gltf(root, texcoord_sets).dump();

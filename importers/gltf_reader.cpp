@@ -10,6 +10,7 @@
 #include "importers/gltf_instances.h"
 #include "importers/gltf_materials.h"
 #include "importers/gltf_model.h"
+#include "importers/gltf_motion.h"
 #include "importers/gltf_pose.h"
 #include "importers/node_overrides.h"
 #include "importers/shader_assignment.h"
@@ -27,45 +28,6 @@ struct PlacedNode {
   int node;
   Matrix4 to_world;
 };
-
-Matrix4 rotation_matrix(const std::vector<double>& quaternion) {
-  double x = quaternion[0], y = quaternion[1], z = quaternion[2], w = quaternion[3];
-  const double length = std::sqrt(x * x + y * y + z * z + w * w);
-  if (!(length > 0.0)) return {};
-  x /= length, y /= length, z /= length, w /= length;
-  return {1 - 2 * (y * y + z * z),
-          2 * (x * y + z * w),
-          2 * (x * z - y * w),
-          0,
-          2 * (x * y - z * w),
-          1 - 2 * (x * x + z * z),
-          2 * (y * z + x * w),
-          0,
-          2 * (x * z + y * w),
-          2 * (y * z - x * w),
-          1 - 2 * (x * x + y * y),
-          0,
-          0,
-          0,
-          0,
-          1};
-}
-
-/// glTF's column-major matrices of column vectors are Imath's row-major ones of row vectors.
-Matrix4 local_matrix(const tinygltf::Node& node) {
-  if (node.matrix.size() == 16) {
-    Matrix4 matrix;
-    std::copy(node.matrix.begin(), node.matrix.end(), &matrix[0][0]);
-    return matrix;
-  }
-  Matrix4 matrix;
-  if (node.scale.size() == 3) matrix.setScale(Vec3d(node.scale[0], node.scale[1], node.scale[2]));
-  if (node.rotation.size() == 4) matrix *= rotation_matrix(node.rotation);
-  if (node.translation.size() == 3) {
-    for (int i = 0; i < 3; ++i) matrix[3][i] = node.translation[i];
-  }
-  return matrix;
-}
 
 std::vector<int> root_nodes(const tinygltf::Model& gltf) {
   if (!gltf.scenes.empty()) return gltf.scenes[std::max(gltf.defaultScene, 0)].nodes;
@@ -184,11 +146,13 @@ void assign_vertex_colors(const GltfModel& model, GltfScene& scene, Progress& pr
 std::vector<Camera> placed_cameras(const GltfModel& model, const std::vector<PlacedNode>& nodes,
                                    const std::vector<std::string>& names, Progress& progress) {
   std::vector<Camera> cameras;
+  MotionReader motions(model);
   for (const PlacedNode& node : nodes) {
     const int camera = model.gltf.nodes[node.node].camera;
     if (camera < 0) continue;
     if (auto placed = read_camera(model.gltf.cameras[camera], node.to_world, names[node.node])) {
       cameras.push_back(std::move(*placed));
+      cameras.back().motion = motions.motion_of(node.node);
     } else {
       progress.warning(fmt::format("camera '{}' is skipped: its lens or transform makes no picture", names[node.node]));
     }

@@ -67,14 +67,17 @@ std::string summary(const GltfScene& scene, const PrimitiveList& list, const Pat
   for (std::size_t i = 0; i < used.size(); ++i) {
     if (used[i] && scene.materials[i].specular != Color(0.0f)) ++mirrors;
   }
+  const auto moving = std::count_if(set.cameras.begin(), set.cameras.end(),
+                                    [](const Camera& camera) { return !camera.motion.empty(); });
   return fmt::format(
       "{} triangles read as {} quads, {} triangles, {} spheres{}; {} patches; modelled: {} metallic materials, "
-      "{} light groups, {} cameras{}{}",
+      "{} light groups, {} cameras{}{}{}",
       scene.triangles, list.quads, list.triangles, list.spheres,
       list.merged_facets == 0
           ? ""
           : fmt::format(" ({} of them from {} coplanar triangles)", list.merged_facets, list.merged_triangles),
       set.patches.size(), mirrors, set.light_groups.size(), set.cameras.size(),
+      moving > 0 ? fmt::format(" ({} animated)", moving) : "",
       set.textures.empty() ? "" : fmt::format(", {} textures", set.textures.size()),
       set.shaders.empty() ? "" : fmt::format(", {} shaders", set.shaders.size()));
 }

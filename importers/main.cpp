@@ -17,6 +17,7 @@ int main(int argc, char** argv) {
   }
   return run_stage("import", argc, argv, [](const Job& job, Progress& progress) {
     PatchSet scene = import_scene(job, progress);
+    scene.made = provenance(job, progress);
     write_patches(job.patch_file(), scene);
   });
 }

@@ -69,7 +69,7 @@ Color false_color(float x) {
 }
 
 void draw_scale(Image& image, float largest, const std::string& unit) {
-  const int size = std::max(1, image.height / 240);
+  const int size = std::max(1, image.height / 180);
   const int right = image.width - 4 * size, left = right - 8 * size;
   const int top = 16 * size, bottom = image.height - 8 * size;
   if (left < 0 || bottom <= top) return;

@@ -37,7 +37,8 @@ int main(int argc, char** argv) {
   return run_stage("solve", argc, argv, [](const Job& job, Progress& progress) {
     const PatchSet scene = read_patches(job.patch_file());
     Transport transport = read_kept(job, scene, progress);
-    const EnergyField energy = solve(scene, job.solve, transport, progress);
+    EnergyField energy = solve(scene, job.solve, transport, progress);
+    energy.made = transport.made = provenance(job, progress);
     if (transport.changed && job.solve.method == "matrix") write_transport(job.transport_file(), transport);
     write_energy(job.energy_file(), scene, energy);
   });

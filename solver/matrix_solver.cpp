@@ -42,6 +42,7 @@ struct GroupSolution {
   SpectrumField reflected;       ///< From what patches reflect.
   SpectrumField apart_deviation, by_rows_deviation, by_mirrors_deviation, reflected_deviation;
   LinearSolve linear;
+  std::vector<double> residuals;  ///< Before each iteration and after the last.
 };
 
 /// Emission of a group: of emitters that are sampled apart, and of the others. Shape: [n].
@@ -128,9 +129,12 @@ GroupSolution solve_group(const System& system, std::int32_t group, double toler
   for (std::size_t i = 0; i < n; ++i) source[i] += solution.by_mirrors[i];
   solution.linear = solve_irradiance(system.rows, system.reflectance, system.areas, source, tolerance, kMostIterations,
                                      indirect, [&](double residual) {
+                                       solution.residuals.push_back(residual);
                                        progress.update(std::min(0.99, std::log(residual) / std::log(tolerance)),
                                                        fmt::format("residual {:.2g}", residual));
                                      });
+
+  solution.residuals.push_back(solution.linear.residual);
 
   // One more pass, whose halves tell their deviation.
   for (std::size_t i = 0; i < n; ++i) reflected[i] = system.reflectance[i] * (direct[i] + indirect[i]);
@@ -159,6 +163,7 @@ EnergyField solve_matrix(const PatchSet& scene, const SolveConfig& config, int r
   for (std::size_t g = 0; g < scene.light_groups.size(); ++g) {
     const GroupSolution& group = groups.emplace_back(solve_group(system, std::int32_t(g), config.tolerance, progress));
     energy.iterations += group.linear.iterations;
+    energy.convergence.push_back({scene.light_groups[g], group.residuals});
     energy.residual = std::max(energy.residual, group.linear.residual);
     if (group.linear.residual > config.tolerance)
       warn_of_residual(scene.light_groups[g], group.linear, config, progress);

@@ -7,9 +7,9 @@
 #include <array>
 
 #include "pipeline/optics/elements.h"
+#include "pipeline/optics/mirror_path.h"
 #include "pipeline/optics/patch_sampling.h"
 #include "pipeline/optics/random.h"
-#include "solver/mirror_path.h"
 
 namespace patchlight {
 

@@ -131,7 +131,7 @@ Image draw_preview(const Job& job, const PatchSet& scene, const PreviewOptions& 
 
   Job choice = job;
   if (!options.camera.empty()) choice.trace.cameras = {options.camera};
-  const Camera& camera = scene.cameras[job_frames(choice, scene)[0].camera];
+  const Camera camera = job_frames(choice, scene)[0].camera;
   const int width = job.trace.resolution[0] * kSupersampling, height = job.trace.resolution[1] * kSupersampling;
   renderer.begin(width, height);
   renderer.draw(camera_view(camera, renderer, scene, width, height), 0, 0, width, height);

@@ -24,6 +24,16 @@ Vec3d positive(const Vec3d& c) {
   return {std::max(c.x, 0.0), std::max(c.y, 0.0), std::max(c.z, 0.0)};
 }
 
+/// Every k-th value and the last, some hundreds at most.
+std::vector<double> thinned(const std::vector<double>& values) {
+  constexpr std::size_t kMost = 500;
+  const std::size_t step = values.size() / kMost + 1;
+  std::vector<double> result;
+  for (std::size_t i = 0; i + 1 < values.size(); i += step) result.push_back(values[i]);
+  if (!values.empty()) result.push_back(values.back());
+  return result;
+}
+
 struct Group {
   std::vector<Vec3d> direct;    ///< Irradiance of emitters that frames sample apart, W/m2.
   std::vector<Vec3d> by_rows;   ///< Irradiance of the other emitters, W/m2.
@@ -131,6 +141,7 @@ class Refinement {
   double shot_flux_ = 0.0, received_flux_ = 0.0;
   std::int64_t shots_ = 0;
   std::int64_t rays_ = 0;
+  std::vector<double> residuals_;  ///< Of what is unshot, before the first batch and after each.
 };
 
 void Refinement::shoot_emitters(Progress& progress) {
@@ -162,6 +173,7 @@ void Refinement::shoot_emitters(Progress& progress) {
 
 void Refinement::shoot_reflections(Progress& progress) {
   const double first = residual();
+  residuals_ = {first};
   const std::int64_t most_shots = config_.max_shots * std::int64_t(power_.size());
   while (residual() > config_.tolerance && shots_ < most_shots) {
     const bool overshoot = !by_rays_ && residual() > kOvershootUntil;
@@ -179,8 +191,9 @@ void Refinement::shoot_reflections(Progress& progress) {
       }
     });
     take_stock();
+    residuals_.push_back(residual());
     progress.update(std::log(first / std::max(residual(), 1e-300)) / std::log(first / config_.tolerance),
-                    fmt::format("unshot {:.2g}, {} shots", residual(), shots_));
+                    fmt::format("unshot {:.2g}, {} shots", residual(), shots_), rays_);
   }
   if (residual() > config_.tolerance)
     progress.warning(
@@ -248,6 +261,7 @@ EnergyField Refinement::result() const {
   energy.iterations = shots_;
   energy.rays = rays_;
   energy.residual = residual();
+  energy.convergence.push_back({"", thinned(residuals_)});
   return energy;
 }
 

@@ -7,11 +7,11 @@
 #include <cmath>
 #include <optional>
 
+#include "pipeline/optics/mirror_path.h"
 #include "pipeline/optics/patch_sampling.h"
 #include "pipeline/optics/random.h"
 #include "pipeline/optics/vector_code.h"
 #include "solver/exposed_part.h"
-#include "solver/mirror_path.h"
 #include "solver/touched_memory.h"
 
 namespace patchlight {
@@ -203,7 +203,7 @@ std::int64_t RayRows::cast(int rays, TransportRows& to, Progress& progress) cons
       for (const std::int32_t hits : part.hits) to.starts.push_back(to.starts.back() + std::uint64_t(hits));
       cast += part.rays;
     }
-    progress.update(double(done) / blocks, "rows of form factors");
+    progress.update(double(done) / blocks, "rows of form factors", cast);
   }
   if (std::all_of(to.exposed.begin(), to.exposed.end(), [](float part) { return part == 1.0f; })) to.exposed.clear();
   return cast;

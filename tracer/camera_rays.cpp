@@ -16,23 +16,15 @@ CameraRays::CameraRays(const Camera& camera, int width, int height)
   first_ = perspective() ? to_world(Vec3d(-half_width_, half_height_, -1), false)
                          : to_world(Vec3d(-half_width_, half_height_, 0), true);
   across_ = to_world(Vec3d(2 * half_width_ / width, 0, 0), false);
+  eye_ = camera_.to_world.translation();
+  forward_ = to_world(Vec3d(0, 0, -1), false).normalized();
   down_ = to_world(Vec3d(0, -2 * half_height_ / height, 0), false);
 }
 
 CameraRay CameraRays::operator()(float x, float y) const {
   const Vec3d at = first_ + across_ * double(x) + down_ * double(y);
-  if (perspective()) return {eye(), Vec3f(at.normalized())};
-  return {at, Vec3f(forward())};
-}
-
-Vec3d CameraRays::eye() const {
-  return camera_.to_world.translation();
-}
-
-Vec3d CameraRays::forward() const {
-  Vec3d along;
-  camera_.to_world.multDirMatrix(Vec3d(0, 0, -1), along);
-  return along.normalized();
+  if (perspective()) return {eye_, Vec3f(at.normalized())};
+  return {at, Vec3f(forward_)};
 }
 
 Vec3d CameraRays::to_camera(const Vec3d& world) const {

@@ -7,26 +7,31 @@
 namespace patchlight {
 
 DisplayLookup::DisplayLookup(const PatchSet& scene, const RayScene& ray_scene, const IrradianceLookup& patches,
-                             const EnergyField& energy, const std::vector<Color>& settings)
+                             const EnergyField& energy, const std::vector<LightMix>& mixes)
     : scene_(scene), ray_scene_(ray_scene), patches_(patches), mesh_(*energy.display) {
-  irradiance_.assign(mesh_.vertices.size(), Color(0.0f));
-  for (std::size_t g = 0; g < energy.groups.size(); ++g)
-    for (std::int32_t k = 0; k < mesh_.gathered; ++k) irradiance_[k] += energy.groups[g].display[k] * settings[g];
-  const std::size_t first_midpoint = mesh_.vertices.size() - mesh_.midpoints.size();
-  for (std::size_t k = mesh_.gathered; k < first_midpoint; ++k) {
-    const DisplayMesh::Vertex& vertex = mesh_.vertices[k];
-    irradiance_[k] = patches_(scene.patches[vertex.patch].primitive, vertex.u, vertex.v);
+  for (std::size_t m = 0; m < mixes.size(); ++m) {
+    std::vector<Color>& irradiance = irradiance_.emplace_back(mesh_.vertices.size(), Color(0.0f));
+    for (std::size_t g = 0; g < energy.groups.size(); ++g)
+      for (std::int32_t k = 0; k < mesh_.gathered; ++k) irradiance[k] += energy.groups[g].display[k] * mixes[m][g];
+    const std::size_t first_midpoint = mesh_.vertices.size() - mesh_.midpoints.size();
+    for (std::size_t k = mesh_.gathered; k < first_midpoint; ++k) {
+      const DisplayMesh::Vertex& vertex = mesh_.vertices[k];
+      irradiance[k] = patches_(scene.patches[vertex.patch].primitive, vertex.u, vertex.v, m);
+    }
+    for (std::size_t k = 0; k < mesh_.midpoints.size(); ++k)
+      irradiance[first_midpoint + k] = (irradiance[mesh_.midpoints[k][0]] + irradiance[mesh_.midpoints[k][1]]) * 0.5f;
   }
-  for (std::size_t k = 0; k < mesh_.midpoints.size(); ++k)
-    irradiance_[first_midpoint + k] = (irradiance_[mesh_.midpoints[k][0]] + irradiance_[mesh_.midpoints[k][1]]) * 0.5f;
   if (!mesh_.facets.empty()) facet_of_.assign(scene.patches.size(), -1);
   for (const auto& facet : mesh_.facets) {
     const std::int32_t primitive = scene.patches[facet.patch].primitive;
     facet_of_[facet.patch] = std::int32_t(facets_.size());
-    auto& corners = facets_.emplace_back();
-    for (int k = 0; k < 4; ++k)
-      corners[k] =
-          facet.corners[k] >= 0 ? irradiance_[facet.corners[k]] : patches_(primitive, float(k % 2), float(k / 2));
+    auto& corners = facets_.emplace_back(facet.corners);
+    for (int k = 0; k < 4; ++k) {
+      if (corners[k] >= 0) continue;
+      corners[k] = std::int32_t(irradiance_[0].size());
+      for (std::size_t m = 0; m < mixes.size(); ++m)
+        irradiance_[m].push_back(patches_(primitive, float(k % 2), float(k / 2), m));
+    }
   }
 }
 
@@ -36,32 +41,36 @@ void DisplayLookup::Seen::start(std::uint32_t pixel) {
   entries_.fill({});
 }
 
-Color DisplayLookup::operator()(std::int32_t i, std::int32_t patch, float u, float v, Seen& seen) const {
-  if (mesh_.roots[patch] < 0) {
-    if (facet_of_.empty() || facet_of_[patch] < 0) return patches_(i, u, v);
-    const auto& at = facets_[facet_of_[patch]];
-    return (at[0] * (1 - u) + at[1] * u) * (1 - v) + (at[2] * (1 - u) + at[3] * u) * v;
-  }
-  return within(mesh_.find(patch, scene_.patches[patch], u, v), i, u, v, seen);
-}
-
-Color DisplayLookup::within(const DisplayMesh::Place& place, std::int32_t i, float u, float v, Seen& seen) const {
-  std::array<float, 4> weights;
-  for (int k = 0; k < 4; ++k) weights[k] = (k % 2 ? place.u : 1.0f - place.u) * (k / 2 ? place.v : 1.0f - place.v);
-  const auto& corners = place.leaf->corners;
-  const auto mean = [&] {
-    Color sum(0.0f);
-    for (int k = 0; k < 4; ++k) sum += irradiance_[corners[k]] * weights[k];
-    return sum;
+DisplayLookup::Blend DisplayLookup::blend(std::int32_t i, std::int32_t patch, float u, float v, Seen& seen) const {
+  Blend blend;
+  auto& weights = blend.weights;
+  const auto set_weights = [&](float x, float y) {
+    for (int k = 0; k < 4; ++k) weights[k] = (k % 2 ? x : 1.0f - x) * (k / 2 ? y : 1.0f - y);
   };
-  if (!place.leaf->cut) return mean();
+  if (mesh_.roots[patch] < 0) {
+    if (facet_of_.empty() || facet_of_[patch] < 0) return blend;
+    blend.vertices = facets_[facet_of_[patch]];
+    set_weights(u, v);
+    return blend;
+  }
+  const DisplayMesh::Place place = mesh_.find(patch, scene_.patches[patch], u, v);
+  set_weights(place.u, place.v);
+  blend.vertices = place.leaf->corners;
+  if (!place.leaf->cut) return blend;
 
   const std::uint32_t corners_left = corners_seen(*place.leaf, i, u, v, seen);
   float left = 0;
   for (int k = 0; k < 4; ++k) left += corners_left >> k & 1u ? weights[k] : 0.0f;
-  if (left <= 0) return mean();
+  if (left <= 0) return blend;
   for (int k = 0; k < 4; ++k) weights[k] = corners_left >> k & 1u ? weights[k] / left : 0.0f;
-  return mean();
+  return blend;
+}
+
+Color DisplayLookup::operator()(const Blend& blend, std::int32_t i, float u, float v, std::size_t mix) const {
+  if (blend.vertices[0] < 0) return patches_(i, u, v, mix);
+  Color sum(0.0f);
+  for (int k = 0; k < 4; ++k) sum += irradiance_[mix][blend.vertices[k]] * blend.weights[k];
+  return sum;
 }
 
 std::uint32_t DisplayLookup::corners_seen(const DisplayMesh::Cell& leaf, std::int32_t i, float u, float v,

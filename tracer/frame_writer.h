@@ -12,6 +12,9 @@ class FrameWriter {
   /// Throws: Error (bad_config, bad_data, missing_input) for a view that cannot be had.
   FrameWriter(const Job& job, const PatchSet& scene, const EnergyField& energy);
 
+  /// What a frame's files carry if they are what the job makes now.
+  std::string key(const Frame& frame) const;
+
   /// Writes the PNG and then the EXR, whose header holds the PNG's hash and the frame's key: with it a frame is
   /// whole.
   /// Throws: Error (cannot_create, io_error).
@@ -22,7 +25,8 @@ class FrameWriter {
   const PatchSet& scene_;
   const EnergyField& energy_;
   ViewTransform view_;
-  std::string view_config_;  ///< Its key.
+  std::string view_config_;          ///< Its key.
+  mutable double cpu_before_ = 0.0;  ///< Of the process, when it wrote the last frame, s.
 };
 
 }  // namespace patchlight

@@ -4,6 +4,7 @@
 #include <xmmintrin.h>
 
 #include <algorithm>
+#include <atomic>
 #include <utility>
 
 #include "pipeline/files/job_check.h"
@@ -18,15 +19,6 @@ constexpr int kMostAtFirst = 64;              // samples of a pixel that all wai
 constexpr std::size_t kManyPoints = 1 << 16;  // that wait for direct light, after which no other pixel's shall
 constexpr std::size_t kMostPoints = 1 << 18;  // nor any more of this pixel's
 constexpr float kSlack = 1.02f;  // how much farther than all about it an edge may seem to be, and still be seen
-
-std::vector<Color> lit_emission(const PatchSet& scene, const std::vector<Color>& settings) {
-  std::vector<Color> emission(scene.patches.size(), Color(0.0f));
-  for (std::size_t i = 0; i < emission.size(); ++i) {
-    const std::int32_t group = scene.primitives[scene.patches[i].primitive].light_group;
-    if (group >= 0) emission[i] = scene.patches[i].emission * settings[group];
-  }
-  return emission;
-}
 
 }  // namespace
 
@@ -53,7 +45,10 @@ class Integrator::Tile {
     window_.width = std::min(x1_ + 1, image.width) - window_.x0;
     window_.height = std::min(y1_ + 1, image.height) - window_.y0;
     const auto pixels = std::size_t(window_.pixels());
-    sums_ = {std::vector<Color>(pixels, Color(0.0f)), {}, std::vector<PixelDetail>(pixels)};
+    sums_.pixels.assign(pixels, Color(0.0f));
+    sums_.details.resize(pixels);
+    sums_.window = &window_;
+    if (!image.layers.empty()) sums_.layers = &layers_.emplace(frame_.config_, frame_.scene_, pixels);
     packet_.clear();
   }
 
@@ -69,7 +64,8 @@ class Integrator::Tile {
       samples[p] = samples_at(details, x, y);
       smooth_[p] = samples[p] < counts.edge || counts.edge == counts.first;
     });
-    if (frame_.lights_) light_.emplace(*frame_.lights_, window_, counts.some).look(std::move(points), smooth_);
+    if (frame_.lights_)
+      light_.emplace(*frame_.lights_, window_, counts.some, sums_.layers).look(std::move(points), smooth_);
     for_each_pixel([&](int, int, std::uint32_t p) {
       if (light_ && (smooth_[p] == 0 || light_->sharp(p))) {
         samples[p] = std::max(samples[p], counts.some);
@@ -81,11 +77,22 @@ class Integrator::Tile {
     });
     add_light();
     for_each_pixel([&](int x, int y, std::uint32_t p) {
-      image_.pixels[std::size_t(y) * image_.width + x] = sums_.pixels[p] / float(samples[p]);
+      const std::size_t at = std::size_t(y) * image_.width + x;
+      image_.pixels[at] = sums_.pixels[p] / float(samples[p]);
+      if (layers_) layers_->put(p, samples[p], at, image_.layers);
     });
   }
 
+  /// Rays cast from the camera.
+  std::int64_t cast() const { return cast_; }
+
  private:
+  /// Not of the margin.
+  bool is_own(std::uint32_t p) const {
+    const int x = window_.x0 + int(p) % window_.width, y = window_.y0 + int(p) / window_.width;
+    return x >= x0_ && x < x1_ && y >= y0_ && y < y1_;
+  }
+
   std::uint32_t pixel(int x, int y) const { return std::uint32_t((y - window_.y0) * window_.width + x - window_.x0); }
 
   /// Samples `from` to `to` of a pixel.
@@ -96,7 +103,7 @@ class Integrator::Tile {
       const Vec2f at = pixel_sample(std::uint32_t(k), seed);
       const CameraRay ray = rays_(float(x) + at.x, float(y) + at.y);
       packet_.set(lane_, frame_.ray_scene_.to_local(ray.origin), ray.direction);
-      going_[lane_] = {p};
+      going_[lane_] = {p, std::uint32_t(k), layers_ ? (at - Vec2f(0.5f)).length2() : 0.0f};
       if (++lane_ < RayPacket::kSize) continue;
       finish_paths();
       if (light_ && sums_.points.size() > kMostPoints) add_light();
@@ -104,8 +111,13 @@ class Integrator::Tile {
   }
 
   void finish_paths() {
+    cast_ += lane_;
     if (lane_ > 0) frame_.paths_.trace(packet_, going_, rays_, sums_);
     lane_ = 0;
+    if (sums_.gather.empty()) return;
+    std::erase_if(sums_.gather, [&](const GatherPoint& point) { return !is_own(point.at.pixel); });
+    frame_.gather_->add(sums_.gather, window_, sums_.pixels, sums_.layers);
+    sums_.gather.clear();
   }
 
   void add_first_points(std::uint32_t p) {
@@ -160,38 +172,46 @@ class Integrator::Tile {
   const int x0_, y0_, x1_, y1_;
   TileLight::Window window_;
   std::vector<std::uint8_t> smooth_;  ///< By pixel: all of it gets as much direct light as its first samples do.
+  std::optional<LayerSums> layers_;
   std::optional<TileLight> light_;
   PathSums sums_;
   RayPacket packet_;
   std::array<PathTracer::Path, RayPacket::kSize> going_;
   int lane_ = 0;
+  std::int64_t cast_ = 0;
 };
 
 Integrator::Integrator(const PatchSet& scene, const EnergyField& energy, const Job& job)
-    : config_(job.trace),
+    : scene_(scene),
+      config_(job.trace),
       counts_(config_.samples),
       ray_scene_(scene),
       outlines_(scene),
-      settings_(light_settings(job, scene)),
-      emission_(lit_emission(scene, settings_)),
-      paths_(scene, ray_scene_, outlines_, energy, config_, settings_, emission_) {
-  if (config_.quality == "direct") lights_.emplace(scene, ray_scene_, emission_);
+      mixes_(light_settings(job, scene), config_.asks_for("light_groups")),
+      surfaces_(scene, ray_scene_, energy, mixes_, config_),
+      paths_(scene, ray_scene_, outlines_, surfaces_, mixes_, config_) {
+  if (config_.quality != "patches") lights_.emplace(scene, ray_scene_, mixes_.all[0]);
+  if (config_.quality == "gather") gather_.emplace(scene, ray_scene_, surfaces_, mixes_, config_.gather_rays);
 }
 
 Image Integrator::render(const Camera& camera, Progress& progress) const {
   const auto [width, height] = config_.resolution;
-  Image image{width, height, std::vector<Color>(std::size_t(width) * height, Color(0.0f)), {}};
+  const std::size_t pixels = std::size_t(width) * height;
+  Image image{width, height, std::vector<Color>(pixels, Color(0.0f)), {}, LayerSums::blank(config_, scene_, pixels)};
   const CameraRays rays(camera, width, height);
   const std::vector<float> outlines = outlines_.draw(rays, width, height);
   const int across = (width + kTile - 1) / kTile, down = (height + kTile - 1) / kTile;
+  std::atomic<std::int64_t> cast = 0;
   constexpr int kRowsAtOnce = 2;  // of tiles, between two looks at the signals
   for (int first = 0; first < down; first += kRowsAtOnce) {
     const int count = std::min(kRowsAtOnce, down - first) * across;
     tbb::parallel_for(0, count, [&](int index) {
       _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree wants denormals flushed
-      Tile(*this, rays, outlines, index % across * kTile, (first + index / across) * kTile, image).render();
+      Tile tile(*this, rays, outlines, index % across * kTile, (first + index / across) * kTile, image);
+      tile.render();
+      cast += tile.cast();
     });
-    progress.update(double(first + 1) / down, camera.name);
+    progress.update(double(first + 1) / down, camera.name, cast);
   }
   return image;
 }

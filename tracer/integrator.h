@@ -35,14 +35,16 @@ class Integrator {
  private:
   class Tile;
 
+  const PatchSet& scene_;
   const TraceConfig& config_;
   const SampleCounts counts_;
   RayScene ray_scene_;
   Outlines outlines_;
-  std::vector<Color> settings_;  ///< [light groups].
-  std::vector<Color> emission_;  ///< [patches], under the lights' settings.
+  LightMixes mixes_;
+  SolvedSurfaces surfaces_;
   PathTracer paths_;
   std::optional<PixelLight> lights_;  ///< With direct light at the pixel.
+  std::optional<FinalGather> gather_;
 };
 
 }  // namespace patchlight

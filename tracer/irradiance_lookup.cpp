@@ -24,26 +24,27 @@ constexpr std::array<Edge, 4> kEdges{{{0, 1}, {1, 2}, {3, 2}, {0, 3}}};  // v = 
 
 }  // namespace
 
+/// Makes the values of cells, group by group.
 class IrradianceLookup::Builder {
  public:
-  Builder(const PatchSet& scene, IrradianceLookup& target) : scene_(scene), target_(target) {
-    for (std::int32_t i = 0; i < std::int32_t(scene.primitives.size()); ++i) gather_neighbours(i);
+  Builder(const PatchSet& scene, const PatchLookup& lookup) : scene_(scene), lookup_(lookup) {
+    for (std::int32_t i = 0; i < std::int32_t(scene.primitives.size()); ++i) add_sides(i);
+    for (std::int32_t i = 0; i < std::int32_t(scene.primitives.size()); ++i) add_grid(i);
   }
 
-  void build() {
-    for (std::int32_t i = 0; i < std::int32_t(scene_.primitives.size()); ++i) {
-      Grid grid;
-      grid.first = target_.cells_.size();
-      grid.rows = target_.lookup_.rows(i);
-      if (scene_.primitives[i].shape == Primitive::Shape::quad) {
-        grid.columns = target_.lookup_.row(i, 0).cells;
-        if (grid.columns == 1 && grid.rows == 1 && meets_smoothly(i))
-          grid = add_facet(i, grid);
-        else
-          add_cells(i, grid);
-      }
-      target_.grids_.push_back(grid);
+  std::size_t cell_count() const { return cells_.size(); }
+  std::vector<Grid> grids() && { return std::move(grids_); }
+
+  /// For one group's irradiance of patches.
+  const std::vector<Color>& cells(const std::vector<Color>& irradiance) {
+    irradiance_ = &irradiance;
+    for (auto& [id, vertex] : vertices_) vertex = {};
+    for (std::int32_t i = 0; i < std::int32_t(grids_.size()); ++i) add_to_vertices(i);
+    for (std::int32_t i = 0; i < std::int32_t(grids_.size()); ++i) {
+      if (grids_[i].columns < 0) fill_facet(i);
+      if (grids_[i].columns > 0) fill_cells(i);
     }
+    return cells_;
   }
 
  private:
@@ -62,12 +63,12 @@ class IrradianceLookup::Builder {
   }
 
   const Color& cell(std::int32_t i, int column, int row) const {
-    return target_.irradiance_[target_.lookup_.row(i, row).first + column];
+    return (*irradiance_)[lookup_.row(i, row).first + column];
   }
 
   /// The cell of an edge at `k` of its cells, counted along the edge.
   const Color& edge_cell(std::int32_t i, int edge, int k) const {
-    const int last_row = target_.lookup_.rows(i) - 1, last_column = target_.lookup_.row(i, 0).cells - 1;
+    const int last_row = lookup_.rows(i) - 1, last_column = lookup_.row(i, 0).cells - 1;
     switch (edge) {
       case 0:
         return cell(i, k, 0);
@@ -79,20 +80,40 @@ class IrradianceLookup::Builder {
         return cell(i, 0, k);
     }
   }
-  int edge_cells(std::int32_t i, int edge) const {
-    return edge % 2 == 0 ? target_.lookup_.row(i, 0).cells : target_.lookup_.rows(i);
+  int edge_cells(std::int32_t i, int edge) const { return edge % 2 == 0 ? lookup_.row(i, 0).cells : lookup_.rows(i); }
+
+  bool has_smooth_vertices(std::int32_t i) const {
+    const Primitive& p = scene_.primitives[i];
+    return p.shape == Primitive::Shape::quad && p.smooth_vertices[0] >= 0;
   }
 
-  void gather_neighbours(std::int32_t i) {
-    const Primitive& p = scene_.primitives[i];
-    if (p.shape != Primitive::Shape::quad || p.smooth_vertices[0] < 0) return;
-    const auto& ids = p.smooth_vertices;
+  void add_sides(std::int32_t i) {
+    if (!has_smooth_vertices(i)) return;
+    const auto& ids = scene_.primitives[i].smooth_vertices;
     for (int e = 0; e < 4; ++e) {
       const std::int32_t a = ids[kEdges[e].from], b = ids[kEdges[e].to];
       if (a != b) sides_[edge_key(a, b)].push_back({i, e, a > b});
     }
-    const int last_row = target_.lookup_.rows(i) - 1, last_column = target_.lookup_.row(i, 0).cells - 1;
-    for (int k = 0; k < (p.is_triangle() ? 3 : 4); ++k) {
+    for (int k = 0; k < (scene_.primitives[i].is_triangle() ? 3 : 4); ++k) vertices_[ids[k]].count += 1;
+  }
+
+  void add_grid(std::int32_t i) {
+    Grid grid;
+    grid.first = cells_.size();
+    grid.rows = lookup_.rows(i);
+    if (scene_.primitives[i].shape == Primitive::Shape::quad) {
+      grid.columns = lookup_.row(i, 0).cells;
+      if (grid.columns == 1 && grid.rows == 1 && meets_smoothly(i)) grid.columns = -1;
+      cells_.resize(cells_.size() + (grid.columns < 0 ? 4 : std::size_t(grid.columns + 2) * (grid.rows + 2)));
+    }
+    grids_.push_back(grid);
+  }
+
+  void add_to_vertices(std::int32_t i) {
+    if (!has_smooth_vertices(i)) return;
+    const auto& ids = scene_.primitives[i].smooth_vertices;
+    const int last_row = lookup_.rows(i) - 1, last_column = lookup_.row(i, 0).cells - 1;
+    for (int k = 0; k < (scene_.primitives[i].is_triangle() ? 3 : 4); ++k) {
       VertexSum& vertex = vertices_[ids[k]];
       vertex.sum += cell(i, k == 1 || k == 2 ? last_column : 0, k >= 2 ? last_row : 0);
       vertex.count += 1;
@@ -104,14 +125,13 @@ class IrradianceLookup::Builder {
     return std::any_of(ids.begin(), ids.end(), [&](std::int32_t id) { return id >= 0 && vertices_.at(id).count > 1; });
   }
 
-  Grid add_facet(std::int32_t i, Grid grid) {
+  void fill_facet(std::int32_t i) {
     const auto& ids = scene_.primitives[i].smooth_vertices;
+    Color* cell = cells_.data() + grids_[i].first;
     for (const int k : {0, 1, 3, 2}) {
       const VertexSum& vertex = vertices_.at(ids[k]);
-      target_.cells_.push_back(vertex.sum / vertex.count);
+      *cell++ = vertex.sum / vertex.count;
     }
-    grid.columns = -1;
-    return grid;
   }
 
   /// What lies behind cell `k` of an edge: the smooth neighbour's cells, or the line through the last two of its own.
@@ -134,10 +154,9 @@ class IrradianceLookup::Builder {
     return positive(last * 2.0f - before);
   }
 
-  void add_cells(std::int32_t i, const Grid& grid) {
-    const int nu = grid.columns, nv = grid.rows, stride = nu + 2;
-    target_.cells_.resize(grid.first + std::size_t(stride) * (nv + 2));
-    Color* origin = target_.cells_.data() + grid.first;
+  void fill_cells(std::int32_t i) {
+    const int nu = grids_[i].columns, nv = grids_[i].rows, stride = nu + 2;
+    Color* origin = cells_.data() + grids_[i].first;
     const auto at = [&](int column, int row) -> Color& { return origin[(row + 1) * stride + column + 1]; };
     for (int row = 0; row < nv; ++row)
       for (int column = 0; column < nu; ++column) at(column, row) = cell(i, column, row);
@@ -157,21 +176,39 @@ class IrradianceLookup::Builder {
   }
 
   const PatchSet& scene_;
-  IrradianceLookup& target_;
+  const PatchLookup& lookup_;
+  const std::vector<Color>* irradiance_ = nullptr;
+  std::vector<Grid> grids_;
+  std::vector<Color> cells_;
   std::unordered_map<std::uint64_t, std::vector<Side>> sides_;
   std::unordered_map<std::int32_t, VertexSum> vertices_;
 };
 
-IrradianceLookup::IrradianceLookup(const PatchSet& scene, const PatchLookup& lookup,
-                                   const std::vector<Color>& irradiance)
-    : lookup_(lookup), irradiance_(irradiance) {
-  Builder(scene, *this).build();
+IrradianceLookup::IrradianceLookup(const PatchSet& scene, const PatchLookup& lookup, const OfGroup& of_group,
+                                   const std::vector<LightMix>& mixes)
+    : lookup_(lookup) {
+  Builder builder(scene, lookup);
+  mixes_.resize(mixes.size(), {std::vector<Color>(scene.patches.size(), Color(0.0f)),
+                               std::vector<Color>(builder.cell_count(), Color(0.0f))});
+  const auto add = [](const std::vector<Color>& values, const Color& weight, std::vector<Color>& sums) {
+    for (std::size_t k = 0; k < values.size(); ++k) sums[k] += values[k] * weight;
+  };
+  for (std::size_t g = 0; g < scene.light_groups.size(); ++g) {
+    const std::vector<Color> irradiance = of_group(g);
+    const std::vector<Color>& cells = builder.cells(irradiance);
+    for (std::size_t m = 0; m < mixes.size(); ++m) {
+      add(irradiance, mixes[m][g], mixes_[m].patches);
+      add(cells, mixes[m][g], mixes_[m].cells);
+    }
+  }
+  grids_ = std::move(builder).grids();
 }
 
-Color IrradianceLookup::operator()(std::int32_t i, float u, float v) const {
+Color IrradianceLookup::operator()(std::int32_t i, float u, float v, std::size_t mix_index) const {
   const Grid& grid = grids_[i];
-  if (grid.columns == 0) return on_sphere(i, u, v);
-  const Color* cells = cells_.data() + grid.first;
+  const Values& values = mixes_[mix_index];
+  if (grid.columns == 0) return on_sphere(i, u, v, values);
+  const Color* cells = values.cells.data() + grid.first;
   if (grid.columns < 0) return mix(mix(cells[0], cells[1], u), mix(cells[2], cells[3], u), v);
   const float x = u * float(grid.columns) + 0.5f, y = v * float(grid.rows) + 0.5f;
   const int column = std::clamp(int(x), 0, grid.columns), row = std::clamp(int(y), 0, grid.rows);
@@ -181,23 +218,24 @@ Color IrradianceLookup::operator()(std::int32_t i, float u, float v) const {
   return positive(mix(mix(at[0], at[1], s), mix(at[stride], at[stride + 1], s), t));
 }
 
-Color IrradianceLookup::on_ring(const PatchLookup::Row& ring, float u) const {
+Color IrradianceLookup::on_ring(const PatchLookup::Row& ring, float u, const Values& values) const {
   const float x = u * float(ring.cells) - 0.5f;
   const float low = std::floor(x);
   const int a = (int(low) + ring.cells) % ring.cells, b = (a + 1) % ring.cells;
-  return mix(irradiance_[ring.first + a], irradiance_[ring.first + b], x - low);
+  return mix(values.patches[ring.first + a], values.patches[ring.first + b], x - low);
 }
 
-Color IrradianceLookup::on_sphere(std::int32_t i, float u, float v) const {
+Color IrradianceLookup::on_sphere(std::int32_t i, float u, float v, const Values& values) const {
   const int rings = lookup_.rows(i);
   const float y = v * float(rings) - 0.5f;
   const int low = std::clamp(int(std::floor(y)), 0, rings - 1), high = std::min(low + 1, rings - 1);
   const float outside = y < 0 ? -y : y - float(rings - 1);
-  if (outside <= 0) return mix(on_ring(lookup_.row(i, low), u), on_ring(lookup_.row(i, high), u), y - float(low));
+  if (outside <= 0)
+    return mix(on_ring(lookup_.row(i, low), u, values), on_ring(lookup_.row(i, high), u, values), y - float(low));
   const PatchLookup::Row& ring = lookup_.row(i, y < 0 ? 0 : rings - 1);
   Color mean(0.0f);
-  for (int k = 0; k < ring.cells; ++k) mean += irradiance_[ring.first + k];
-  return mix(on_ring(ring, u), mean / float(ring.cells), std::min(2.0f * outside, 1.0f));
+  for (int k = 0; k < ring.cells; ++k) mean += values.patches[ring.first + k];
+  return mix(on_ring(ring, u, values), mean / float(ring.cells), std::min(2.0f * outside, 1.0f));
 }
 
 }  // namespace patchlight

@@ -19,6 +19,8 @@ LightSpot::LightSpot(std::span<const ShadingPoint> all)
     middle += p.position;
     normal += p.normal;
     weight += p.weight;
+    if (p.way != ShadingPoint::Way::straight) mirrored += p.weight;
+    scattered = scattered || p.way == ShadingPoint::Way::scattered;
   }
   middle /= double(points.size());
   normal.normalize();
@@ -28,7 +30,7 @@ LightSpot::LightSpot(std::span<const ShadingPoint> all)
 }
 
 double LightSpot::form_factor(const PixelLight::Lamp& lamp) const {
-  if (lamp.primitive == primitive) return 0.0;
+  if (lamp.emitter.primitive == primitive) return 0.0;
   if (radius < kSmall * lamp.light.distance(middle)) return lamp.light.form_factor(middle, normal);
   const std::size_t step = (points.size() + kEnough - 1) / kEnough;
   double sum = 0;

@@ -14,8 +14,10 @@ struct LightSpot {
   std::span<const ShadingPoint> points;
   Vec3d middle{0.0};
   Vec3f normal{0.0f};
-  double radius = 0.0;  ///< About the middle, m.
-  Color weight{0.0f};   ///< Sum of the points'.
+  double radius = 0.0;     ///< About the middle, m.
+  Color weight{0.0f};      ///< Sum of the points'.
+  Color mirrored{0.0f};    ///< The part of it of those that are not seen straight.
+  bool scattered = false;  ///< Whether any is seen by way of a rough metal.
 
   explicit LightSpot(std::span<const ShadingPoint> all);
 

@@ -1,3 +1,5 @@
+#include <CLI/CLI.hpp>
+
 #include "pipeline/files/energy_file.h"
 #include "pipeline/files/patch_file.h"
 #include "pipeline/stage/stage.h"
@@ -5,8 +7,14 @@
 
 int main(int argc, char** argv) {
   using namespace patchlight;
-  return run_stage("trace", argc, argv, [](const Job& job, Progress& progress) {
+  bool skip_fresh = false;
+  const auto body = [&](const Job& job, Progress& progress) {
     const PatchSet scene = read_patches(job.patch_file());
-    trace_frames(job, scene, read_energy(job.energy_file(), scene), progress);
+    trace_frames(job, scene, read_energy(job.energy_file(), scene), skip_fresh, progress);
+  };
+  return run_stage("trace", argc, argv, body, [&](CLI::App& app) {
+    app.add_flag(
+        "--skip-fresh", skip_fresh,
+        "Leave frames that are there as the job makes them now, and share the others with whoever renders them");
   });
 }

@@ -19,7 +19,7 @@ float PixelDetail::Range::contrast() const {
 
 PixelDetail::Level PixelDetail::level() const {
   if (lowest_ > highest_) return Level::none;  // no paths
-  if (lowest_ != highest_) return Level::edge;
+  if (lowest_ != highest_ || scattered_) return Level::edge;
   if (std::max(light_.contrast(), reflectance_.contrast()) > kSomeContrast ||
       (normals_.high - normals_.low).length() > kSomeTurn)
     return Level::some;

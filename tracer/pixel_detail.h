@@ -10,6 +10,7 @@ namespace patchlight {
 /// What one path of a pixel has come to.
 struct PathView {
   std::int32_t surface = -1;                             ///< A number for all that it has met, in order; -1: nothing.
+  bool scattered = false;                                ///< By a rough metal.
   Vec3f normal{0.0f};                                    ///< Where it ends.
   float depth = std::numeric_limits<float>::infinity();  ///< Of what the camera sees.
   Color light{0.0f};        ///< Radiance without what emitters that are sampled apart bring it straight.
@@ -22,13 +23,14 @@ class PixelDetail {
   enum class Level {
     none,  ///< As good as even, or on an even way from one pixel to the next.
     some,
-    edge,
+    edge,  ///< Or what rough metals show, which takes as many.
   };
 
   void add(const PathView& path) {
     lowest_ = std::min(lowest_, path.surface);
     highest_ = std::max(highest_, path.surface);
     depth_ = std::max(depth_, path.depth);
+    scattered_ = scattered_ || path.scattered;
     normals_.add(path.normal);
     light_.add(path.light);
     reflectance_.add(path.reflectance);
@@ -37,6 +39,7 @@ class PixelDetail {
     lowest_ = std::min(lowest_, pixel.lowest_);
     highest_ = std::max(highest_, pixel.highest_);
     depth_ = std::max(depth_, pixel.depth_);
+    scattered_ = scattered_ || pixel.scattered_;
     normals_.add(pixel.normals_);
     light_.add(pixel.light_);
     reflectance_.add(pixel.reflectance_);
@@ -66,6 +69,7 @@ class PixelDetail {
   std::int32_t lowest_ = std::numeric_limits<std::int32_t>::max();
   std::int32_t highest_ = std::numeric_limits<std::int32_t>::min();
   float depth_ = 0.0f;
+  bool scattered_ = false;
   Range normals_, light_, reflectance_;
 };
 

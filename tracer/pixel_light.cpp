@@ -2,10 +2,12 @@
 
 namespace patchlight {
 
-PixelLight::PixelLight(const PatchSet& scene, const RayScene& ray_scene, const std::vector<Color>& emission)
+PixelLight::PixelLight(const PatchSet& scene, const RayScene& ray_scene, const std::vector<Color>& settings)
     : ray_scene_(ray_scene) {
   for (const Emitter& emitter : emitters_apart(scene)) {
-    const Lamp lamp{{scene, ray_scene, emitter}, emitter.primitive, emission[emitter.first_patch]};
+    const std::int32_t group = scene.primitives[emitter.primitive].light_group;
+    const Color own = scene.patches[emitter.first_patch].emission;
+    const Lamp lamp{{scene, ray_scene, emitter}, emitter, group, own, own * settings[group]};
     if (lamp.brightness() > 0) lamps_.push_back(lamp);
   }
 }

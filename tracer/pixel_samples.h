@@ -22,6 +22,12 @@ inline std::uint32_t reversed_bits(std::uint32_t x) {
   return (x & 0xaaaaaaaau) >> 1 | (x & 0x55555555u) << 1;
 }
 
+/// Another order of all numbers, in which aligned runs of 1, 2, 4, ... stay together: so that what one sample takes
+/// from two sequences has nothing in common (Burley 2020, section 4).
+inline std::uint32_t shuffled(std::uint32_t k, std::uint32_t seed) {
+  return reversed_bits(owen_scrambled(reversed_bits(k), seed));
+}
+
 /// Place k of a pixel's samples, in [0,1)^2: Sobol's first two dimensions, scrambled. The first 4, 16, 64, ... are each
 /// stratified in both axes and in squares, so that more samples go on from fewer.
 inline Vec2f pixel_sample(std::uint32_t k, std::uint64_t seed) {

@@ -45,11 +45,11 @@ void sample(const PixelLight::Lamp& lamp, const LightSpot& spot, int count, std:
   }
 }
 
-/// Irradiance by a lamp: from samples, or from what is seen of it about there. `whole`: form factor to all of it.
-Color arriving(const PixelLight::Lamp& lamp, float whole, const LightSamples& samples, const Visibility& around) {
+/// Form factor to what is seen of a lamp: from samples, or from what is seen of it about there. `whole`: to all of it.
+float seen_factor(float whole, const LightSamples& samples, const Visibility& around) {
   double factor = whole * around.part_seen();
   if (samples.count > 0) factor = around.mostly_seen() ? samples.from_hidden(whole) : samples.from_seen();
-  return lamp.exitance * float(std::max(factor, 0.0));
+  return float(std::max(factor, 0.0));
 }
 
 }  // namespace
@@ -64,10 +64,11 @@ TileLight::Factors::Factors(const std::vector<Lamp>& lamps, const std::vector<Li
     }
 }
 
-TileLight::TileLight(const PixelLight& lights, const Window& window, int samples)
+TileLight::TileLight(const PixelLight& lights, const Window& window, int samples, LayerSums* layers)
     : lights_(lights),
       window_(window),
       samples_(samples),
+      layers_(layers),
       first_spot_(std::size_t(window.pixels()) + 1, 0),
       sharp_(std::size_t(window.pixels()), 0) {}
 
@@ -81,6 +82,7 @@ void TileLight::look(std::vector<ShadingPoint> points, std::span<const std::uint
   const Factors factors(lamps, spots_);
   counts_.assign(lamps.size() * spots_.size(), {});
   seen_.assign(spots_.size(), Color(0.0f));
+  if (by_group()) seen_of_group_.assign(layers_->group_count(), seen_);
   ShadowRays rays(lights_.ray_scene());
   std::vector<LightSamples> sums(spots_.size());
   for (std::size_t l = 0; l < lamps.size(); ++l) {
@@ -134,19 +136,28 @@ void TileLight::add_to_seen(std::size_t l, const Factors& factors, std::span<con
     const float share = factors.share(lamp, l, s);
     if (around[s].sharp && share > kSharp)
       sharp_[spots_[s].pixel] = 1;
-    else if (around[s].samples.partial() && share >= kLittle)
+    else if (around[s].samples.partial() && share >= kLittle && is_needed(lamp))
       sample(lamp, spots_[s], rays_for(share, samples_, around[s].samples), 0,
              scramble(scramble(window_.place(spots_[s].pixel)) + l), rays, sums[s]);
   }
   rays.cast();
-  for (std::size_t s = 0; s < spots_.size(); ++s)
-    if (takes_part(s)) seen_[s] += arriving(lamp, factors.of(l, s), sums[s], around[s].samples);
+  for (std::size_t s = 0; s < spots_.size(); ++s) {
+    if (!takes_part(s)) continue;
+    const float factor = seen_factor(factors.of(l, s), sums[s], around[s].samples);
+    seen_[s] += lamp.exitance * factor;
+    if (by_group()) seen_of_group_[lamp.group][s] += lamp.own * factor;
+  }
 }
 
 bool TileLight::add_seen(const ShadingPoint& point, std::span<Color> pixels) const {
   const std::int32_t s = spot_at(point.pixel, point.surface, point.normal);
-  if (s >= 0) pixels[point.pixel] += seen_[s] * point.weight;
-  return s >= 0;
+  if (s < 0) return false;
+  pixels[point.pixel] += seen_[s] * point.weight;
+  if (layers_ && layers_->light())
+    layers_->add_direct(point.pixel, point.way != ShadingPoint::Way::straight, seen_[s] * point.weight);
+  for (std::size_t g = 0; g < seen_of_group_.size(); ++g)
+    layers_->add_of_group(g, point.pixel, seen_of_group_[g][s] * point.weight);
+  return true;
 }
 
 std::span<const ShadingPoint> TileLight::points(std::uint32_t pixel) const {
@@ -202,6 +213,7 @@ void TileLight::add(std::vector<ShadingPoint>& points, std::span<Color> pixels) 
   std::vector<LightSamples> own(spots.size()), more(spots.size());
   std::vector<Visibility> around(spots.size());
   for (std::size_t l = 0; l < lamps.size(); ++l) {
+    if (!is_needed(lamps[l])) continue;
     std::fill(own.begin(), own.end(), LightSamples{});
     std::fill(more.begin(), more.end(), LightSamples{});
     for (std::size_t s = 0; s < spots.size(); ++s) {
@@ -215,15 +227,26 @@ void TileLight::add(std::vector<ShadingPoint>& points, std::span<Color> pixels) 
       if (factors.of(l, s) <= 0) continue;
       around[s].add(own[s]);
       const float share = factors.share(lamps[l], l, s);
-      if (!around[s].partial() || share < kLittle) continue;
+      const bool scattered = spots[s].scattered;  // then what is seen from elsewhere says nothing
+      if ((!around[s].partial() && !scattered) || share < kLittle) continue;
       const float part = float(spots[s].points.size()) / float(of_pixel[spots[s].pixel]);
-      sample(lamps[l], spots[s], rays_for(part * share, samples_, around[s]), 0, scramble(seeds[s] + 2 * l + 1), rays,
-             more[s]);
+      const int count = scattered ? std::max(kLeast, int(share * float(spots[s].points.size())))
+                                  : rays_for(part * share, samples_, around[s]);
+      sample(lamps[l], spots[s], count, 0, scramble(seeds[s] + 2 * l + 1), rays, more[s]);
     }
     rays.cast();
     for (std::size_t s = 0; s < spots.size(); ++s) {
       if (factors.of(l, s) <= 0) continue;
-      pixels[spots[s].pixel] += spots[s].weight * arriving(lamps[l], factors.of(l, s), more[s], around[s]);
+      const LightSpot& spot = spots[s];
+      const float factor = seen_factor(factors.of(l, s), more[s], around[s]);
+      const Color light = lamps[l].exitance * factor;
+      pixels[spot.pixel] += spot.weight * light;
+      if (layers_ && layers_->light()) {
+        layers_->add_direct(spot.pixel, false, (spot.weight - spot.mirrored) * light);
+        layers_->add_direct(spot.pixel, true, spot.mirrored * light);
+      }
+      if (by_group())
+        layers_->add_of_group(std::size_t(lamps[l].group), spot.pixel, spot.weight * lamps[l].own * factor);
     }
   }
 }

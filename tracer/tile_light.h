@@ -2,6 +2,7 @@
 #include <array>
 
 #include "pipeline/optics/shadow_rays.h"
+#include "tracer/layers.h"
 #include "tracer/light_spot.h"
 
 namespace patchlight {
@@ -27,8 +28,9 @@ class TileLight {
     }
   };
 
-  /// A pixel that is lit by one lamp takes 8 `samples` rays where half of it is hidden.
-  TileLight(const PixelLight& lights, const Window& window, int samples);
+  /// A pixel that is lit by one lamp takes 8 `samples` rays where half of it is hidden. `layers`: get what pixels get;
+  /// null: none.
+  TileLight(const PixelLight& lights, const Window& window, int samples, LayerSums* layers = nullptr);
 
   /// Takes the first look, from points at all pixels, and from it finds what those of the `wanted` pixels reflect.
   /// Once, before anything else. Shape: wanted.size() == window.pixels().
@@ -69,10 +71,14 @@ class TileLight {
   std::int32_t spot_at(std::uint32_t pixel, std::int32_t surface, const Vec3f& normal) const;
   void find_neighbours();
   void add_to_seen(std::size_t lamp, const Factors& factors, std::span<const std::uint8_t> wanted);
+  bool by_group() const { return layers_ && layers_->groups(); }
+  /// Whether anyone asks how much of a lamp's light arrives.
+  bool is_needed(const Lamp& lamp) const { return !lamp.is_off() || by_group(); }
 
   const PixelLight& lights_;
   const Window window_;
   const int samples_;
+  LayerSums* const layers_;
   std::vector<ShadingPoint> points_;
   std::vector<LightSpot> spots_;
   std::vector<std::uint32_t> first_spot_;  ///< [pixels + 1].
@@ -84,7 +90,8 @@ class TileLight {
   };
   std::vector<Counts> counts_;  ///< [lamps][spots].
   std::vector<std::uint8_t> sharp_;
-  std::vector<Color> seen_;  ///< [spots] W/m2, at wanted pixels.
+  std::vector<Color> seen_;                        ///< [spots] W/m2, at wanted pixels.
+  std::vector<std::vector<Color>> seen_of_group_;  ///< [groups][spots], at the scene's own strength, for layers.
 };
 
 }  // namespace patchlight

@@ -4,8 +4,11 @@
 #include <malloc.h>
 
 #include <chrono>
+#include <functional>
+#include <thread>
 
-#include "pipeline/files/frame_list.h"
+#include "pipeline/files/frame_check.h"
+#include "tracer/frame_claims.h"
 #include "tracer/frame_writer.h"
 #include "tracer/integrator.h"
 
@@ -21,19 +24,59 @@ void keep_freed_memory() {
   mallopt(M_TOP_PAD, 8 << 20);
 }
 
+/// Does `render` for those frames that are not there yet, but for what other processes are rendering, and waits for
+/// these.
+void share_frames(const std::vector<Frame>& frames, const FrameWriter& writer, const std::filesystem::path& folder,
+                  const std::function<void(const Frame&)>& render, Progress& progress) {
+  FrameClaims claims(folder);
+  std::vector<const Frame*> left;
+  for (const Frame& frame : frames)
+    if (!is_fresh(frame, writer.key(frame))) left.push_back(&frame);
+  if (left.size() < frames.size())
+    progress.note(fmt::format("{} of {} frames are up to date", frames.size() - left.size(), frames.size()));
+  for (const std::size_t all = left.size(); !left.empty();) {
+    std::vector<const Frame*> others;
+    for (std::size_t i = 0; i < left.size(); ++i) {
+      Progress::check_interrupted();
+      const Frame& frame = *left[i];
+      const std::string key = writer.key(frame);
+      if (is_fresh(frame, key)) continue;
+      if (!claims.take(key)) {
+        others.push_back(&frame);
+        continue;
+      }
+      progress.set_part(all - left.size() + i - others.size(), all);
+      if (!is_fresh(frame, key)) render(frame);  // else it has just become so
+      claims.release();
+    }
+    if (others.size() == left.size()) {
+      progress.set_part(all - others.size(), all);
+      progress.update(0, fmt::format("others render what is left, {} frames", others.size()));
+      std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    }
+    left = std::move(others);
+  }
+}
+
 }  // namespace
 
-void trace_frames(const Job& job, const PatchSet& scene, const EnergyField& energy, Progress& progress) {
+void trace_frames(const Job& job, const PatchSet& scene, const EnergyField& energy, bool skip_fresh,
+                  Progress& progress) {
   keep_freed_memory();
   const std::vector<Frame> frames = job_frames(job, scene);
   const FrameWriter writer(job, scene, energy);
   const Integrator integrator(scene, energy, job);
-  for (const Frame& frame : frames) {
+  const auto render = [&](const Frame& frame) {
     const auto start = std::chrono::steady_clock::now();
-    const Image image = integrator.render(scene.cameras[frame.camera], progress);
+    const Image image = integrator.render(frame.camera, progress);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     writer.write(frame, image, seconds);
     progress.note(fmt::format("{} in {:.2f} s", frame.exr.filename().string(), seconds));
+  };
+  if (skip_fresh) return share_frames(frames, writer, job.output, render, progress);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    progress.set_part(i, frames.size());
+    render(frames[i]);
   }
 }
 

@@ -5,8 +5,10 @@
 
 namespace patchlight {
 
-/// Renders every frame of the job into its folder of frames, as EXR and PNG.
+/// Renders every frame of the job into its folder of frames, as EXR and PNG; with `skip_fresh` only those that are not
+/// there yet as the job makes them now, sharing them with other processes that do the same.
 /// Throws: Error (bad_config) for an unknown camera, light group or view; (cannot_create, io_error, interrupted).
-void trace_frames(const Job& job, const PatchSet& scene, const EnergyField& energy, Progress& progress);
+void trace_frames(const Job& job, const PatchSet& scene, const EnergyField& energy, bool skip_fresh,
+                  Progress& progress);
 
 }  // namespace patchlight

@@ -8,6 +8,7 @@
 #include "pipeline/driver/commands.h"
 #include "pipeline/files/energy_file.h"
 #include "pipeline/files/frame_list.h"
+#include "pipeline/files/frame_range.h"
 #include "pipeline/files/patch_file.h"
 #include "pipeline/model/error.h"
 
@@ -24,14 +25,15 @@ std::size_t stage_of(const std::string& key) {
   return section == "solve" ? 1 : 2;
 }
 
-/// Restricts a job whose patches stand in `folder` to the camera that is compared.
-std::string camera_override(const Job& job, const std::string& job_file, const std::vector<std::string>& sets,
-                            const fs::path& folder) {
+/// Restricts a job whose patches stand in `folder` to the frame that is compared: the first of the one camera.
+void restrict_to_frame(const Job& job, const std::string& job_file, std::vector<std::string>& sets,
+                       const fs::path& folder) {
   std::string camera = job.bench.camera;
   const Job variant = read_job(job_file, sets, folder);
   if (camera.empty() && !variant.trace.cameras.empty()) camera = variant.trace.cameras.front();
   if (camera.empty()) camera = read_patches(variant.patch_file()).cameras.at(0).name;
-  return "trace.cameras=" + nlohmann::json::array({camera}).dump();
+  sets.push_back("trace.cameras=" + nlohmann::json::array({camera}).dump());
+  sets.push_back(fmt::format("trace.frames={}", frame_numbers(variant.trace.frames).front()));
 }
 
 /// Runs a stage `repeats` times from the same inputs. Returns the run of median CPU seconds, or the first that failed.
@@ -111,7 +113,7 @@ Reference bench_reference(const Job& job, const CommonOptions& common, Progress&
   };
   // The camera's name may have to come from the scene; what this imports, run_job finds up to date.
   check(run_stage_program("import", stage_arguments(run.job_file, run.common)).exit_code);
-  run.common.sets.push_back(camera_override(job, run.job_file, run.common.sets, run.common.output));
+  restrict_to_frame(job, run.job_file, run.common.sets, run.common.output);
   check(run_job(run, progress));
   const Job made = read_job(run.job_file, run.common.sets, run.common.output);
   const Frame frame = job_frames(made, read_patches(made.patch_file())).at(0);
@@ -152,7 +154,7 @@ void VariantRunner::run_stages(Measurement& result, const fs::path& folder) {
       result.stages[k] = found->second.run;
       continue;
     }
-    if (k == 2) options.sets.push_back(camera_override(job_, job_.file.string(), options.sets, folder));
+    if (k == 2) restrict_to_frame(job_, job_.file.string(), options.sets, folder);
     result.stages[k] = measure(kStages[k], job_, options);
     result.exit_code = result.stages[k].exit_code;
     stop_if_interrupted(result.exit_code);

@@ -12,11 +12,46 @@ struct RunCommand {
   bool force = false;
   CommonOptions common;
   std::string last_stage = "trace";
+  bool explain = false;           ///< Say all reasons, also those not to run.
+  std::filesystem::path cache{};  ///< Where outputs of earlier settings are kept; empty: in the job's own output.
 };
 
-/// Starts the stages whose outputs do not match the job, in order, and says why. Returns the exit code of the first
-/// stage that fails, else 0.
-int run_job(const RunCommand& command, Progress& progress);
+/// Starts the stages whose outputs do not match the job, in order, and says why; what was made before with the same
+/// settings is put back instead. Returns the exit code of the first stage that fails, else 0. `account`, unless null:
+/// is told what each stage did, in a few words.
+int run_job(const RunCommand& command, Progress& progress, std::string* account = nullptr);
+
+struct BatchCommand {
+  std::vector<std::string> job_files;
+  std::string variant;  ///< Glob; empty: all.
+  bool force = false;
+  bool explain = false;
+  CommonOptions common;
+};
+
+/// Runs all variants of all jobs, on past those that fail, and sums up. Returns the exit code of the first failure,
+/// else 0. Throws: Error (usage) for one output folder of several jobs, (interrupted).
+int run_jobs(const BatchCommand& command, Progress& progress);
+
+struct CleanCommand {
+  std::string job_file;
+  bool all = false;  ///< Also what stands in the output folder.
+  CommonOptions common;
+};
+
+/// Removes outputs of earlier settings that a job keeps, and says how much room that made. Returns 0.
+/// Throws: Error (bad_config, missing_input) for the job, (io_error).
+int clean_job(const CleanCommand& command, Progress& progress);
+
+struct StatusCommand {
+  std::vector<std::string> job_files;
+  std::string variant;  ///< Glob; empty: all.
+  CommonOptions common;
+};
+
+/// Prints a line for each stage and frame of all variants of all jobs: fresh, stale, missing or damaged, and why;
+/// nothing is run or changed. Returns 0 if all is fresh, else 1. Throws: Error (bad_config, missing_input) for the job.
+int show_status(const StatusCommand& command);
 
 struct PreviewCommand {
   std::string job_file;
@@ -29,6 +64,22 @@ struct PreviewCommand {
 /// Draws a picture of a job's patches, radiosity or hemicubes into <output>/preview/, after running what is stale of
 /// the stages that it needs. Returns an exit code. Throws: Error (bad_config, missing_input) for the job.
 int draw_preview(const PreviewCommand& command, Progress& progress);
+
+/// Where that picture stands.
+std::filesystem::path preview_file(const PreviewCommand& command, const Job& job);
+
+/// Draws it from files that are fresh. Returns an exit code.
+int draw_picture(const PreviewCommand& command, const std::filesystem::path& picture);
+
+struct ReportCommand {
+  std::string job_file;
+  std::string variant;  ///< Glob; empty: all.
+  CommonOptions common;
+};
+
+/// Writes <output>/report.html, one page that needs nothing from elsewhere, after running what is stale. Returns an
+/// exit code. Throws: Error (bad_config, missing_input) for the job, (cannot_create, io_error, interrupted).
+int write_report_page(const ReportCommand& command, Progress& progress);
 
 struct BenchCommand {
   std::string job_file;

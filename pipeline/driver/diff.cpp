@@ -29,11 +29,23 @@ Columns h5_columns(const std::string& file, const char* format, int version) {
   return columns;
 }
 
+H5Reader::Values frame_values(const Image& image, const auto& values) {
+  H5Reader::Values column{fmt::format("{} x {}", image.width, image.height), {}, {}};
+  for (const auto& value : values)
+    if constexpr (requires { value.z; })
+      column.numbers.insert(column.numbers.end(), {value.x, value.y, value.z});
+    else
+      column.numbers.push_back(value);
+  return column;
+}
+
 Columns frame_columns(const std::string& file) {
-  const Image image = read_exr(file);
-  H5Reader::Values values{fmt::format("{} x {}", image.width, image.height), {}, {}};
-  for (const Color& c : image.pixels) values.numbers.insert(values.numbers.end(), {c.x, c.y, c.z});
-  return {{"R, G, B", std::move(values)}};
+  const Image image = read_exr_layers(file);
+  Columns columns{{"R, G, B", frame_values(image, image.pixels)}};
+  for (const ImageLayer& layer : image.layers)
+    std::visit([&](const auto& values) { columns[layer.name + "." + layer.channels] = frame_values(image, values); },
+               layer.values);
+  return columns;
 }
 
 Columns read_columns(const std::string& file, FileKind kind) {

@@ -1,10 +1,11 @@
 #include "pipeline/driver/freshness.h"
 
 #include <filesystem>
+#include <functional>
 
 #include "pipeline/files/energy_file.h"
-#include "pipeline/files/frame_list.h"
 #include "pipeline/files/image_file.h"
+#include "pipeline/files/job_changes.h"
 #include "pipeline/files/key.h"
 #include "pipeline/files/patch_file.h"
 #include "pipeline/files/transport_file.h"
@@ -15,72 +16,138 @@ namespace patchlight {
 namespace {
 
 namespace fs = std::filesystem;
+using State = Freshness::State;
 
 bool is_file(const fs::path& file) {
   std::error_code fault;
   return fs::is_regular_file(file, fault);
 }
 
-/// Reads through `read`; what cannot be read is stale for a reason. A fault of the job itself passes through.
+/// Reads through `read`; what cannot be read is missing or damaged. A fault of the job itself passes through.
 template <class Read>
 Freshness try_reading(const fs::path& file, Read read) {
-  if (std::error_code fault; !fs::exists(file, fault)) return {false, false, file.filename().string() + " is missing"};
+  if (std::error_code fault; !fs::exists(file, fault))
+    return {State::missing, {file.filename().string() + " is missing"}, {}};
   try {
     read();
-    return {true, false, ""};
+    return {};
   } catch (const Error& error) {
     if (error.code() != ExitCode::bad_data) throw;
-    return {false, true, error.what()};
+    return {State::damaged, {error.what()}, {}};
   }
+}
+
+/// The scene itself comes first, wherever it stands now.
+fs::path source_file(const Job& job, const std::vector<SourceFile>& sources, std::size_t i) {
+  return i == 0 ? job.scene : job.scene.parent_path() / sources[i].path;
+}
+
+/// `what` and the old and new value; keys by their first digits.
+std::string change(const std::string& what, const std::string& old, const std::string& now) {
+  const auto shortened = [](const std::string& key) { return key.empty() ? std::string("none") : key.substr(0, 8); };
+  return what + " " + shortened(old) + " -> " + shortened(now);
+}
+
+using KeyOf = std::function<std::string(const Job&)>;
+
+/// Compares the key that an output has with that which the job wants. `inputs`: what else changed. Where neither
+/// settings nor inputs explain it, the program is another.
+void compare_keys(Freshness& state, const Job& job, const std::string& key, const std::string& made_for,
+                  const KeyOf& key_of, const std::vector<std::string>& inputs) {
+  if (key == state.key) return;
+  state.state = State::stale;
+  state.reasons = changed_settings(job, made_for, key_of);
+  if (key != key_of(with_settings_of(job, made_for)))
+    state.reasons.insert(state.reasons.end(), inputs.begin(), inputs.end());
+  if (state.reasons.empty()) state.reasons.push_back("made by another version of Patchlight, or from something else");
 }
 
 }  // namespace
 
+std::string import_key(const Job& job, const std::vector<SourceFile>& sources) {
+  std::vector<SourceFile> now = sources;
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    const fs::path file = source_file(job, sources, i);
+    if (!is_file(file)) return "";
+    now[i].hash = hash_file(file);
+  }
+  return import_inputs_key(now, job);
+}
+
+bool keeps_transport(const Job& job, const PatchSet& scene) {
+  return job.solve.method == "matrix" && !scene.light_groups.empty();
+}
+
 Freshness patches_freshness(const Job& job, PatchSet& scene) {
   Freshness state = try_reading(job.patch_file(), [&] { scene = read_patches(job.patch_file()); });
-  if (!state.fresh) return state;
+  if (!state.fresh()) return state;
   std::vector<SourceFile> sources = scene.sources;
+  std::vector<std::string> changed;
   for (std::size_t i = 0; i < sources.size(); ++i) {
-    const fs::path file = i == 0 ? job.scene : job.scene.parent_path() / sources[i].path;
-    if (!is_file(file)) return {false, false, file.string() + " is gone"};
+    const fs::path file = source_file(job, sources, i);
+    if (!is_file(file)) return {State::stale, {file.string() + " is gone"}, {}};
     sources[i].hash = hash_file(file);
-    if (sources[i].hash != scene.sources[i].hash) return {false, false, file.filename().string() + " has changed"};
+    if (sources[i].hash != scene.sources[i].hash)
+      changed.push_back(change(file.filename().string(), scene.sources[i].hash, sources[i].hash));
   }
-  if (import_inputs_key(sources, job) != scene.inputs_key)
-    return {false, false, "settings of `import`, `materials` or `shaders` have changed"};
+  const auto key_of = [&](const Job& other) { return import_inputs_key(sources, other); };
+  state.key = key_of(job);
+  compare_keys(state, job, scene.inputs_key, scene.made.job, key_of, changed);
   return state;
 }
 
 Freshness energy_freshness(const Job& job, const PatchSet& scene) {
   EnergyField energy;
+  const auto key_of = [&](const Job& other) { return energy_key(scene.key, other.solve); };
   Freshness state = try_reading(job.energy_file(), [&] { energy = read_energy(job.energy_file()); });
-  if (!state.fresh) return state;
-  if (energy.patches_key != scene.key) return {false, false, "the patches have changed"};
-  if (energy.key != energy_key(scene.key, job.solve)) return {false, false, "settings of `solve` have changed"};
-  if (job.solve.method != "matrix" || scene.light_groups.empty()) return state;
+  state.key = key_of(job);
+  if (!state.fresh()) return state;
+  std::vector<std::string> inputs;
+  if (energy.patches_key != scene.key) inputs.push_back(change("the patches", energy.patches_key, scene.key));
+  compare_keys(state, job, energy.key, energy.made.job, key_of, inputs);
+  if (!state.fresh() || !keeps_transport(job, scene)) return state;
   std::string transport;
-  state = try_reading(job.transport_file(), [&] { transport = read_transport_key(job.transport_file()); });
-  if (state.fresh && transport != transport_key(scene.geometry_key, job.solve))
-    return {false, false, "transport.h5 belongs to other geometry or settings"};
+  const Freshness rows =
+      try_reading(job.transport_file(), [&] { transport = read_transport_key(job.transport_file()); });
+  const std::string wanted = transport_key(scene.geometry_key, job.solve);
+  state.state = rows.state;
+  state.reasons = rows.reasons;
+  if (rows.fresh() && transport != wanted) {
+    state.state = State::stale;
+    state.reasons = {change("transport.h5", transport, wanted)};
+  }
   return state;
 }
 
-Freshness frames_freshness(const Job& job, const PatchSet& scene) {
-  const std::string energy = energy_key(scene.key, job.solve), view_config = view_config_key();
-  for (const Frame& frame : job_frames(job, scene)) {
-    const std::string name = frame.exr.filename().string(), png = frame.png.filename().string();
-    Image header;
-    Freshness state = try_reading(frame.exr, [&] { header = read_exr_header(frame.exr); });
-    if (!state.fresh) return state;
-    if (header.metadata["patchlight:key"] != frame_key(scene, energy, job, frame.camera, frame.number, view_config) ||
-        header.width != job.trace.resolution[0] || header.height != job.trace.resolution[1])
-      return {false, false, name + " was made from something else"};
-    if (!is_file(frame.png)) return {false, false, png + " is missing"};
-    if (header.metadata["patchlight:png"] != hash_file(frame.png)) return {false, true, png + " is damaged"};
-    state = try_reading(frame.exr, [&] { read_exr(frame.exr); });
-    if (!state.fresh) return state;
-  }
-  return {true, false, ""};
+Freshness frame_freshness(const Job& job, const PatchSet& scene, const Frame& frame) {
+  const std::string view_config = view_config_key();
+  const auto key_of = [&](const Job& other) {
+    return frame_key(scene, energy_key(scene.key, other.solve), other, frame.camera, frame.number, view_config);
+  };
+  Image header;
+  Freshness state = try_reading(frame.exr, [&] { header = read_exr_header(frame.exr); });
+  state.key = key_of(job);
+  const auto refuse = [&](State fault, const std::string& reason) {
+    state.state = fault;
+    state.reasons = {reason};
+    return state;
+  };
+  if (state.state == State::missing) return refuse(State::missing, "missing");
+  if (!state.fresh()) return state;
+  std::vector<std::string> inputs;
+  for (const auto& [what, attribute, now] : {std::tuple("the patches", "patchlight:patches_key", scene.key),
+                                             {"textures and shaders", "patchlight:frames_key", scene.frames_key},
+                                             {"the camera", "patchlight:camera_key", camera_key(frame.camera)},
+                                             {"the OpenColorIO config", "patchlight:view_config", view_config}})
+    if (header.metadata[attribute] != now) inputs.push_back(change(what, header.metadata[attribute], now));
+  compare_keys(state, job, header.metadata["patchlight:key"], header.metadata["patchlight:job"], key_of, inputs);
+  if (!state.fresh()) return state;
+  if (header.width != job.trace.resolution[0] || header.height != job.trace.resolution[1])
+    return refuse(State::damaged, "it is of another size");
+  if (!is_file(frame.png)) return refuse(State::missing, "its PNG is missing");
+  if (header.metadata["patchlight:png"] != hash_file(frame.png)) return refuse(State::damaged, "its PNG is damaged");
+  const Freshness pixels = try_reading(frame.exr, [&] { read_exr(frame.exr); });
+  return pixels.fresh() ? state : refuse(pixels.state, pixels.reasons.front());
 }
 
 }  // namespace patchlight

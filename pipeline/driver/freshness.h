@@ -1,17 +1,30 @@
 #pragma once
 #include <string>
+#include <vector>
 
+#include "pipeline/files/frame_list.h"
 #include "pipeline/files/job.h"
 #include "pipeline/model/patch_set.h"
 
 namespace patchlight {
 
-/// Whether a stage's output matches what the job would make now.
+/// Whether an output matches what the job would make now.
 struct Freshness {
-  bool fresh = false;
-  bool damaged = false;
-  std::string reason;  ///< Why it does not, for people.
+  enum class State { fresh, stale, missing, damaged };
+
+  State state = State::fresh;
+  /// For people: what changed and how, as in `solve.rays 64 -> 256`; what is missing or damaged. Empty if fresh.
+  std::vector<std::string> reasons;
+  std::string key;  ///< That the job wants of it; empty where it cannot be told yet.
+
+  bool fresh() const { return state == State::fresh; }
 };
+
+/// The key that a job wants of a patches.h5 that is made from these files as they are now; empty if one is gone.
+std::string import_key(const Job& job, const std::vector<SourceFile>& sources);
+
+/// Whether a solve leaves a transport.h5.
+bool keeps_transport(const Job& job, const PatchSet& scene);
 
 /// Of patches.h5. Reads it into `scene` if it is whole.
 Freshness patches_freshness(const Job& job, PatchSet& scene);
@@ -19,7 +32,7 @@ Freshness patches_freshness(const Job& job, PatchSet& scene);
 /// Of energy.h5, and transport.h5 where the method keeps one, for the patches in `scene`.
 Freshness energy_freshness(const Job& job, const PatchSet& scene);
 
-/// Of all frames of the job, from a solution that is fresh.
-Freshness frames_freshness(const Job& job, const PatchSet& scene);
+/// Of one frame's EXR and PNG, by a solution of `scene` as the job wants it.
+Freshness frame_freshness(const Job& job, const PatchSet& scene, const Frame& frame);
 
 }  // namespace patchlight

@@ -17,12 +17,14 @@ namespace patchlight {
 namespace {
 
 void show_frame(const std::string& file) {
-  const Image image = read_exr(file);
+  const Image image = read_exr_layers(file);
   Vec3d sum(0.0);
   for (const Color& pixel : image.pixels) sum += Vec3d(pixel);
   sum /= double(image.pixels.size());
   fmt::print("pixels      {} x {}, mean radiance {:.4g} {:.4g} {:.4g} W/m2/sr\n", image.width, image.height, sum.x,
              sum.y, sum.z);
+  if (!image.layers.empty()) fmt::print("layers\n");
+  for (const ImageLayer& layer : image.layers) fmt::print("  {}.{}\n", layer.name, layer.channels);
   for (const auto& [name, value] : image.metadata)
     if (value.find('\n') == std::string::npos) fmt::print("{:<24}{}\n", name, value);
 }

@@ -14,13 +14,36 @@ struct Command {
 };
 
 Command add_run(CLI::App& app) {
-  static RunCommand run;
-  CLI::App* sub = app.add_subcommand("run", "Run whatever is stale of a job: import, solve, trace");
-  sub->add_option("JOB.yaml", run.job_file, "The job file")->required();
+  static BatchCommand run;
+  CLI::App* sub = app.add_subcommand("run", "Run whatever is stale of jobs and their variants: import, solve, trace");
+  sub->add_option("JOB.yaml", run.job_files, "The job files")->required();
+  sub->add_option("--variant", run.variant, "Only variants of the job's matrix with such a name (glob)");
   sub->add_flag("--force", run.force, "Run every stage, stale or not");
+  sub->add_flag("--explain", run.explain, "Say all reasons for which stages run or do not");
   add_common_options(*sub, run.common);
   sub->footer(job_key_help());
-  return {sub, &run.common, [](Progress& progress) { return run_job(run, progress); }};
+  return {sub, &run.common, [](Progress& progress) { return run_jobs(run, progress); }};
+}
+
+Command add_status(CLI::App& app) {
+  static StatusCommand status;
+  CLI::App* sub = app.add_subcommand(
+      "status", "List a job's stages and frames: fresh, stale, missing, damaged; exit code 1 unless all are fresh");
+  sub->add_option("JOB.yaml", status.job_files, "The job files")->required();
+  sub->add_option("--variant", status.variant, "Only variants of the job's matrix with such a name (glob)");
+  add_common_options(*sub, status.common);
+  sub->footer(job_key_help());
+  return {sub, &status.common, [](Progress&) { return show_status(status); }};
+}
+
+Command add_clean(CLI::App& app) {
+  static CleanCommand clean;
+  CLI::App* sub = app.add_subcommand("clean", "Remove what a job keeps of earlier settings");
+  sub->add_option("JOB.yaml", clean.job_file, "The job file")->required();
+  sub->add_flag("--all", clean.all, "And all else that it made");
+  add_common_options(*sub, clean.common);
+  sub->footer(job_key_help());
+  return {sub, &clean.common, [](Progress& progress) { return clean_job(clean, progress); }};
 }
 
 Command add_preview(CLI::App& app) {
@@ -35,6 +58,17 @@ Command add_preview(CLI::App& app) {
       ->check(CLI::NonNegativeNumber);
   add_common_options(*sub, preview.common);
   return {sub, &preview.common, [](Progress& progress) { return draw_preview(preview, progress); }};
+}
+
+Command add_report(CLI::App& app) {
+  static ReportCommand report;
+  CLI::App* sub = app.add_subcommand(
+      "report", "Write one HTML page of a job's frames, counts, times, convergence, errors, irradiance and warnings");
+  sub->add_option("JOB.yaml", report.job_file, "The job file")->required();
+  sub->add_option("--variant", report.variant, "Only variants of the job's matrix with such a name (glob)");
+  add_common_options(*sub, report.common);
+  sub->footer(job_key_help());
+  return {sub, &report.common, [](Progress& progress) { return write_report_page(report, progress); }};
 }
 
 Command add_bench(CLI::App& app) {
@@ -78,7 +112,8 @@ int main(int argc, char** argv) {
   CLI::App app{"Patchlight: radiosity from glTF scenes, in stages that run again only when they must.", "patchlight"};
   app.require_subcommand(1);
   app.set_version_flag("--version", patchlight_version());
-  const std::vector<Command> commands{add_run(app), add_preview(app), add_bench(app), add_info(app), add_diff(app)};
+  const std::vector<Command> commands{add_run(app),    add_status(app), add_clean(app), add_preview(app),
+                                      add_report(app), add_bench(app),  add_info(app),  add_diff(app)};
   if (const auto exit_code = parse_options(app, "patchlight", argc, argv)) return *exit_code;
   for (const Command& command : commands) {
     if (!command.app->parsed()) continue;

@@ -9,15 +9,6 @@ namespace {
 
 using Node = YAML::Node;
 
-/// A value on one line, as an override takes it.
-std::string flow_text(const Node& value) {
-  YAML::Emitter out;
-  out.SetSeqFormat(YAML::Flow);
-  out.SetMapFormat(YAML::Flow);
-  out << value;
-  return out.c_str();
-}
-
 std::string key_text(const Node& key) {
   if (!key.IsScalar()) throw std::string("expected keys of the job such as solve.rays");
   return key.Scalar();

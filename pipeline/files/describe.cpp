@@ -58,6 +58,13 @@ std::string describe_shaders(const PatchSet& scene) {
   return text;
 }
 
+double end_of_motion(const Camera& camera) {
+  double end = 0;
+  for (const Motion& factor : camera.motion)
+    if (!factor.times.empty()) end = std::max(end, factor.times.back());
+  return end;
+}
+
 template <class Items, class Name>
 std::string describe_names(const std::string& title, const Items& items, Name name) {
   std::string text = title + "\n";
@@ -89,8 +96,9 @@ std::string describe(const PatchSet& scene) {
   text += describe_names("light groups", scene.light_groups, [](const std::string& name) { return name; });
   text += describe_names("cameras", scene.cameras, [](const Camera& c) {
     const bool perspective = c.projection == Camera::Projection::perspective;
-    return fmt::format("{:<24}{}, {:.4g} {} high", c.name, perspective ? "perspective" : "orthographic",
-                       perspective ? c.vertical * 180 / kPi : 2 * c.vertical, perspective ? "degrees" : "m");
+    return fmt::format("{:<24}{}, {:.4g} {} high{}", c.name, perspective ? "perspective" : "orthographic",
+                       perspective ? c.vertical * 180 / kPi : 2 * c.vertical, perspective ? "degrees" : "m",
+                       c.motion.empty() ? "" : fmt::format(", moves until {:.4g} s", end_of_motion(c)));
   });
   return text;
 }

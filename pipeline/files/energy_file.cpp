@@ -1,9 +1,15 @@
 #include "pipeline/files/energy_file.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <sstream>
 
 #include "pipeline/files/display_mesh_file.h"
 #include "pipeline/files/h5_store.h"
+#include "pipeline/files/provenance_file.h"
 #include "pipeline/model/error.h"
 
 namespace patchlight {
@@ -28,6 +34,27 @@ std::vector<Color> read_colors(const H5Reader& reader, const std::string& name, 
   return colors;
 }
 
+/// A line for each: its residuals, then its group.
+std::string convergence_text(const std::vector<EnergyField::Convergence>& convergence) {
+  std::string text;
+  for (const auto& [group, residuals] : convergence) text += fmt::format("{} {}\n", fmt::join(residuals, ","), group);
+  return text;
+}
+
+std::vector<EnergyField::Convergence> parse_convergence(const std::string& text) {
+  std::vector<EnergyField::Convergence> convergence;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t end = std::min(line.find(' '), line.size());
+    auto& one = convergence.emplace_back();
+    one.group = line.substr(std::min(end + 1, line.size()));
+    std::istringstream values(line.substr(0, end));
+    for (std::string value; std::getline(values, value, ',');)
+      one.residuals.push_back(std::strtod(value.c_str(), nullptr));
+  }
+  return convergence;
+}
+
 EnergyField read_fields(const H5Reader& reader, const std::vector<std::string>& groups, std::int64_t rows) {
   EnergyField energy;
   energy.key = reader.text("key");
@@ -38,6 +65,8 @@ EnergyField read_fields(const H5Reader& reader, const std::vector<std::string>& 
   energy.rays = reader.integer("rays");
   energy.seconds = reader.real("seconds");
   energy.residual = reader.real("residual");
+  if (reader.has_attribute("convergence")) energy.convergence = parse_convergence(reader.text("convergence"));
+  energy.made = read_provenance(reader);
   if (reader.has("/deviation"))
     energy.estimate = {reader.real("error"), reader.real("error_bound"), reader.real("balance"),
                        reader.real("reciprocity"), read_colors(reader, "/deviation", rows)};
@@ -78,6 +107,8 @@ void write_energy(const std::filesystem::path& file, const PatchSet& scene, cons
   writer.attribute("rays", energy.rays);
   writer.attribute("seconds", energy.seconds);
   writer.attribute("residual", energy.residual);
+  writer.attribute("convergence", convergence_text(energy.convergence));
+  write_provenance(writer, energy.made);
   if (energy.estimate) {
     write_colors(writer, "/deviation", energy.estimate->deviation);
     writer.attribute("error", energy.estimate->error);

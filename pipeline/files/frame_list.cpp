@@ -7,6 +7,8 @@
 #include <numeric>
 #include <set>
 
+#include "pipeline/files/frame_camera.h"
+#include "pipeline/files/frame_range.h"
 #include "pipeline/model/error.h"
 
 namespace patchlight {
@@ -14,7 +16,7 @@ namespace patchlight {
 namespace {
 
 constexpr std::size_t kLongestFileName = 255;
-constexpr std::size_t kLongestSuffix = 9;  // .0001.exr
+constexpr std::size_t kLongestSuffix = 12;  // .1000000.exr
 
 /// One `_` for each character other than letters, digits, `.`, `_` and `-`; in UTF-8 a character may be several bytes.
 std::string plain_name(const std::string& name) {
@@ -34,10 +36,10 @@ std::string plain_name(const std::string& name) {
 }
 
 /// A file name for each camera, without its suffix; clashes get `_2`, ...
-std::vector<std::string> file_names(const std::vector<Camera>& cameras) {
+std::vector<std::string> file_names(const std::vector<FrameCamera>& cameras) {
   std::vector<std::string> names;
   std::set<std::string> taken;
-  for (const Camera& camera : cameras) {
+  for (const FrameCamera& camera : cameras) {
     const std::string name = plain_name(camera.name);
     std::string ending;
     const auto unique = [&] { return name.substr(0, kLongestFileName - kLongestSuffix - ending.size()) + ending; };
@@ -47,18 +49,18 @@ std::vector<std::string> file_names(const std::vector<Camera>& cameras) {
   return names;
 }
 
-std::vector<std::size_t> chosen_cameras(const Job& job, const PatchSet& scene) {
-  std::vector<std::size_t> chosen(scene.cameras.size());
+std::vector<std::size_t> chosen_cameras(const Job& job, const std::vector<FrameCamera>& cameras) {
+  std::vector<std::size_t> chosen(cameras.size());
   std::iota(chosen.begin(), chosen.end(), std::size_t(0));
   if (job.trace.cameras.empty()) return chosen;
   chosen.clear();
   for (const std::string& name : job.trace.cameras) {
     const std::size_t before = chosen.size();
-    for (std::size_t i = 0; i < scene.cameras.size(); ++i)
-      if (scene.cameras[i].name == name) chosen.push_back(i);
+    for (std::size_t i = 0; i < cameras.size(); ++i)
+      if (cameras[i].name == name) chosen.push_back(i);
     if (chosen.size() > before) continue;
     std::vector<std::string> known;
-    for (const Camera& camera : scene.cameras) known.push_back(camera.name);
+    for (const FrameCamera& camera : cameras) known.push_back(camera.name);
     throw Error(ExitCode::bad_config, "unknown camera `" + name + "`", job.file.string() + ", trace.cameras",
                 fmt::format("the scene has: {}", fmt::join(known, ", ")));
   }
@@ -70,14 +72,20 @@ std::vector<std::size_t> chosen_cameras(const Job& job, const PatchSet& scene) {
 }  // namespace
 
 std::vector<Frame> job_frames(const Job& job, const PatchSet& scene) {
-  const std::vector<std::string> names = file_names(scene.cameras);
+  const std::vector<FrameCamera> cameras = frame_cameras(job, scene);
+  const std::vector<std::string> names = file_names(cameras);
+  const std::vector<int> asked = frame_numbers(job.trace.frames), first{1};
   std::vector<Frame> frames;
-  for (const std::size_t camera : chosen_cameras(job, scene)) {
-    Frame frame{camera, 1, {}, {}};
-    const std::string stem = fmt::format("{}.{:04}", names[camera], frame.number);
-    frame.exr = job.frame_folder() / (stem + ".exr");
-    frame.png = job.frame_folder() / (stem + ".png");
-    frames.push_back(frame);
+  for (const std::size_t i : chosen_cameras(job, cameras)) {
+    const std::vector<int>& numbers = cameras[i].moves() ? asked : first;
+    if (frames.size() + numbers.size() > kMostFrames)
+      throw Error(ExitCode::over_limit, fmt::format("more than {} frames of all cameras", kMostFrames),
+                  job.file.string() + ", trace.frames", "name fewer frames, or fewer trace.cameras");
+    for (const int number : numbers) {
+      const std::string stem = fmt::format("{}.{:04}", names[i], number);
+      frames.push_back({cameras[i].at(number, job), number, job.frame_folder() / (stem + ".exr"),
+                        job.frame_folder() / (stem + ".png")});
+    }
   }
   return frames;
 }

@@ -182,6 +182,10 @@ H5Reader::H5Reader(const std::filesystem::path& file, const std::string& format,
 
 H5Reader::~H5Reader() = default;
 
+bool H5Reader::has_attribute(const std::string& name) const {
+  return state_->attributes.contains(name);
+}
+
 std::string H5Reader::text(const std::string& name) const {
   return state_->text(name);
 }

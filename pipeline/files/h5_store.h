@@ -51,6 +51,7 @@ class H5Reader {
   H5Reader(const std::filesystem::path& file, const std::string& format, int version);
   ~H5Reader();
 
+  bool has_attribute(const std::string& name) const;
   std::string text(const std::string& name) const;
   std::int64_t integer(const std::string& name) const;
   double real(const std::string& name) const;

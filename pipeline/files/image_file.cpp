@@ -14,6 +14,7 @@
 #include <cmath>
 #include <exception>
 #include <fstream>
+#include <type_traits>
 
 #include "pipeline/files/temporary_file.h"
 #include "pipeline/model/error.h"
@@ -26,6 +27,17 @@ namespace fs = std::filesystem;
 
 constexpr int kMaxSide = 65536;
 constexpr std::int64_t kMostChannelValues = std::int64_t{1} << 31;
+
+constexpr std::array<std::pair<const char*, Imf::Compression>, 10> kCompressions{{{"none", Imf::NO_COMPRESSION},
+                                                                                  {"rle", Imf::RLE_COMPRESSION},
+                                                                                  {"zips", Imf::ZIPS_COMPRESSION},
+                                                                                  {"zip", Imf::ZIP_COMPRESSION},
+                                                                                  {"piz", Imf::PIZ_COMPRESSION},
+                                                                                  {"pxr24", Imf::PXR24_COMPRESSION},
+                                                                                  {"b44", Imf::B44_COMPRESSION},
+                                                                                  {"b44a", Imf::B44A_COMPRESSION},
+                                                                                  {"dwaa", Imf::DWAA_COMPRESSION},
+                                                                                  {"dwab", Imf::DWAB_COMPRESSION}}};
 
 [[noreturn]] void refuse(const std::string& what, const fs::path& file) {
   throw Error(ExitCode::bad_data, what, file.string(), "render it again");
@@ -82,29 +94,142 @@ Image with_exr(const fs::path& file, Read read) {
   }
 }
 
+/// Channels on their way into a file, with the halves that some are turned into.
+class Channels {
+ public:
+  Channels(Imf::Header& header, const Image& image, bool as_half) : header_(header), image_(image), half_(as_half) {}
+
+  /// `names`: of each pixel's values, in order. Values must live on.
+  template <typename Value>
+  void add(const std::vector<std::string>& names, const std::vector<Value>& values, bool color) {
+    if (values.size() != std::size_t(image_.width) * std::size_t(image_.height))
+      throw std::logic_error("a layer of another size than its image");
+    if constexpr (std::is_same_v<Value, std::uint32_t>) {
+      insert(names, Imf::UINT, values.data(), sizeof(std::uint32_t));
+    } else if (!color || !half_) {
+      insert(names, Imf::FLOAT, values.data(), sizeof(float));
+    } else {
+      const auto* floats = reinterpret_cast<const float*>(values.data());
+      halves_.emplace_back(floats, floats + values.size() * names.size());
+      insert(names, Imf::HALF, halves_.back().data(), sizeof(Imath::half));
+    }
+  }
+
+  const Imf::FrameBuffer& buffer() const { return buffer_; }
+
+ private:
+  void insert(const std::vector<std::string>& names, Imf::PixelType type, const void* values, std::size_t size) {
+    const std::size_t pixel = names.size() * size;
+    for (std::size_t k = 0; k < names.size(); ++k) {
+      header_.channels().insert(names[k], Imf::Channel(type));
+      char* first = const_cast<char*>(static_cast<const char*>(values)) + k * size;
+      buffer_.insert(names[k], Imf::Slice(type, first, pixel, pixel * std::size_t(image_.width)));
+    }
+  }
+
+  Imf::Header& header_;
+  const Image& image_;
+  const bool half_;
+  Imf::FrameBuffer buffer_;
+  std::vector<std::vector<Imath::half>> halves_;
+};
+
+std::vector<std::string> channel_names(const std::string& layer, const std::string& letters) {
+  std::vector<std::string> names;
+  for (const char letter : letters) names.push_back((layer.empty() ? "" : layer + ".") + letter);
+  return names;
+}
+
+/// Sets up a layer of an open file and where its values go.
+template <typename Value>
+ImageLayer prepared(const Imf::InputFile& input, const std::string& name, const std::string& letters,
+                    Imf::FrameBuffer& buffer) {
+  const Imath::Box2i window = input.header().dataWindow();
+  const int width = window.max.x - window.min.x + 1, height = window.max.y - window.min.y + 1;
+  std::vector<Value> values(std::size_t(width) * std::size_t(height));
+  const auto type = std::is_same_v<Value, std::uint32_t> ? Imf::UINT : Imf::FLOAT;
+  for (std::size_t k = 0; k < letters.size(); ++k)
+    buffer.insert(channel_names(name, letters)[k],
+                  Imf::Slice::Make(type, reinterpret_cast<char*>(values.data()) + k * sizeof(float), window.min, width,
+                                   height, sizeof(Value), sizeof(Value) * std::size_t(width)));
+  return {name, letters, std::move(values)};
+}
+
+/// What write_exr() would write as layers, of a file's channels.
+std::vector<ImageLayer> prepared_layers(const Imf::InputFile& input, Imf::FrameBuffer& buffer) {
+  std::map<std::string, std::string> letters;
+  std::map<std::string, bool> are_numbers;
+  for (auto c = input.header().channels().begin(); c != input.header().channels().end(); ++c) {
+    const std::string name = c.name();
+    const std::size_t dot = name.rfind('.');
+    if (dot == std::string::npos || dot + 2 != name.size() || c.channel().xSampling != 1 || c.channel().ySampling != 1)
+      continue;
+    letters[name.substr(0, dot)] += name.back();
+    are_numbers[name.substr(0, dot)] = c.channel().type == Imf::UINT;
+  }
+  std::vector<ImageLayer> layers;
+  for (const auto& [name, sorted] : letters) {
+    if (sorted == "BGR") layers.push_back(prepared<Color>(input, name, "RGB", buffer));
+    if (sorted == "XYZ") layers.push_back(prepared<Color>(input, name, "XYZ", buffer));
+    if (sorted.size() != 1) continue;
+    layers.push_back(are_numbers[name] ? prepared<std::uint32_t>(input, name, sorted, buffer)
+                                       : prepared<float>(input, name, sorted, buffer));
+  }
+  return layers;
+}
+
+Image read_pixels(const fs::path& file, bool with_layers) {
+  return with_exr(file, [&](Imf::InputFile& input) {
+    Image image = described(input.header(), file);
+    const Imath::V2i first = input.header().dataWindow().min;
+    image.pixels.resize(std::size_t(image.width) * image.height);
+    Imf::FrameBuffer buffer;
+    std::int64_t channels = 0;
+    for (auto c = input.header().channels().begin(); c != input.header().channels().end(); ++c) ++channels;
+    if (with_layers && channels * image.width * image.height > kMostChannelValues)
+      refuse("an EXR of unexpected size", file);
+    for (int k = 0; k < 3; ++k) {
+      const std::string name(1, "RGB"[k]);
+      const Imf::Channel* channel = input.header().channels().findChannel(name);
+      if (!channel || channel->xSampling != 1 || channel->ySampling != 1)
+        throw Error(ExitCode::bad_data, "an EXR without channels R, G and B", file.string(), "name another image");
+      buffer.insert(name, Imf::Slice::Make(Imf::FLOAT, &image.pixels[0][k], first, image.width, image.height,
+                                           sizeof(Color), sizeof(Color) * std::size_t(image.width)));
+    }
+    if (with_layers) image.layers = prepared_layers(input, buffer);
+    input.setFrameBuffer(buffer);
+    input.readPixels(first.y, first.y + image.height - 1);
+    return image;
+  });
+}
+
 }  // namespace
 
-void write_exr(const fs::path& file, const Image& image, const fs::path& temporary_folder) {
+std::vector<std::string> exr_compressions() {
+  std::vector<std::string> names;
+  for (const auto& [name, compression] : kCompressions) names.emplace_back(name);
+  return names;
+}
+
+void write_exr(const fs::path& file, const Image& image, const fs::path& temporary_folder, const ExrFormat& format) {
   TemporaryFile temporary(file, temporary_folder);
   std::ofstream stream = create(temporary);
   try {
     Imf::Header header(image.width, image.height);
-    header.compression() = Imf::ZIP_COMPRESSION;
+    for (const auto& [name, compression] : kCompressions)
+      if (name == format.compression) header.compression() = compression;
     for (const auto& [name, value] : image.metadata) header.insert(name.c_str(), Imf::StringAttribute(value));
-    std::vector<Imath::half> halves(image.pixels.size() * 3);
-    for (std::size_t i = 0; i < image.pixels.size(); ++i)
-      for (int k = 0; k < 3; ++k) halves[3 * i + k] = image.pixels[i][k];
-    Imf::FrameBuffer buffer;
-    const std::size_t pixel = 3 * sizeof(Imath::half);
-    for (int k = 0; k < 3; ++k) {
-      const std::string name(1, "RGB"[k]);
-      header.channels().insert(name, Imf::Channel(Imf::HALF));
-      buffer.insert(name, Imf::Slice(Imf::HALF, reinterpret_cast<char*>(halves.data() + k), pixel,
-                                     pixel * std::size_t(image.width)));
-    }
+    Channels channels(header, image, format.pixel_type == "half");
+    channels.add(channel_names("", "RGB"), image.pixels, true);
+    for (const ImageLayer& layer : image.layers)
+      std::visit(
+          [&](const auto& values) {
+            channels.add(channel_names(layer.name, layer.channels), values, layer.channels == "RGB");
+          },
+          layer.values);
     Imf::StdOFStream target(stream, temporary.path().c_str());
     Imf::OutputFile output(target, header, 0);
-    output.setFrameBuffer(buffer);
+    output.setFrameBuffer(channels.buffer());
     output.writePixels(image.height);
   } catch (const std::exception& fault) {
     cannot_write(fault.what(), temporary);
@@ -136,23 +261,11 @@ Image read_exr_header(const fs::path& file) {
 }
 
 Image read_exr(const fs::path& file) {
-  return with_exr(file, [&](Imf::InputFile& input) {
-    Image image = described(input.header(), file);
-    const Imath::V2i first = input.header().dataWindow().min;
-    image.pixels.resize(std::size_t(image.width) * image.height);
-    Imf::FrameBuffer buffer;
-    for (int k = 0; k < 3; ++k) {
-      const std::string name(1, "RGB"[k]);
-      const Imf::Channel* channel = input.header().channels().findChannel(name);
-      if (!channel || channel->xSampling != 1 || channel->ySampling != 1)
-        throw Error(ExitCode::bad_data, "an EXR without channels R, G and B", file.string(), "name another image");
-      buffer.insert(name, Imf::Slice::Make(Imf::FLOAT, &image.pixels[0][k], first, image.width, image.height,
-                                           sizeof(Color), sizeof(Color) * std::size_t(image.width)));
-    }
-    input.setFrameBuffer(buffer);
-    input.readPixels(first.y, first.y + image.height - 1);
-    return image;
-  });
+  return read_pixels(file, false);
+}
+
+Image read_exr_layers(const fs::path& file) {
+  return read_pixels(file, true);
 }
 
 }  // namespace patchlight

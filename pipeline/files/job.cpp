@@ -21,6 +21,7 @@ namespace fs = std::filesystem;
 constexpr std::uintmax_t kMaxJobBytes = 1 << 20;
 constexpr std::size_t kMaxEntries = 1 << 20;  // aliases can make far more of few bytes
 constexpr int kJobLevels = 3;
+constexpr int kIncludeLevels = 8, kMostIncludes = 100;
 constexpr std::int64_t kMaxPixels = 1 << 28;
 
 [[noreturn]] void refuse(const fs::path& file, const YAML::Mark& mark, const std::string& what,
@@ -42,18 +43,9 @@ void refuse_duplicates(const fs::path& file, const YAML::Node& map, int levels, 
   }
 }
 
-YAML::Node load_yaml(const fs::path& file) {
-  std::error_code fault;
-  if (!fs::is_regular_file(file, fault))
-    throw Error(ExitCode::missing_input, "missing job file", file.string(), "check the path");
-  if (fs::file_size(file, fault) > kMaxJobBytes)
-    throw Error(ExitCode::bad_config, "job file of more than 1 MiB", file.string(), "is it a job file?");
-  std::ifstream stream(file, std::ios::binary);
-  std::stringstream text;
-  text << stream.rdbuf();
-  if (!stream) throw Error(ExitCode::missing_input, "cannot read the job file", file.string(), "check its permissions");
+YAML::Node parse_yaml(const fs::path& file, const std::string& text) {
   try {
-    YAML::Node root = YAML::Load(text.str());
+    YAML::Node root = YAML::Load(text);
     if (root.IsNull()) root = YAML::Node(YAML::NodeType::Map);
     if (!root.IsMap()) refuse(file, root.Mark(), "not a map of keys", "begin with `scene: FILE.glb`");
     std::size_t budget = kMaxEntries;
@@ -64,15 +56,51 @@ YAML::Node load_yaml(const fs::path& file) {
   }
 }
 
+YAML::Node load_yaml(const fs::path& file) {
+  std::error_code fault;
+  if (!fs::is_regular_file(file, fault))
+    throw Error(ExitCode::missing_input, "missing job file", file.string(), "check the path");
+  if (fs::file_size(file, fault) > kMaxJobBytes)
+    throw Error(ExitCode::bad_config, "job file of more than 1 MiB", file.string(), "is it a job file?");
+  std::ifstream stream(file, std::ios::binary);
+  std::stringstream text;
+  text << stream.rdbuf();
+  if (!stream) throw Error(ExitCode::missing_input, "cannot read the job file", file.string(), "check its permissions");
+  return parse_yaml(file, text.str());
+}
+
 /// Reads a job from its file and then from one override after the other, so that each fault has a place of its own.
 class JobReader {
  public:
-  JobReader(const fs::path& file, Job& job) : file_(file), keys_(job_keys(job)) {}
+  JobReader(const fs::path& file, Job& job) : file_(file), job_(job), keys_(job_keys(job)) {}
 
-  void read_file() { read_section(load_yaml(file_), ""); }
+  /// Reads the files that this one includes, and then this one over them.
+  void read_file(int& budget, int levels = kIncludeLevels) {
+    const YAML::Node root = load_yaml(file_);
+    const YAML::Node include = root["include"];
+    const fs::path folder = fs::absolute(file_).parent_path();
+    for (const std::string& name : included(include)) {
+      if (levels == 0 || budget-- == 0)
+        refuse(file_, include.Mark(), "too many files that include each other", "does one include itself?");
+      const fs::path other = folder / name;
+      std::error_code fault;
+      if (!fs::is_regular_file(other, fault))
+        throw Error(ExitCode::missing_input, "missing job file " + other.string(),
+                    fmt::format("{}, line {}, include", file_.string(), include.Mark().line + 1), "check the path");
+      JobReader(other, job_).read_file(budget, levels - 1);
+      merges_ = true;
+    }
+    read_section(root, "");
+    for (fs::path* path : {&job_.scene, &job_.output, &job_.bench.reference})
+      if (!path->empty()) *path = folder / *path;  // as they stand: `link/..` is not the folder that holds the link
+  }
+
+  void read_text(const std::string& text) { read_section(parse_yaml(file_, text), ""); }
 
   void apply(const std::string& set) {
     const Override change(set);
+    if (change.path[0] == "include")
+      throw Error(ExitCode::bad_config, "`include` stands in job files alone", "--set " + set, "include it there");
     set_ = &set;
     const auto key = std::find_if(keys_.begin(), keys_.end(),
                                   [&](const JobKey& k) { return k.path == change.path[0] && k.read_some; });
@@ -87,6 +115,16 @@ class JobReader {
   [[noreturn]] void refuse_entry(const YAML::Mark& mark, const std::string& what, const std::string& mend) const {
     if (set_) throw Error(ExitCode::bad_config, what, file_.string() + ", --set " + *set_, mend);
     refuse(file_, mark, what, mend);
+  }
+
+  std::vector<std::string> included(const YAML::Node& include) const {
+    try {
+      if (!include.IsDefined() || include.IsNull()) return {};
+      if (include.IsScalar()) return {include.Scalar()};
+      return include.as<std::vector<std::string>>();
+    } catch (const YAML::Exception&) {
+      refuse(file_, include.Mark(), "bad value of `include`", "expected a path or a list of paths");
+    }
   }
 
   void read_section(const YAML::Node& map, const std::string& prefix) const {
@@ -106,7 +144,7 @@ class JobReader {
       if (section)
         read_section(entry.second, path + ".");
       else
-        read_value(path, key->read, entry.first, entry.second);
+        read_value(path, merges_ && key->read_some ? key->read_some : key->read, entry.first, entry.second);
     }
   }
 
@@ -128,7 +166,9 @@ class JobReader {
   }
 
   const fs::path& file_;
+  Job& job_;
   std::vector<JobKey> keys_;
+  bool merges_ = false;               ///< Entries of maps of names go to those that are there.
   const std::string* set_ = nullptr;  ///< The override that is being read; null: the file.
 };
 
@@ -138,13 +178,13 @@ Job read_job(const fs::path& file, const std::vector<std::string>& sets, const f
   Job job;
   job.file = file;
   JobReader reader(file, job);
-  reader.read_file();
+  int budget = kMostIncludes;
+  reader.read_file(budget);
   for (const auto& set : sets) reader.apply(set);
   if (job.scene.empty()) throw Error(ExitCode::bad_config, "no `scene`", file.string(), "add `scene: FILE.glb`");
   if (!output.empty()) job.output = fs::absolute(output);
   if (job.output.empty()) throw Error(ExitCode::bad_config, "no `output`", file.string(), "add `output: FOLDER`");
   const fs::path folder = fs::absolute(file).parent_path();
-  // As they stand: `link/..` is not the folder that holds the link.
   job.scene = folder / job.scene;
   job.output = folder / job.output;
   if (!job.bench.reference.empty()) job.bench.reference = folder / job.bench.reference;
@@ -162,6 +202,7 @@ std::string effective_job(const Job& job) {
   YAML::Node root(YAML::NodeType::Map);
   for (const JobKey& key : job_keys(copy)) {
     if (job.bench.sweep.empty() && key.path.starts_with("bench.")) continue;
+    if (job.matrix.empty() && key.path == "matrix") continue;
     const YAML::Node value = key.write();
     const std::size_t dot = key.path.find('.');
     if (value.IsScalar() && value.Scalar().empty()) continue;
@@ -171,6 +212,14 @@ std::string effective_job(const Job& job) {
       root[key.path.substr(0, dot)][key.path.substr(dot + 1)] = value;
   }
   return YAML::Dump(root);
+}
+
+Job parse_effective_job(const std::string& text) {
+  Job job;
+  const fs::path place = "effective job";
+  if (text.size() > 4 * kMaxJobBytes) throw Error(ExitCode::bad_config, "too long", place, "");
+  JobReader(place, job).read_text(text);
+  return job;
 }
 
 std::string job_key_help() {

@@ -1,10 +1,13 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "pipeline/model/math.h"
@@ -42,22 +45,51 @@ struct SolveConfig {
   std::uint64_t memory = 0;  ///< Most bytes, from the command line; 0: what the machine has.
 };
 
+/// What the layers of light groups are called before the group's name: as Blender calls them.
+inline constexpr const char* kLightGroupLayer = "Combined_";
+
 /// How frames show one light group.
 struct LightSetting {
   double scale = 1.0;
   Color color{1.0f};
 };
 
+/// A camera of the job's own.
+struct CameraConfig {
+  Vec3d look_from{0.0};  ///< m, as are all here; world space, glTF axes (Y up).
+  Vec3d look_at{0.0};
+  Vec3d up{0.0, 1.0, 0.0};
+  std::optional<double> angle;   ///< Vertical, in degrees; absent: 40.
+  std::optional<double> height;  ///< Of what it sees in parallel projection.
+  double turntable = 0.0;        ///< Frames in which it turns once about `look_at`, right-handed about `up`; 0: still.
+};
+
 struct TraceConfig {
   std::vector<std::string> cameras;  ///< Empty: all.
-  std::string frames = "1";
+  std::string frames = "1";          ///< As frame_numbers() reads them.
   double fps = 24.0;
   std::array<int, 2> resolution{640, 480};
   int samples = 16;
-  std::string quality = "direct";  ///< direct or patches.
+  std::string quality = "direct";  ///< patches, direct or gather.
+  int gather_rays = 64;            ///< Of a sample, with quality gather.
   bool cull_backfaces = false;
+  std::vector<std::string> layers;  ///< Of the EXR, beside the beauty; `light_groups` stands for one for each.
+  std::string pixel_type = "half";  ///< half or float, of the EXR's light and colours.
+  std::string compression = "zip";  ///< Of the EXR, as OpenImageIO names it.
   std::string view = "sRGB";
   double exposure = 0.0;  ///< Stops, for the PNG alone.
+
+  bool asks_for(std::string_view layer) const { return std::find(layers.begin(), layers.end(), layer) != layers.end(); }
+};
+
+/// One axis of a job's matrix: what it can be, each by a name and overrides.
+struct MatrixAxis {
+  struct Choice {
+    std::string name;
+    std::vector<std::pair<std::string, std::string>> settings;  ///< Key and value, as an override takes them.
+  };
+  std::string name;
+  std::vector<Choice> choices;
 };
 
 /// One key of the job and the values to try, each as an override takes it.
@@ -90,9 +122,12 @@ struct Job {
   std::vector<MaterialOverride> nodes;  ///< Applied after those of materials.
   std::vector<Shader> shaders;
   SolveConfig solve;
-  std::map<std::string, LightSetting> lights;  ///< By light group, as files name it.
+  std::map<std::string, LightSetting> lights;   ///< By light group, as files name it.
+  std::map<std::string, CameraConfig> cameras;  ///< By name.
   TraceConfig trace;
   BenchConfig bench;
+  std::vector<MatrixAxis> matrix;  ///< Every combination is a variant for the driver to run; no stage reads it.
+  std::uint64_t cache = std::uint64_t(10) << 30;  ///< Most bytes of outputs of earlier settings to keep.
 
   std::filesystem::path patch_file() const { return output / "patches.h5"; }
   std::filesystem::path transport_file() const { return output / "transport.h5"; }
@@ -100,17 +135,21 @@ struct Job {
   std::filesystem::path frame_folder() const { return output / "frames"; }
 };
 
-/// Reads a job file. Relative paths in it become relative to its folder.
-/// `output`, unless empty, replaces the job's, relative to the working directory. `sets` are `key.path=value`
-/// overrides; a key that holds dots stands in double quotes. Throws: Error (missing_input) without the file; (usage)
-/// for a malformed override; (bad_config), with key and line, for broken YAML, an unknown key or a value that is not
-/// allowed; (over_limit) for frames too large.
+/// Reads a job file and those that it includes, whose keys it overrides; entries of `materials` and `lights` are
+/// merged. Relative paths become relative to the folder of the file that they stand in. `output`, unless empty,
+/// replaces the job's, relative to the working directory. `sets` are `key.path=value` overrides; a key that holds dots
+/// stands in double quotes. Throws: Error (missing_input) without a file; (usage) for a malformed override;
+/// (bad_config), with key and line, for broken YAML, an unknown key or a value that is not allowed; (over_limit) for
+/// frames too large.
 Job read_job(const std::filesystem::path& file, const std::vector<std::string>& sets = {},
              const std::filesystem::path& output = {});
 
 /// The whole effective job as YAML, every default filled in; its paths relative to the job file's folder where the job
 /// has them so, and absent if empty; `bench` only if it sweeps something.
 std::string effective_job(const Job& job);
+
+/// Reads what effective_job() wrote. Throws: Error (bad_config).
+Job parse_effective_job(const std::string& text);
 
 /// One line for each key of a job file: name, default, meaning.
 std::string job_key_help();

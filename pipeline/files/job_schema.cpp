@@ -2,13 +2,19 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
 #include <regex>
+#include <set>
 
+#include "pipeline/files/frame_range.h"
+#include "pipeline/files/image_file.h"
+#include "pipeline/files/job_cameras.h"
 #include "pipeline/files/job_override.h"
 #include "pipeline/files/job_shaders.h"
+#include "pipeline/files/job_values.h"
 #include "pipeline/files/light_group_name.h"
 #include "pipeline/files/nearest_word.h"
 
@@ -17,24 +23,6 @@ namespace patchlight {
 namespace {
 
 using Node = YAML::Node;
-
-template <class T>
-T parse(const Node& node, const std::string& expected) {
-  try {
-    return node.as<T>();
-  } catch (const YAML::Exception&) {
-    throw "expected " + expected;
-  }
-}
-
-double parse_number(const Node& node, double low, double high) {
-  const std::string expected = high == std::numeric_limits<double>::infinity()
-                                   ? fmt::format("a number of at least {}", low)
-                                   : fmt::format("a number from {} to {}", low, high);
-  const double value = parse<double>(node, expected);
-  if (!(value >= low && value <= high) || !std::isfinite(value)) throw "expected " + expected;
-  return value;
-}
 
 std::int64_t parse_integer(const Node& node, std::int64_t low, std::int64_t high) {
   const std::string expected = fmt::format("a whole number from {} to {}", low, high);
@@ -54,50 +42,6 @@ std::string parse_choice(const Node& node, const std::vector<std::string>& choic
   for (const auto& choice : choices)
     if (value == choice) return value;
   throw fmt::format("expected {}", fmt::join(choices, " or "));
-}
-
-Node color_node(const Color& color) {
-  Node node;
-  node.SetStyle(YAML::EmitterStyle::Flow);
-  for (int k = 0; k < 3; ++k) node.push_back(color[k]);
-  return node;
-}
-
-/// As `--set` takes it.
-std::string quoted_if_dotted(const std::string& name) {
-  return name.find('.') == std::string::npos ? name : '"' + name + '"';
-}
-
-/// Settings of one name below `materials` or `lights`, each with its reader.
-using EntryReader = std::map<std::string, std::function<void(const Node&)>>;
-
-/// Reads a map of names with the settings of each. `entry_reader` makes or finds what a name stands for.
-template <class EntryReaderOf>
-void read_entries(const std::string& section, const Node& map, EntryReaderOf entry_reader) {
-  if (!map.IsMap()) throw std::string("expected a map of names");
-  for (const auto& entry : map) {
-    const YAML::Mark mark = entry.first.Mark();
-    if (!entry.first.IsScalar()) throw EntryFault{"a name that is not a word below `" + section + "`", "", mark};
-    const std::string name = entry.first.Scalar();
-    const std::string path = section + "." + quoted_if_dotted(name.substr(0, 100));
-    if (!entry.second.IsMap()) throw EntryFault{"bad value of `" + path + "`", "expected a map of settings", mark};
-    const EntryReader readers = entry_reader(name);
-    for (const auto& setting : entry.second) {
-      const std::string key = setting.first.IsScalar() ? setting.first.Scalar().substr(0, 100) : "";
-      const auto reader = readers.find(key);
-      if (reader == readers.end()) {
-        std::vector<std::string> known;
-        for (const auto& [word, unused] : readers) known.push_back(word);
-        throw EntryFault{"unknown key `" + path + "." + key + "`",
-                         "did you mean `" + path + "." + nearest_word(known, key) + "`?", setting.first.Mark()};
-      }
-      try {
-        reader->second(setting.second);
-      } catch (const std::string& expected) {
-        throw EntryFault{"bad value of `" + path + "." + key + "`", expected, setting.first.Mark()};
-      }
-    }
-  }
 }
 
 std::string parse_group(const Node& node) {
@@ -127,9 +71,9 @@ void read_overrides(const std::string& section, const Node& map, std::vector<Mat
 Node overrides_node(const std::vector<MaterialOverride>& overrides) {
   Node map(YAML::NodeType::Map);
   for (const auto& change : overrides) {
-    if (change.reflectance) map[change.pattern]["reflectance"] = color_node(*change.reflectance);
-    if (change.emission) map[change.pattern]["emission"] = color_node(*change.emission);
-    if (change.mirror) map[change.pattern]["mirror"] = color_node(*change.mirror);
+    if (change.reflectance) map[change.pattern]["reflectance"] = vector_node(*change.reflectance);
+    if (change.emission) map[change.pattern]["emission"] = vector_node(*change.emission);
+    if (change.mirror) map[change.pattern]["mirror"] = vector_node(*change.mirror);
     if (change.light_group) map[change.pattern]["light_group"] = *change.light_group;
     if (change.patch_area) map[change.pattern]["patch_area"] = *change.patch_area;
     if (change.exclude) map[change.pattern]["exclude"] = *change.exclude;
@@ -158,8 +102,8 @@ void read_lights(const Node& map, std::map<std::string, LightSetting>& lights) {
 Node lights_node(const std::map<std::string, LightSetting>& lights) {
   Node map(YAML::NodeType::Map);
   for (const auto& [name, light] : lights) {
-    map[name]["scale"] = light.scale;
-    map[name]["color"] = color_node(light.color);
+    map[name]["scale"] = number_node(light.scale);
+    map[name]["color"] = vector_node(light.color);
   }
   return map;
 }
@@ -175,7 +119,7 @@ JobKey path_key(const std::string& path, std::filesystem::path& value, const std
 
 JobKey number_key(const std::string& path, double& value, double low, double high, const std::string& help) {
   return {path, help, [&value, low, high](const Node& n) { value = parse_number(n, low, high); },
-          [&value] { return Node(value); }};
+          [&value] { return number_node(value); }};
 }
 
 template <class Integer>
@@ -199,7 +143,7 @@ JobKey choice_key(const std::string& path, std::string& value, const std::vector
 JobKey patch_area_key(std::optional<double>& value) {
   return {"import.patch_area", "target area of a patch in m2; absent: 1/8000 of the scene's area",
           [&value](const Node& n) { value = parse_number(n, 1e-30, 1e30); },
-          [&value] { return value ? Node(*value) : Node(); }};
+          [&value] { return value ? number_node(*value) : Node(); }};
 }
 
 JobKey time_key(std::optional<double>& value) {
@@ -209,7 +153,7 @@ JobKey time_key(std::optional<double>& value) {
 }
 
 JobKey cameras_key(std::vector<std::string>& cameras) {
-  return {"trace.cameras", "names of glTF camera nodes; absent: all",
+  return {"trace.cameras", "names of cameras, those of glTF nodes or of the job's `cameras`; absent: all",
           [&cameras](const Node& n) {
             if (n.IsScalar())
               cameras = {n.as<std::string>()};
@@ -220,17 +164,20 @@ JobKey cameras_key(std::vector<std::string>& cameras) {
 }
 
 JobKey frames_key(std::string& frames) {
-  return {"trace.frames", "frames of animated cameras, inclusive, as in 1-120; a still camera writes frame 0001",
-          [&frames](const Node& n) {
-            const std::string text = parse<std::string>(n, "a range of frames");
-            static const std::regex range("[0-9]{1,7}(-[0-9]{1,7})?");
-            if (!std::regex_match(text, range)) throw std::string("expected a range of frames such as 1-120");
-            const std::size_t dash = text.find('-');
-            if (dash != std::string::npos && std::stoi(text) > std::stoi(text.substr(dash + 1)))
-              throw std::string("expected a range of frames that begins before it ends");
-            frames = text;
-          },
-          [&frames] { return Node(frames); }};
+  return {
+      "trace.frames",
+      "frames of cameras that move: 1-120; 1,5..9; with a step 1-120x10 or 1..120:10; a still one writes frame 0001",
+      [&frames](const Node& n) {
+        const std::string expected = "frames such as 1-120 or 1,5..9,20-40x2";
+        std::string list;
+        if (n.IsSequence())
+          list = fmt::format("{}", fmt::join(parse<std::vector<std::string>>(n, expected), ", "));
+        else
+          list = parse<std::string>(n, expected);
+        frame_numbers(list);
+        frames = list;
+      },
+      [&frames] { return Node(frames); }};
 }
 
 JobKey resolution_key(std::array<int, 2>& size) {
@@ -248,10 +195,60 @@ JobKey resolution_key(std::array<int, 2>& size) {
           }};
 }
 
+JobKey layers_key(std::vector<std::string>& layers) {
+  const std::vector<std::string> known{"direct", "indirect", "specular", "emission", "albedo",
+                                       "normal", "depth",    "position", "patch",    "light_groups"};
+  return {"trace.layers", fmt::format("of the EXR, beside the beauty: {}", fmt::join(known, ", ")),
+          [&layers, known](const Node& n) {
+            if (n.IsMap()) throw std::string("expected a list of layers");
+            std::set<std::string> chosen;
+            if (n.IsScalar()) chosen.insert(parse_choice(n, known));
+            for (const Node& name : n) chosen.insert(parse_choice(name, known));
+            layers.clear();
+            for (const std::string& name : known)  // their order means nothing
+              if (chosen.contains(name)) layers.push_back(name);
+          },
+          [&layers] { return Node(layers); }};
+}
+
 JobKey view_key(std::string& view) {
   return {"trace.view", "OpenColorIO view of the PNG: sRGB, ACES or Raw of the shipped config, or one of $OCIO's",
           [&view](const Node& n) { view = parse<std::string>(n, "the name of a view"); },
           [&view] { return Node(view); }};
+}
+
+/// Read before all others, by the reader of job files.
+JobKey include_key() {
+  return {"include", "job files, relative to this one, whose keys this one overrides", [](const Node&) {},
+          [] { return Node(""); }};
+}
+
+/// A size in bytes, as in 500MiB; units are powers of 1024.
+std::uint64_t parse_size(const Node& node) {
+  const std::string expected = "expected a size such as 10GiB or 500MiB, or 0";
+  static const std::regex size("([0-9]{1,12}(?:\\.[0-9]{1,6})?) *(?:([KMGT])(?:i?B)?|B)?");
+  std::smatch parts;
+  const std::string text = node.IsScalar() ? node.Scalar() : "";
+  if (!std::regex_match(text, parts, size)) throw expected;
+  const std::string unit = parts[2].str();
+  const auto power = unit.empty() ? 0 : 1 + std::string("KMGT").find(unit);
+  const double bytes = std::stod(parts[1].str()) * std::pow(1024.0, double(power));
+  if (bytes > 1e18) throw expected;
+  return std::uint64_t(bytes);
+}
+
+std::string size_text(std::uint64_t bytes) {
+  std::size_t power = 0;
+  while (power < 4 && bytes > 0 && bytes % 1024 == 0) {
+    bytes /= 1024;
+    ++power;
+  }
+  return fmt::format("{}{}", bytes, std::array<const char*, 5>{"", "KiB", "MiB", "GiB", "TiB"}[power]);
+}
+
+JobKey cache_key(std::uint64_t& bytes) {
+  return {"cache", "most that outputs of earlier settings, kept to go back to them, may take; 0: keep none",
+          [&bytes](const Node& n) { bytes = parse_size(n); }, [&bytes] { return Node(size_text(bytes)); }};
 }
 
 }  // namespace
@@ -291,29 +288,53 @@ std::vector<JobKey> job_keys(Job& job) {
          read_lights(n, job.lights);
        },
        [&job] { return lights_node(job.lights); }, [&job](const Node& n) { read_lights(n, job.lights); }},
+      {"cameras",
+       "beside the scene's, by name: look_from, look_at, up [x,y,z]; angle, vertical in degrees, or height in m; "
+       "turntable, frames for a turn",
+       [&job](const Node& n) {
+         job.cameras.clear();
+         read_cameras(n, job.cameras);
+       },
+       [&job] { return cameras_node(job.cameras); }, [&job](const Node& n) { read_cameras(n, job.cameras); }},
       cameras_key(trace.cameras),
       frames_key(trace.frames),
       number_key("trace.fps", trace.fps, 1e-3, 1e6, "frames a second of animated cameras"),
       resolution_key(trace.resolution),
-      choice_key("trace.quality", trace.quality, {"direct", "patches"},
-                 "direct light at the pixel, or interpolated between patches as the rest is"),
+      choice_key("trace.quality", trace.quality, {"patches", "direct", "gather"},
+                 "all light interpolated; direct light at the pixel; or the rest gathered there too, to check it"),
+      integer_key("trace.gather_rays", trace.gather_rays, 1, 4096, "rays of a sample by which `gather` gathers"),
       integer_key(
           "trace.samples", trace.samples, 1, 1 << 16,
           "samples of a pixel where colours change; 4 times as many at edges, a quarter (4 or more) where all is even"),
       flag_key("trace.cull_backfaces", trace.cull_backfaces, "look through the backs of single-sided surfaces"),
+      layers_key(trace.layers),
+      choice_key("trace.pixel_type", trace.pixel_type, {"half", "float"}, "of light and colours in the EXR"),
+      choice_key("trace.compression", trace.compression, exr_compressions(), "of the EXR"),
       view_key(trace.view),
       number_key("trace.exposure", trace.exposure, -100, 100, "stops by which the PNG is brighter than the EXR"),
   };
+  keys.push_back(include_key());
+  keys.push_back(cache_key(job.cache));
+  keys.push_back(matrix_key(job.matrix));
   for (JobKey& key : bench_keys(job.bench)) keys.push_back(std::move(key));
   return keys;
+}
+
+std::string flow_text(const YAML::Node& value) {
+  YAML::Emitter out;
+  out.SetSeqFormat(YAML::Flow);
+  out.SetMapFormat(YAML::Flow);
+  out << value;
+  return out.c_str();
 }
 
 void check_setting(const std::string& text, const YAML::Node& value, const YAML::Mark& mark) {
   Job scratch;
   const std::vector<JobKey> keys = job_keys(scratch);
   const std::vector<std::string> path = split_key(text);
-  if (path.empty() || path[0] == "bench" || path[0] == "output")
-    throw EntryFault{"`" + text + "` cannot be tried by a bench", "name a key of a stage, as in `solve.rays`", mark};
+  for (const char* other : {"bench", "output", "matrix", "cache", "include"})
+    if (path.empty() || path[0] == other)
+      throw EntryFault{"`" + text + "` cannot vary", "name a key of a stage, as in `solve.rays`", mark};
   const std::string joined = fmt::format("{}", fmt::join(path, "."));
   std::vector<std::string> known;
   for (const JobKey& key : keys) {

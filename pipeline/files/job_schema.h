@@ -33,6 +33,12 @@ std::vector<JobKey> job_keys(Job& job);
 /// Refuses a setting, in the notation of `--set`, that a job would not take. Throws: EntryFault, at `mark`.
 void check_setting(const std::string& key, const YAML::Node& value, const YAML::Mark& mark);
 
+/// A value on one line, as an override takes it.
+std::string flow_text(const YAML::Node& value);
+
+/// The key `matrix`.
+JobKey matrix_key(std::vector<MatrixAxis>& matrix);
+
 /// Those of the section `bench`, which job_keys() ends with.
 std::vector<JobKey> bench_keys(BenchConfig& bench);
 

@@ -20,7 +20,7 @@ namespace {
 constexpr int kImportVersion = 2;
 constexpr int kTransportKeyVersion = 11;
 constexpr int kSolveVersion = 13;
-constexpr int kTraceVersion = 6;
+constexpr int kTraceVersion = 7;
 
 XXH3_state_t* state_of(void* state) {
   return static_cast<XXH3_state_t*>(state);
@@ -150,21 +150,29 @@ std::string view_config_key() {
   return hash_file(file);
 }
 
-std::string frame_key(const PatchSet& scene, const std::string& energy_key, const Job& job, std::size_t camera,
+std::string camera_key(const Camera& camera) {
+  KeyHasher hasher;
+  hasher.add("camera").add(camera.name).add(int(camera.projection)).add(camera.vertical);
+  for (int k = 0; k < 16; ++k) hasher.add(camera.to_world.x[k / 4][k % 4]);
+  return hasher.hex();
+}
+
+std::string frame_key(const PatchSet& scene, const std::string& energy_key, const Job& job, const Camera& camera,
                       int frame, const std::string& view_config) {
   const TraceConfig& trace = job.trace;
-  const Camera& seen_by = scene.cameras[camera];
   KeyHasher hasher;
   hasher.add("trace").add(kTraceVersion).add(scene.key).add(scene.frames_key).add(energy_key);
-  hasher.add(seen_by.name).add(int(seen_by.projection)).add(seen_by.vertical);
-  for (int k = 0; k < 16; ++k) hasher.add(seen_by.to_world.x[k / 4][k % 4]);
-  hasher.add(frame)
+  hasher.add(camera_key(camera))
+      .add(frame)
       .add(trace.resolution[0])
       .add(trace.resolution[1])
       .add(trace.samples)
       .add(trace.quality)
+      .add(trace.quality == "gather" ? trace.gather_rays : 0)
       .add(view_config);
   hasher.add(trace.cull_backfaces).add(trace.view).add(trace.exposure);
+  hasher.add(trace.pixel_type).add(trace.compression);
+  for (const std::string& layer : trace.layers) hasher.add(layer);
   for (const auto& [name, light] : job.lights) {
     if (light.scale == 1.0 && light.color == Color(1.0f)) continue;
     hasher.add(name).add(light.scale);

@@ -47,9 +47,12 @@ std::string energy_key(const std::string& patches_key, const SolveConfig& solve)
 /// Throws: Error (missing_input, io_error).
 std::string view_config_key();
 
+/// Key of a camera: its name, lens and place.
+std::string camera_key(const Camera& camera);
+
 /// Key of one frame: solution, camera, lights, the settings of tracing and the `view_config_key`.
-/// `camera`: index into the scene's.
-std::string frame_key(const PatchSet& scene, const std::string& energy_key, const Job& job, std::size_t camera,
+/// `camera`: as it stands at the frame.
+std::string frame_key(const PatchSet& scene, const std::string& energy_key, const Job& job, const Camera& camera,
                       int frame, const std::string& view_config);
 
 }  // namespace patchlight

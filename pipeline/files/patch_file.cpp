@@ -5,8 +5,10 @@
 
 #include "pipeline/files/h5_store.h"
 #include "pipeline/files/patch_check.h"
+#include "pipeline/files/patch_motions.h"
 #include "pipeline/files/patch_shaders.h"
 #include "pipeline/files/patch_textures.h"
+#include "pipeline/files/provenance_file.h"
 
 namespace patchlight {
 
@@ -188,6 +190,7 @@ void write_patches(const std::filesystem::path& file, PatchSet& scene) {
   write_primitives(writer, scene);
   write_materials(writer, scene.materials);
   write_cameras(writer, scene.cameras);
+  write_motion_datasets(writer, scene);
   write_sources(writer, scene.sources);
   writer.strings("/light_groups/name", scene.light_groups);
   write_shader_datasets(writer, scene);
@@ -207,6 +210,7 @@ void write_patches(const std::filesystem::path& file, PatchSet& scene) {
   writer.attribute("geometry_key", scene.geometry_key);
   writer.attribute("frames_key", scene.frames_key);
   writer.attribute("inputs_key", scene.inputs_key);
+  write_provenance(writer, scene.made);
   writer.commit();
 }
 
@@ -217,10 +221,12 @@ PatchSet read_patches(const std::filesystem::path& file) {
   scene.geometry_key = reader.text("geometry_key");
   scene.frames_key = reader.text("frames_key");
   scene.inputs_key = reader.text("inputs_key");
+  scene.made = read_provenance(reader);
   read_patch_rows(reader, scene.patches);
   read_primitives(reader, scene);
   read_materials(reader, scene.materials);
   read_cameras(reader, scene.cameras);
+  read_motion_datasets(reader, scene);
   scene.light_groups = reader.strings("/light_groups/name", -1);
   read_shader_datasets(reader, scene);
   read_texture_datasets(reader, scene);

@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
+#include <fstream>
 #include <string>
 
 #include "pipeline/model/error.h"
@@ -25,6 +26,16 @@ std::string temporary_prefix() {
   return ".patchlight-" + std::string(host.data()).substr(0, 64) + ".";
 }
 
+/// Whether a process of this host still runs; one that has ended and waits to be reaped does not.
+bool is_running(pid_t process) {
+  if (::kill(process, 0) != 0 && errno == ESRCH) return false;
+  std::ifstream status("/proc/" + std::to_string(process) + "/stat");
+  std::string line;
+  std::getline(status, line);
+  const std::size_t name_end = line.rfind(')');
+  return name_end == std::string::npos || line.size() < name_end + 3 || line[name_end + 2] != 'Z';
+}
+
 void remove_leftovers(const fs::path& folder) {
   const std::string prefix = temporary_prefix();
   std::error_code fault;
@@ -32,7 +43,7 @@ void remove_leftovers(const fs::path& folder) {
     const std::string name = entry->path().filename().string();
     if (!name.starts_with(prefix)) continue;
     const long process = std::strtol(name.c_str() + prefix.size(), nullptr, 10);
-    if (process <= 0 || ::kill(pid_t(process), 0) == 0 || errno != ESRCH) continue;
+    if (process <= 0 || is_running(pid_t(process))) continue;
     std::error_code ignored;
     fs::remove(entry->path(), ignored);
   }

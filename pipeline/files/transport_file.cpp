@@ -5,6 +5,7 @@
 
 #include "pipeline/files/display_mesh_file.h"
 #include "pipeline/files/h5_store.h"
+#include "pipeline/files/provenance_file.h"
 
 namespace patchlight {
 
@@ -150,6 +151,7 @@ void write_transport(const std::filesystem::path& file, const Transport& transpo
   writer.attribute("format", kTransportFormat);
   writer.attribute("version", std::int64_t(kTransportVersion));
   writer.attribute("key", transport.key);
+  write_provenance(writer, transport.made);
   writer.attribute("rays", std::int64_t(transport.rays));
   if (transport.display) writer.attribute("display_rays", std::int64_t(transport.display->rows.rays));
   writer.commit();

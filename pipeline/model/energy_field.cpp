@@ -13,15 +13,15 @@ std::vector<Color> irradiance(const EnergyField& energy, const std::vector<Color
   return sum;
 }
 
-std::vector<Color> irradiance_without_apart(const EnergyField& energy, const std::vector<Color>& settings,
-                                            std::size_t patches) {
-  std::vector<Color> sum(patches, Color(0.0f));
-  for (std::size_t g = 0; g < energy.groups.size(); ++g) {
-    const EnergyField::Group& group = energy.groups[g];
-    for (std::size_t i = 0; i < patches; ++i)
-      sum[i] += settings[g] *
-                (group.direct_by_rows.empty() ? group.indirect[i] : group.indirect[i] + group.direct_by_rows[i]);
-  }
+std::vector<Color> irradiance(const EnergyField::Group& group) {
+  std::vector<Color> sum = group.direct;
+  for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += group.indirect[i];
+  return sum;
+}
+
+std::vector<Color> irradiance_without_apart(const EnergyField::Group& group) {
+  std::vector<Color> sum = group.indirect;
+  for (std::size_t i = 0; i < group.direct_by_rows.size(); ++i) sum[i] += group.direct_by_rows[i];
   return sum;
 }
 

@@ -33,6 +33,12 @@ struct EnergyField {
     std::vector<Color> deviation;  ///< [n] W/m2, standard error of the radiosity. Rough: two halves tell it.
   };
 
+  /// How a solve came nearer: its residual before each iteration and after the last.
+  struct Convergence {
+    std::string group;              ///< Empty: of all groups together.
+    std::vector<double> residuals;  ///< Of `progressive`, whose batches of shots are many, some of them.
+  };
+
   std::vector<Group> groups;  ///< In the order of PatchSet::light_groups.
   std::string key;
   std::string patches_key;  ///< Key of the patch file that was solved.
@@ -42,16 +48,20 @@ struct EnergyField {
   std::int64_t rays = 0;  ///< Cast by this solve.
   double seconds = 0.0;   ///< Wall time of the solve.
   double residual = 0.0;  ///< Area-weighted L2 norm of what is left of the linear system over that of its source term.
+  std::vector<Convergence> convergence;
   std::optional<Estimate> estimate;
   std::optional<DisplayMesh> display;
+  Provenance made;
 };
 
 /// Irradiance of all groups, direct and indirect, each multiplied by its setting, W/m2. Shape: [patches].
 std::vector<Color> irradiance(const EnergyField& energy, const std::vector<Color>& settings, std::size_t patches);
 
+/// What one group causes, direct and indirect, W/m2. Shape: [patches].
+std::vector<Color> irradiance(const EnergyField::Group& group);
+
 /// The same without what comes straight from emitters that are sampled apart.
-std::vector<Color> irradiance_without_apart(const EnergyField& energy, const std::vector<Color>& settings,
-                                            std::size_t patches);
+std::vector<Color> irradiance_without_apart(const EnergyField::Group& group);
 
 /// Radiosity B = E + rho * (all groups' direct + indirect irradiance), W/m2. Shape: [patches].
 std::vector<Color> radiosity(const PatchSet& scene, const EnergyField& energy);

@@ -6,6 +6,7 @@
 
 #include "pipeline/model/camera.h"
 #include "pipeline/model/math.h"
+#include "pipeline/model/provenance.h"
 #include "pipeline/model/shader.h"
 #include "pipeline/model/texture.h"
 
@@ -82,6 +83,7 @@ struct PatchSet {
   std::string key;           ///< What solving reads. Set by the file layer.
   std::string geometry_key;  ///< What form factors depend on: shapes and mirrors. Set by the file layer.
   std::string frames_key;    ///< What only frames read, cameras apart. Set by the file layer.
+  Provenance made;
 };
 
 }  // namespace patchlight

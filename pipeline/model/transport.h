@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "pipeline/model/display_mesh.h"
+#include "pipeline/model/provenance.h"
 
 namespace patchlight {
 
@@ -54,6 +55,7 @@ struct Transport : TransportRows {
   std::vector<Emitter> emitters;  ///< By growing first patch.
   std::optional<Display> display;
   std::string key;
+  Provenance made;
   bool changed = false;  ///< Since it was read from a file.
 };
 

@@ -184,6 +184,18 @@ DirectLight::Sample DirectLight::View::sample(float x, float y) const {
   return light_->sphere_ ? of_sphere(x, y) : of_polygon(x, y);
 }
 
+double DirectLight::View::density(const Vec3f& direction) const {
+  if (light_->sphere_) {
+    const double sine2 = light_->radius_ * light_->radius_ / (light_->center_ - point_).length2();
+    return sine2 < 1 ? (1 + std::sqrt(1 - sine2)) / (2 * kPi * sine2) : 0.0;
+  }
+  if (solid_angle_ > 0) return 1 / solid_angle_;
+  const double slope = -(Vec3d(direction) ^ light_->normal_);
+  if (slope <= 0 || height_ <= 0) return 0.0;
+  const double distance = height_ / slope;
+  return distance * distance / ((light_->areas_[0] + light_->areas_[1]) * slope);
+}
+
 DirectLight::Sample DirectLight::View::of_polygon(double x, double y) const {
   if (height_ <= 0) return {};
   Vec3d direction;

@@ -48,11 +48,21 @@ class DirectLight {
   /// From a point to the sphere about the emitter, or 0 inside it, m.
   double distance(const Vec3d& point) const { return std::max(0.0, (point - center_).length() - radius_); }
 
+  /// About the part of all directions in which the emitter lies, in [0,1]; 0 from where it does not shine.
+  double apparent_size(const Vec3d& point) const {
+    const Vec3d from = point - center_;
+    if (!sphere_ && (from ^ normal_) <= 0) return 0.0;
+    return radius_ * radius_ / std::max(from.length2(), radius_ * radius_);
+  }
+
   /// The emitter as one point sees it: what its samples have in common, so that many cost little.
   class View {
    public:
     /// A point of the emitter for (x,y) of the unit square: uniform in solid angle, or in area where that is the same.
     Sample sample(float x, float y) const;
+
+    /// With which samples take a direction that meets the emitter, per sr.
+    double density(const Vec3f& direction) const;
 
    private:
     friend class DirectLight;

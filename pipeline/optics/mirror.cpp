@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "pipeline/optics/patch_sampling.h"
-#include "pipeline/optics/random.h"
 
 namespace patchlight {
 
@@ -32,7 +31,7 @@ float smith_lambda(const Vec3f& direction, float alpha) {
 
 }  // namespace
 
-bool reflect(const Material& material, const Vec3f& normal, std::uint64_t random, Vec3f& direction, Color& throughput) {
+bool reflect(const Material& material, const Vec3f& normal, const Vec2f& at, Vec3f& direction, Color& throughput) {
   throughput *= material.specular;
   if (material.roughness < kMirrorRoughness) {
     direction -= normal * (2.0f * (normal ^ direction));
@@ -42,13 +41,25 @@ bool reflect(const Material& material, const Vec3f& normal, std::uint64_t random
   Vec3f tangent, bitangent;
   orthonormal_frame(normal, tangent, bitangent);
   const Vec3f view(-(direction ^ tangent), -(direction ^ bitangent), std::max(-(direction ^ normal), 1e-6f));
-  const Vec3f half = visible_normal(view, alpha, to_unit(random), to_unit(scramble(random)));
+  const Vec3f half = visible_normal(view, alpha, at.x, at.y);
   const Vec3f out = half * (2.0f * (view ^ half)) - view;
   if (out.z <= 1e-6f) return false;
   const float seen = smith_lambda(view, alpha);
   throughput *= (1.0f + seen) / (1.0f + seen + smith_lambda(out, alpha));  // G2 / G1
   direction = (tangent * out.x + bitangent * out.y + normal * out.z).normalized();
   return true;
+}
+
+MetalLobe metal_lobe(float roughness, const Vec3f& normal, const Vec3f& in, const Vec3f& out) {
+  const float alpha = roughness * roughness;
+  const Vec3f view = -in;
+  const float cos_view = std::max(view ^ normal, 1e-6f), cos_out = out ^ normal;
+  if (cos_out <= 1e-6f) return {};
+  const float cos_half = (view + out).normalized() ^ normal;
+  const float below = cos_half * cos_half * (alpha * alpha - 1.0f) + 1.0f;
+  const float facets = alpha * alpha / (float(kPi) * below * below) / (4.0f * cos_view);
+  const float seen = smith_lambda({0, 0, cos_view}, alpha), left = smith_lambda({0, 0, cos_out}, alpha);
+  return {facets / (1.0f + seen + left), facets / (1.0f + seen)};
 }
 
 }  // namespace patchlight

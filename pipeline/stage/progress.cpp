@@ -1,6 +1,7 @@
 #include "pipeline/stage/progress.h"
 
 #include <fmt/format.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -22,7 +23,7 @@ extern "C" void request_stop(int signal) {
   if (informed_process > 0) kill(pid_t(informed_process), signal);
 }
 
-double seconds(std::chrono::steady_clock::duration span) {
+double in_seconds(std::chrono::steady_clock::duration span) {
   return std::chrono::duration<double>(span).count();
 }
 
@@ -47,39 +48,74 @@ Progress::~Progress() {
 void Progress::note(const std::string& message) {
   clear_line();
   if (!options_.quiet) fmt::print(stderr, "patchlight-{}: {}\n", options_.stage, message);
-  write_json("note", message, -1, -1);
+  write_json("note", message);
 }
 
 void Progress::warning(const std::string& message) {
+  warnings_.push_back(message);
   clear_line();
   fmt::print(stderr, "patchlight-{}: warning: {}\n", options_.stage, message);
-  write_json("warning", message, -1, -1);
+  write_json("warning", message);
 }
 
 void Progress::error(const std::string& message, int exit_code) {
   clear_line();
   fmt::print(stderr, "patchlight-{}: error: {}\n", options_.stage, message);
-  write_json("error", message, -1, exit_code);
+  write_json("error", message, exit_code);
 }
 
-void Progress::update(double fraction, const std::string& detail) {
+double Progress::seconds() const {
+  return in_seconds(Clock::now() - start_);
+}
+
+void Progress::update(double fraction, const std::string& detail, std::int64_t rays) {
   check_interrupted();
   fraction = fraction >= 0 ? std::min(fraction, 1.0) : 0.0;  // NaN is not at least zero
+  fraction = (part_ + fraction) / parts_;
   const Clock::time_point now = Clock::now();
+  if (fraction < last_fraction_) part_start_ = last_update_;
+  last_fraction_ = fraction;
+  last_update_ = now;
   const double interval = terminal_ ? 0.1 : 5.0;
-  if (seconds(now - std::max(last_shown_, start_)) < interval) return;
+  if (in_seconds(now - std::max(last_shown_, start_)) < interval) return;
   last_shown_ = now;
-  write_json("progress", detail, fraction, -1);
+  const double spent = in_seconds(now - part_start_);
+  const double rate = rays > 0 && spent > 0 ? double(rays) / spent : 0.0;
+  write_json("progress", detail, -1, fraction, rate);
   if (options_.quiet) return;
-  const double spent = seconds(now - start_);
-  const std::string left = fraction > 0.01 ? duration_text(spent * (1 / fraction - 1)) + " left" : "";
-  const std::string line = fmt::format("patchlight-{}: {:3.0f}%  {}  {}", options_.stage, 100 * fraction, detail, left);
+  std::string line = fmt::format("patchlight-{}: {:3.0f}%  {}", options_.stage, 100 * fraction, detail);
+  if (rate > 0) line += fmt::format("  {:.3g} million rays/s", rate * 1e-6);
+  if (fraction > 0.01) line += "  " + duration_text(spent * (1 / fraction - 1)) + " left";
   if (terminal_) {
+    winsize size{};  // a longer line would wrap and stay
+    if (ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 && line.size() >= size.ws_col)
+      line.resize(std::size_t(size.ws_col - 1));
     fmt::print(stderr, "\r\033[K{}", line);
     line_open_ = true;
   } else {
     fmt::print(stderr, "{}\n", line);
   }
+}
+
+void Progress::set_part(std::size_t part, std::size_t count) {
+  part_ = double(part);
+  parts_ = double(count);
+}
+
+void Progress::set_job(const std::string& job, const std::string& output) {
+  job_ = job;
+  output_ = output;
+}
+
+void Progress::result(const StageResult& result) {
+  if (!json_) return;
+  nlohmann::json line = json_line("result", result.state);
+  line["target"] = result.stage;
+  line["exit_code"] = result.exit_code;
+  line["wall_seconds"] = result.wall_seconds;
+  line["cpu_seconds"] = result.cpu_seconds;
+  line["peak_bytes"] = result.peak_bytes;
+  write_line(line);
 }
 
 void Progress::check_interrupted() {
@@ -98,15 +134,27 @@ void Progress::pass_signals_to(int process) {
   if (process > 0 && stop_requested) kill(pid_t(process), stop_requested);
 }
 
-void Progress::write_json(const char* level, const std::string& message, double fraction, int exit_code) {
-  if (!json_) return;
-  nlohmann::json line{
-      {"stage", options_.stage}, {"level", level}, {"message", message}, {"seconds", seconds(Clock::now() - start_)}};
-  if (fraction >= 0) line["fraction"] = fraction;
-  if (exit_code >= 0) line["exit_code"] = exit_code;
+nlohmann::json Progress::json_line(const char* level, const std::string& message) const {
+  nlohmann::json line{{"stage", options_.stage}, {"level", level}, {"message", message}, {"seconds", seconds()}};
+  if (!job_.empty()) line["job"] = job_;
+  if (!output_.empty()) line["output"] = output_;
+  return line;
+}
+
+void Progress::write_line(const nlohmann::json& line) {
   const std::string text = line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
   std::fwrite(text.data(), 1, text.size(), json_.get());
   std::fflush(json_.get());
+}
+
+void Progress::write_json(const char* level, const std::string& message, int exit_code, double fraction,
+                          double rays_per_second) {
+  if (!json_) return;
+  nlohmann::json line = json_line(level, message);
+  if (fraction >= 0) line["fraction"] = fraction;
+  if (rays_per_second > 0) line["rays_per_second"] = rays_per_second;
+  if (exit_code >= 0) line["exit_code"] = exit_code;
+  write_line(line);
 }
 
 void Progress::clear_line() {

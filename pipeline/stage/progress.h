@@ -1,8 +1,11 @@
 #pragma once
 #include <chrono>
+#include <cstdint>
 #include <cstdio>
 #include <memory>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <vector>
 
 namespace patchlight {
 
@@ -26,9 +29,31 @@ class Progress {
   void warning(const std::string& message);
   void error(const std::string& message, int exit_code);
 
-  /// Reports how much of the stage is done, clamped to [0,1], and in the user's words what of it. Cheap: call it often.
+  /// All that warning() was given so far.
+  const std::vector<std::string>& warnings() const { return warnings_; }
+  /// Wall time since this began, s.
+  double seconds() const;
+
+  /// Reports how much of a part of the stage is done, clamped to [0,1], in the user's words what part, and how many
+  /// rays it took so far, if that is known. A smaller fraction than the last begins another part. Cheap: call it often.
   /// Throws: Error (interrupted) after SIGINT or SIGTERM.
-  void update(double fraction, const std::string& detail);
+  void update(double fraction, const std::string& detail, std::int64_t rays = 0);
+
+  /// Further lines of the JSON log name this job and where its output goes.
+  void set_job(const std::string& job, const std::string& output);
+
+  /// How a stage of a job came out, for the JSON log alone.
+  struct StageResult {
+    std::string stage;
+    std::string state;  ///< fresh, restored, done or failed.
+    int exit_code = 0;
+    double wall_seconds = 0, cpu_seconds = 0;
+    std::int64_t peak_bytes = 0;
+  };
+  void result(const StageResult& result);
+
+  /// From now on update() is about part `part` of `count` alike.
+  void set_part(std::size_t part, std::size_t count);
 
   /// Throws: Error (interrupted) after SIGINT or SIGTERM.
   static void check_interrupted();
@@ -42,13 +67,21 @@ class Progress {
  private:
   using Clock = std::chrono::steady_clock;
 
-  void write_json(const char* level, const std::string& message, double fraction, int exit_code);
+  void write_json(const char* level, const std::string& message, int exit_code = -1, double fraction = -1,
+                  double rays_per_second = 0);
+  nlohmann::json json_line(const char* level, const std::string& message) const;
+  void write_line(const nlohmann::json& line);
   void clear_line();
 
   Options options_;
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> json_{nullptr, nullptr};
+  double part_ = 0, parts_ = 1;
   Clock::time_point start_ = Clock::now();
   Clock::time_point last_shown_{};
+  Clock::time_point part_start_ = start_, last_update_ = start_;
+  double last_fraction_ = 0.0;
+  std::string job_, output_;
+  std::vector<std::string> warnings_;
   bool terminal_ = false;
   bool line_open_ = false;
 };

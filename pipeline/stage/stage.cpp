@@ -1,6 +1,7 @@
 #include "pipeline/stage/stage.h"
 
 #include <fmt/format.h>
+#include <sys/resource.h>
 #include <tbb/global_control.h>
 
 #include <CLI/CLI.hpp>
@@ -41,8 +42,6 @@ std::optional<int> parse_options(CLI::App& app, const std::string& name, int arg
   }
 }
 
-namespace {
-
 int report_errors(const std::string& stage, Progress& progress, const std::function<void()>& body) {
   const auto fail = [&](ExitCode code, const std::string& message) {
     progress.error(message, int(code));
@@ -62,8 +61,6 @@ int report_errors(const std::string& stage, Progress& progress, const std::funct
   }
 }
 
-}  // namespace
-
 int with_progress(const std::string& stage, const CommonOptions& options, const std::function<void(Progress&)>& body) {
   std::unique_ptr<Progress> progress;
   try {
@@ -73,6 +70,18 @@ int with_progress(const std::string& stage, const CommonOptions& options, const 
     return int(error.code());
   }
   return report_errors(stage, *progress, [&] { body(*progress); });
+}
+
+Provenance provenance(const Job& job, const Progress& progress) {
+  Job kept = job;
+  kept.output.clear();  // the same wherever it is put
+  kept.bench = {};
+  kept.matrix.clear();
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const auto seconds = [](const timeval& time) { return double(time.tv_sec) + 1e-6 * double(time.tv_usec); };
+  return {effective_job(kept), progress.warnings(), progress.seconds(),
+          seconds(usage.ru_utime) + seconds(usage.ru_stime), std::int64_t(usage.ru_maxrss) * 1024};
 }
 
 int run_stage(const std::string& stage, int argc, char** argv, const std::function<void(const Job&, Progress&)>& body,
@@ -87,6 +96,7 @@ int run_stage(const std::string& stage, int argc, char** argv, const std::functi
   if (const auto exit_code = parse_options(app, "patchlight-" + stage, argc, argv)) return *exit_code;
   return with_progress(stage, options, [&](Progress& progress) {
     Progress::catch_signals();
+    progress.set_job(job_file, options.output);
     std::optional<tbb::global_control> limit;
     if (options.threads > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, std::size_t(options.threads));
     Job job = read_job(job_file, options.sets, options.output);

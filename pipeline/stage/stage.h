@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "pipeline/files/job.h"
+#include "pipeline/model/provenance.h"
 #include "pipeline/stage/progress.h"
 
 namespace CLI {
@@ -33,7 +34,13 @@ void add_common_options(CLI::App& app, CommonOptions& options);
 std::optional<int> parse_options(CLI::App& app, const std::string& name, int argc, char** argv);
 
 /// Runs `body` and turns whatever it throws into a message and an exit code of the contract.
+int report_errors(const std::string& stage, Progress& progress, const std::function<void()>& body);
+
+/// The same with a Progress made from the options.
 int with_progress(const std::string& stage, const CommonOptions& options, const std::function<void(Progress&)>& body);
+
+/// What a stage's output is to say of how it came to be, as far as it has come.
+Provenance provenance(const Job& job, const Progress& progress);
 
 /// The body of a stage program's main(): parses the options, reads the job, sets the number of threads, runs `body`
 /// and reports its errors. `more` adds options of the stage's own.

@@ -30,10 +30,10 @@ class Rerun : public ::testing::Test {
     return run_program(folder_, "patchlight", more);
   }
 
-  /// The stages that ran, in order.
+  /// The stages that ran or whose earlier outputs were put back, in order.
   static std::string stages(const Outcome& outcome) {
     std::string names;
-    static const std::regex ran("patchlight-run: (?:warning: )?(import|solve|trace) runs");
+    static const std::regex ran("patchlight-run: (?:warning: )?(import|solve|trace) (?:runs|restored)");
     for (std::sregex_iterator i(outcome.err.begin(), outcome.err.end(), ran), end; i != end; ++i)
       names += (names.empty() ? "" : " ") + (*i)[1].str();
     return names;
@@ -87,10 +87,23 @@ TEST_F(Rerun, SolvesAgainForAShaderThatChangesPatches) {
   EXPECT_EQ(stages(run({})), "import solve trace");
 }
 
-TEST_F(Rerun, DoesNothingForATouchedFileOrAComment) {
+TEST_F(Rerun, CastsNoRayForAnotherColour) {
+  const auto cast = [&] { return run_program(folder_, "patchlight", {"info", "out/energy.h5"}).out; };
+  EXPECT_THAT(cast(), Not(HasSubstr(" 0 rays")));
+  EXPECT_EQ(stages(run({"--set", "materials.red.reflectance=[0.5, 0.1, 0.1]"})), "import solve trace");
+  EXPECT_THAT(cast(), HasSubstr(" 0 rays"));
+}
+
+TEST_F(Rerun, DoesNothingForATouchedFileACommentAnotherSpellingOrAnUnrelatedKey) {
   folder_.write("box.glb", test::read_text(folder_ / "box.glb"));
-  folder_.write("job.yaml", "# a comment\n" + test::read_text(folder_ / "job.yaml"));
+  std::string job = "# a comment\n" + test::read_text(folder_ / "job.yaml");
+  folder_.write("job.yaml", job);
   EXPECT_EQ(stages(run({})), "");
+  folder_.write("job.yaml",
+                job.replace(job.find("box.glb"), 7, "./../" + folder_.path().filename().string() + "/box.glb"));
+  EXPECT_EQ(stages(run({})), "");
+  EXPECT_EQ(stages(run({"--set", "solve.hemicube_resolution=64", "--set", "bench.repeats=3", "--set", "cache=1GiB"})),
+            "");
 }
 
 TEST_F(Rerun, RebuildsADamagedFileWithAWarning) {
@@ -107,7 +120,7 @@ TEST_F(Rerun, RebuildsADamagedFileWithAWarning) {
 
 TEST_F(Rerun, RefusesWhatAFreshRunWouldRefuse) {
   for (const char* set :
-       {"trace.cameras=[nobody]", "lights.nobody.scale=1", "trace.view=Sepia", "trace.quality=gather"}) {
+       {"trace.cameras=[nobody]", "lights.nobody.scale=1", "trace.view=Sepia", "trace.quality=magic"}) {
     const Outcome outcome = run({"--set", set});
     EXPECT_EQ(outcome.code, 78) << set << outcome.err;
     EXPECT_THAT(outcome.err, HasSubstr("error: ")) << set;

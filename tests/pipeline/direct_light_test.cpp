@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "pipeline/optics/random.h"
 #include "tests/patch_scene.h"
 
 namespace patchlight {
@@ -130,6 +131,29 @@ TEST(EmittersApart, AreTheLargestOfTooMany) {
   const std::vector<Emitter> emitters = emitters_apart(builder.get());
   EXPECT_EQ(emitters.size(), 64u);
   EXPECT_TRUE(std::any_of(emitters.begin(), emitters.end(), [](const Emitter& e) { return e.primitive == 70; }));
+}
+
+TEST(DirectLight, TellsTheDensityOfItsSamples) {
+  PatchScene builder;
+  builder.quad({{{0, 0, 2}, {0, 1, 2}, {2, 1, 2}, {1, 0, 2}}}, 1, 1, {0.0f, 1.0f});
+  builder.sphere({-3, 0, 1}, 0.5, 2, 4, {0.0f, 1.0f});
+  const RayScene rays(builder.get());
+  for (const Emitter& emitter : emitters_apart(builder.get())) {
+    const DirectLight light(builder.get(), rays, emitter);
+    for (const Vec3d& point : {Vec3d(0.3, 0.2, 0.5), Vec3d(20, 0, -15)}) {
+      const DirectLight::View view = light.view(point, Vec3f(0, 0, 1));
+      for (std::uint64_t k = 0; k < 100; ++k) {
+        const Vec2f at = kronecker2(k, 7);
+        const DirectLight::Sample sample = view.sample(at.x, at.y);
+        if (sample.weight <= 0) continue;
+        const double density = sample.direction.z / (kPi * sample.weight);
+        EXPECT_NEAR(view.density(sample.direction), density, 1e-4 * density) << emitter.primitive << point;
+      }
+      EXPECT_GE(light.apparent_size(point), light.form_factor(point, Vec3f(0, 0, 1)) / 4);
+    }
+  }
+  const DirectLight light(builder.get(), rays, emitters_apart(builder.get())[0]);
+  EXPECT_EQ(light.apparent_size({0, 0, 3}), 0) << "from behind";
 }
 
 }  // namespace

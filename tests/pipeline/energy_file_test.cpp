@@ -60,6 +60,23 @@ TEST(EnergyFile, ReadsBackWhatWasWritten) {
   EXPECT_EQ(read_energy(folder / "energy.h5").groups[0].name, "light");
 }
 
+TEST(EnergyFile, ReadsBackHowItCameToBe) {
+  const TemporaryFolder folder;
+  Solved solved;
+  solved.energy.convergence = {{"light", {1, 0.1, 1.0 / 3}}, {"a b,c", {2}}, {"", {}}};
+  solved.energy.made = {"scene: a.glb\n", {"one", "two"}, 1.5, 2.5, 12345678901};
+  write_energy(folder / "energy.h5", solved.scene, solved.energy);
+  const EnergyField read = read_energy(folder / "energy.h5", solved.scene);
+  ASSERT_EQ(read.convergence.size(), 3u);
+  EXPECT_EQ(read.convergence[0].residuals, solved.energy.convergence[0].residuals);
+  EXPECT_EQ(read.convergence[1].group, "a b,c");
+  EXPECT_TRUE(read.convergence[2].residuals.empty());
+  EXPECT_EQ(read.made.job, solved.energy.made.job);
+  EXPECT_EQ(read.made.warnings, solved.energy.made.warnings);
+  EXPECT_EQ(read.made.cpu_seconds, 2.5);
+  EXPECT_EQ(read.made.peak_bytes, 12345678901);
+}
+
 TEST(EnergyFile, HoldsRadiosityOfEmissionAndAllGroups) {
   const Solved solved;
   EXPECT_EQ(radiosity(solved.scene, solved.energy)[0], Color(2.0f + 0.5f * 1.5f));

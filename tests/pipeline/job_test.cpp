@@ -74,6 +74,54 @@ TEST_F(JobFile, ReadsEveryOverrideOfMaterialsAndNodes) {
   EXPECT_ERROR(read(std::string(kMinimal) + "nodes: {y: {light_group: ''}}"), ExitCode::bad_config, "1 to 1024 bytes");
 }
 
+TEST_F(JobFile, ReadsCamerasOfItsOwn) {
+  const Job job = read(std::string(kMinimal) + R"(
+cameras:
+  corner: {look_from: [1, 2, 3], look_at: [0, 1, 0], angle: 55}
+  plan: {look_from: [0, 9, 0], up: [0, 0, -1], height: 4}
+)",
+                       {"cameras.corner.turntable=48"});
+  ASSERT_EQ(job.cameras.size(), 2u);
+  const CameraConfig &corner = job.cameras.at("corner"), &plan = job.cameras.at("plan");
+  EXPECT_EQ(corner.look_from, Vec3d(1, 2, 3));
+  EXPECT_EQ(corner.look_at, Vec3d(0, 1, 0));
+  EXPECT_EQ(corner.up, Vec3d(0, 1, 0));
+  EXPECT_EQ(corner.angle, 55);
+  EXPECT_EQ(corner.turntable, 48);
+  EXPECT_EQ(plan.height, 4);
+  EXPECT_EQ(effective_job(read(effective_job(job))), effective_job(job));
+}
+
+TEST_F(JobFile, RefusesCamerasThatLookNowhere) {
+  const auto cameras = [&](const std::string& text) { return read(std::string(kMinimal) + "cameras:\n  " + text); };
+  EXPECT_ERROR(
+      cameras("a: {look_from: [0, 0, 1]}\n  b: {angle: 30}"), ExitCode::bad_config,
+      "`cameras.b` that do not go together (" + (folder_ / "job.yaml").string() + ", line 5): give `look_from`");
+  EXPECT_ERROR(cameras("a: {look_from: [0, 5, 0]}"), ExitCode::bad_config, "`up` across");
+  EXPECT_ERROR(cameras("a: {look_from: [0, 0, 5], up: [0, 0, 0]}"), ExitCode::bad_config, "`up` across");
+  EXPECT_ERROR(cameras("a: {look_from: [0, 0, 5], angle: 40, height: 2}"), ExitCode::bad_config, "parallel");
+  EXPECT_ERROR(cameras("a: {look_from: [0, 0, 5], angle: 180}"), ExitCode::bad_config, "0.01 to 179");
+  EXPECT_ERROR(cameras("a: {look_from: [0, 0, .nan]}"), ExitCode::bad_config, "`cameras.a.look_from`");
+  EXPECT_ERROR(cameras("a: {look_from: [0, 0]}"), ExitCode::bad_config, "[x, y, z]");
+  EXPECT_ERROR(cameras("a: {look_form: [0, 0, 1]}"), ExitCode::bad_config, "did you mean `cameras.a.look_from`?");
+  EXPECT_ERROR(cameras("'': {look_from: [0, 0, 1]}"), ExitCode::bad_config, "name");
+  EXPECT_ERROR(read(kMinimal, {"cameras.a.angle=30"}), ExitCode::bad_config, "--set");
+}
+
+TEST_F(JobFile, ReadsFramesAsTextOrList) {
+  EXPECT_EQ(read(kMinimal, {"trace.frames=1,5..9"}).trace.frames, "1,5..9");
+  EXPECT_EQ(read(kMinimal, {"trace.frames=7"}).trace.frames, "7");
+  EXPECT_EQ(read(kMinimal, {"trace.frames=[1, 5-9, 20..40:2]"}).trace.frames, "1, 5-9, 20..40:2");
+}
+
+TEST_F(JobFile, TakesLayersInAnyOrder) {
+  const Job job = read(std::string(kMinimal) + "trace: {layers: [depth, direct, depth]}");
+  EXPECT_EQ(job.trace.layers, (std::vector<std::string>{"direct", "depth"}));
+  EXPECT_EQ(read(kMinimal, {"trace.layers=[depth, direct]"}).trace.layers, job.trace.layers);
+  EXPECT_EQ(read(kMinimal, {"trace.layers=patch"}).trace.layers, std::vector<std::string>{"patch"});
+  EXPECT_TRUE(read(kMinimal).trace.layers.empty());
+}
+
 TEST_F(JobFile, NamesAnUnknownKeyItsLineAndTheNearest) {
   EXPECT_ERROR(read("scene: a.glb\noutput: out\nsolve:\n  toleranse: 1\n"), ExitCode::bad_config,
                "unknown key `solve.toleranse` (" + (folder_ / "job.yaml").string() +
@@ -98,6 +146,59 @@ TEST_F(JobFile, RefusesAKeyThatStandsTwice) {
                "the key `rays` stands twice");
   EXPECT_ERROR(read(std::string(kMinimal) + "lights:\n  a: {scale: 1}\n  a: {scale: 2}\n"), ExitCode::bad_config,
                "line 5");
+}
+
+TEST_F(JobFile, TakesKeysFromTheFilesThatItIncludes) {
+  std::filesystem::create_directory(folder_ / "base");
+  folder_.write("base/light.yaml", "lights: {a: {scale: 2}, b: {scale: 3}}\nsolve: {rays: 64, seed: 5}\n");
+  folder_.write("base/scene.yaml", "include: light.yaml\nscene: a.glb\nsolve: {rays: 128}\n");
+  const Job job = read("include: [base/scene.yaml]\noutput: out\nlights: {b: {scale: 4}}\n", {"solve.seed=6"});
+  EXPECT_EQ(job.scene, folder_ / "base/a.glb") << "relative to the file that it stands in";
+  EXPECT_EQ(job.output, folder_ / "out");
+  EXPECT_EQ(job.solve.rays, 128);
+  EXPECT_EQ(job.solve.seed, 6);
+  EXPECT_EQ(job.lights.at("a").scale, 2);
+  EXPECT_EQ(job.lights.at("b").scale, 4);
+  EXPECT_EQ(effective_job(job).find("include"), std::string::npos);
+}
+
+TEST_F(JobFile, NamesTheIncludedFileThatIsWrongOrMissing) {
+  folder_.write("base.yaml", "solve:\n  raise: 64\n");
+  EXPECT_ERROR(read("include: base.yaml\n"), ExitCode::bad_config, "base.yaml, line 2");
+  EXPECT_ERROR(read("scene: a.glb\ninclude: none.yaml\n"), ExitCode::missing_input, "job.yaml, line 2, include");
+  EXPECT_ERROR(read("include: job.yaml\n"), ExitCode::bad_config, "does one include itself?");
+  EXPECT_ERROR(read("include: {a: b}\n"), ExitCode::bad_config, "expected a path or a list of paths");
+  EXPECT_ERROR(read(kMinimal, {"include=base.yaml"}), ExitCode::bad_config, "stands in job files alone");
+}
+
+TEST_F(JobFile, ReadsSizesOfTheCache) {
+  EXPECT_EQ(read(kMinimal).cache, 10ull << 30);
+  for (const auto& [text, bytes] : {std::pair("0", 0ull),
+                                    {"12", 12ull},
+                                    {"1.5KiB", 1536ull},
+                                    {"2M", 2ull << 20},
+                                    {"3 GB", 3ull << 30},
+                                    {"1TiB", 1ull << 40}}) {
+    const Job job = read(std::string(kMinimal) + "cache: " + text + "\n");
+    EXPECT_EQ(job.cache, bytes) << text;
+    EXPECT_EQ(parse_effective_job(effective_job(job)).cache, bytes) << text;
+  }
+  for (const char* text : {"-1", "much", "1PiB", "[1]", "999999999999T"})
+    EXPECT_ERROR(read(std::string(kMinimal) + "cache: " + text + "\n"), ExitCode::bad_config, "expected a size");
+}
+
+TEST_F(JobFile, ReadsAMatrixOfVariants) {
+  const Job job = read(std::string(kMinimal) +
+                       "matrix: {solve.rays: [64, 128], mood: {day: {}, night: {lights.\"a.b\".scale: 0}}}\n");
+  ASSERT_EQ(job.matrix.size(), 2u);
+  EXPECT_EQ(job.matrix[0].choices[1].name, "128");
+  EXPECT_EQ(job.matrix[0].choices[1].settings[0], std::pair(std::string("solve.rays"), std::string("128")));
+  EXPECT_EQ(job.matrix[1].choices[0].settings.size(), 0u);
+  EXPECT_EQ(job.matrix[1].choices[1].settings[0], std::pair(std::string("lights.\"a.b\".scale"), std::string("0")));
+  std::string many = std::string(kMinimal) + "matrix: {";
+  for (const char* key : {"solve.rays", "solve.seed", "solve.max_shots", "trace.samples", "trace.fps"})
+    many += std::string(key) + ": [1, 2, 3, 4, 5, 6, 7, 8], ";
+  EXPECT_ERROR(read(many + "}\n"), ExitCode::bad_config, "at most 10000 combinations");
 }
 
 TEST_F(JobFile, KnowsLightGroupsByTheNamesThatFilesGiveThem) {
@@ -128,7 +229,12 @@ TEST_F(JobFile, RefusesValuesThatAreNotAllowed) {
   EXPECT_ERROR(read(std::string(kMinimal) + "solve: {rays: 2.5}"), ExitCode::bad_config, "whole number");
   EXPECT_ERROR(read(std::string(kMinimal) + "trace: {resolution: [0, 5]}"), ExitCode::bad_config, "resolution");
   EXPECT_ERROR(read(std::string(kMinimal) + "trace: {frames: 1-x}"), ExitCode::bad_config, "1-120");
+  EXPECT_ERROR(read(std::string(kMinimal) + "trace: {layers: [direct, spekular]}"), ExitCode::bad_config, "specular");
+  EXPECT_ERROR(read(std::string(kMinimal) + "trace: {layers: {depth: true}}"), ExitCode::bad_config, "list of layers");
+  EXPECT_ERROR(read(std::string(kMinimal) + "trace: {pixel_type: double}"), ExitCode::bad_config, "half or float");
+  EXPECT_ERROR(read(std::string(kMinimal) + "trace: {compression: jpeg}"), ExitCode::bad_config, "dwaa");
   EXPECT_ERROR(read(kMinimal, {"trace.frames=5-3"}), ExitCode::bad_config, "begins before it ends");
+  EXPECT_ERROR(read(std::string(kMinimal) + "trace:\n  frames: 1,,2"), ExitCode::bad_config, "line 4");
   EXPECT_ERROR(read(std::string(kMinimal) + "materials: {a: {reflectance: [1, 2, 0]}}"), ExitCode::bad_config,
                "0 to 1");
   EXPECT_ERROR(read(std::string(kMinimal) + "materials: {a: {colour: 1}}"), ExitCode::bad_config, "colour");
@@ -227,7 +333,7 @@ TEST_F(JobFile, NamesTheLineOfABadSweptKeyOrValue) {
                "line 6): did you mean `solve.rays`?");
   EXPECT_ERROR(bench("  sweep:\n    solve.tolerance: [0.1]\n    solve.rays: [64, few]\n"), ExitCode::bad_config,
                "line 6): expected a whole number");
-  EXPECT_ERROR(bench("  sweep: [{output: [a, b]}]\n"), ExitCode::bad_config, "`output` cannot be tried");
+  EXPECT_ERROR(bench("  sweep: [{output: [a, b]}]\n"), ExitCode::bad_config, "`output` cannot vary");
   EXPECT_ERROR(bench("  sweep: [{solve..rays: 1}]\n"), ExitCode::bad_config, "line 4");
   EXPECT_ERROR(bench("  sweep: [{solve.rays: []}]\n"), ExitCode::bad_config, "at least one value");
   EXPECT_ERROR(bench("  sweep: 3\n"), ExitCode::bad_config, "line 4");

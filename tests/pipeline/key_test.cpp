@@ -88,9 +88,11 @@ TEST(Key, OfAFrameIgnoresLightsAtTheirOwnStrength) {
   scene.cameras.resize(1);
   Job plain, lit;
   lit.lights["lamp"];
-  EXPECT_EQ(frame_key(scene, "e", plain, 0, 1, "v"), frame_key(scene, "e", lit, 0, 1, "v"));
+  EXPECT_EQ(frame_key(scene, "e", plain, scene.cameras[0], 1, "v"),
+            frame_key(scene, "e", lit, scene.cameras[0], 1, "v"));
   lit.lights["lamp"].scale = 2;
-  EXPECT_NE(frame_key(scene, "e", plain, 0, 1, "v"), frame_key(scene, "e", lit, 0, 1, "v"));
+  EXPECT_NE(frame_key(scene, "e", plain, scene.cameras[0], 1, "v"),
+            frame_key(scene, "e", lit, scene.cameras[0], 1, "v"));
 }
 
 TEST(Key, OfAFrameCoversItsOwnCameraAlone) {
@@ -98,8 +100,36 @@ TEST(Key, OfAFrameCoversItsOwnCameraAlone) {
   scene.cameras.resize(2);
   PatchSet moved = scene;
   moved.cameras[1].to_world.translate(Vec3d(0, 1, 0));
-  EXPECT_EQ(frame_key(scene, "e", {}, 0, 1, "v"), frame_key(moved, "e", {}, 0, 1, "v"));
-  EXPECT_NE(frame_key(scene, "e", {}, 1, 1, "v"), frame_key(moved, "e", {}, 1, 1, "v"));
+  EXPECT_EQ(frame_key(scene, "e", {}, scene.cameras[0], 1, "v"), frame_key(moved, "e", {}, moved.cameras[0], 1, "v"));
+  EXPECT_NE(frame_key(scene, "e", {}, scene.cameras[1], 1, "v"), frame_key(moved, "e", {}, moved.cameras[1], 1, "v"));
+}
+
+TEST(Key, OfAFrameCoversWhereTheCameraStandsThen) {
+  const PatchSet scene;
+  Camera camera, moved;
+  moved.to_world.translate(Vec3d(0, 1, 0));
+  EXPECT_NE(frame_key(scene, "e", {}, camera, 1, "v"), frame_key(scene, "e", {}, moved, 1, "v"));
+  Job faster;  // what it changes is where the camera stands
+  faster.trace.fps = 48;
+  faster.trace.frames = "1-9";
+  EXPECT_EQ(frame_key(scene, "e", {}, camera, 1, "v"), frame_key(scene, "e", faster, camera, 1, "v"));
+}
+
+TEST(Key, OfAFrameCoversWhatItsFileHolds) {
+  PatchSet scene;
+  scene.cameras.resize(1);
+  const Job plain;
+  std::set<std::string> keys{frame_key(scene, "e", plain, Camera(), 1, "v")};
+  Job job;
+  job.trace.layers = {"depth"};
+  keys.insert(frame_key(scene, "e", job, Camera(), 1, "v"));
+  job.trace.layers = {"depth", "patch"};
+  keys.insert(frame_key(scene, "e", job, Camera(), 1, "v"));
+  job.trace.pixel_type = "float";
+  keys.insert(frame_key(scene, "e", job, Camera(), 1, "v"));
+  job.trace.compression = "piz";
+  keys.insert(frame_key(scene, "e", job, Camera(), 1, "v"));
+  EXPECT_EQ(keys.size(), 5u);
 }
 
 TEST(Key, OfAFrameCoversTheContentOfTheViewsConfig) {
@@ -122,7 +152,8 @@ TEST(Key, IgnoresTheBench) {
   EXPECT_EQ(import_inputs_key({{"a.glb", "hash"}}, plain), import_inputs_key({{"a.glb", "hash"}}, bench));
   PatchSet scene;
   scene.cameras.emplace_back().name = "c";
-  EXPECT_EQ(frame_key(scene, "e", plain, 0, 1, "v"), frame_key(scene, "e", bench, 0, 1, "v"));
+  EXPECT_EQ(frame_key(scene, "e", plain, scene.cameras[0], 1, "v"),
+            frame_key(scene, "e", bench, scene.cameras[0], 1, "v"));
 }
 
 }  // namespace

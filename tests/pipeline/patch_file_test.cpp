@@ -52,6 +52,37 @@ TEST(PatchFile, ReadsBackWhatWasWritten) {
   EXPECT_EQ(read.inputs_key, "inputs");
 }
 
+/// A camera that turns and walks.
+std::vector<Motion> sample_motion() {
+  using Interpolation = Motion::Interpolation;
+  Motion fixed;
+  fixed.values = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 2, 3, 4, 1};
+  return {{Motion::Kind::rotation, Interpolation::linear, {0, 1}, {0, 0, 0, 1, 0, 1, 0, 0}},
+          fixed,
+          {Motion::Kind::translation, Interpolation::cubic_spline, {0.5}, {0, 0, 0, 7, 8, 9, 0, 0, 0}}};
+}
+
+TEST(PatchFile, ReadsBackHowCamerasMoveBesideItsKeys) {
+  const TemporaryFolder folder;
+  PatchSet still = sample(), moving = sample();
+  moving.cameras.push_back(moving.cameras[0]);
+  moving.cameras[1].motion = sample_motion();
+  write_patches(folder / "a.h5", still);
+  write_patches(folder / "b.h5", moving);
+  EXPECT_EQ(still.key, moving.key);
+  EXPECT_EQ(still.geometry_key, moving.geometry_key);
+  const PatchSet read = read_patches(folder / "b.h5");
+  EXPECT_TRUE(read.cameras[0].motion.empty());
+  ASSERT_EQ(read.cameras[1].motion.size(), 3u);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Motion &a = moving.cameras[1].motion[i], &b = read.cameras[1].motion[i];
+    EXPECT_EQ(a.kind, b.kind);
+    EXPECT_EQ(a.interpolation, b.interpolation);
+    EXPECT_EQ(a.times, b.times);
+    EXPECT_EQ(a.values, b.values);
+  }
+}
+
 TEST(PatchFile, KeepsTheKeysOfWhatDidNotChange) {
   const TemporaryFolder folder;
   PatchSet scene = sample(), moved = sample(), repainted = sample(), polished = sample(), smoothed = sample();
@@ -227,6 +258,31 @@ TEST(PatchFile, RefusesBrokenPromises) {
          s.primitives[2].smooth_vertices = {0, 1, 2, 3};
        }},
       {"/cameras", [](PatchSet& s) { s.cameras[0].vertical = 0; }},
+      {"/motions/time",
+       [](PatchSet& s) {
+         s.cameras[0].motion = sample_motion();
+         s.cameras[0].motion[0].times = {1, 0};
+       }},
+      {"/motions/value",
+       [](PatchSet& s) {
+         s.cameras[0].motion = sample_motion();
+         s.cameras[0].motion[0].values[2] = NAN;
+       }},
+      {"/motions/value",
+       [](PatchSet& s) {
+         s.cameras[0].motion = sample_motion();
+         s.cameras[0].motion[2].values.pop_back();
+       }},
+      {"/motions/keys",
+       [](PatchSet& s) {
+         s.cameras[0].motion = sample_motion();
+         s.cameras[0].motion[0].times.clear();
+       }},
+      {"/motions/kind",
+       [](PatchSet& s) {
+         s.cameras[0].motion = sample_motion();
+         s.cameras[0].motion[1].kind = Motion::Kind(9);
+       }},
       {"/patches/area", [](PatchSet& s) { s.patches.clear(); }},
   };
   for (const auto& [where, spoil] : faults) {

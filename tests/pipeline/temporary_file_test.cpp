@@ -27,13 +27,15 @@ TEST(TemporaryFile, RemovesWhatKilledProcessesLeft) {
     std::ofstream(killed.path()) << "half";
     _exit(0);  // without destructors
   }
-  ASSERT_EQ(waitpid(child, nullptr, 0), child);
+  siginfo_t info;
+  ASSERT_EQ(waitid(P_PID, id_t(child), &info, WEXITED | WNOWAIT), 0);  // it has ended, and waits to be reaped
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
   const TemporaryFile alive(folder / "b.h5");
   std::ofstream(alive.path()) << "half";
   const TemporaryFile other(folder / "c.h5");
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
   EXPECT_TRUE(std::filesystem::exists(alive.path()));
+  waitpid(child, nullptr, 0);
 }
 
 }  // namespace

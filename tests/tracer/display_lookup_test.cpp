@@ -40,11 +40,12 @@ struct Floor {
     const PatchSet& scene = builder.get();
     const RayScene ray_scene(scene);
     const PatchLookup lookup(scene);
-    const std::vector<Color> settings{Color(scale)},
-        irradiance = irradiance_without_apart(energy, settings, scene.patches.size());
-    const IrradianceLookup patches(scene, lookup, irradiance);
+    const std::vector<LightMix> mixes{{Color(scale)}};
+    const IrradianceLookup patches(
+        scene, lookup, [&](std::size_t g) { return irradiance_without_apart(energy.groups[g]); }, mixes);
     DisplayLookup::Seen seen;
-    return DisplayLookup(scene, ray_scene, patches, energy, settings)(0, lookup.patch(0, u, v), u, v, seen);
+    const DisplayLookup display(scene, ray_scene, patches, energy, mixes);
+    return display(display.blend(0, lookup.patch(0, u, v), u, v, seen), 0, u, v);
   }
 };
 

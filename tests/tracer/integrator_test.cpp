@@ -6,34 +6,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pipeline/optics/mirror.h"
 #include "tests/expect_error.h"
-#include "tests/patch_scene.h"
+#include "tests/tracer/solved_scene.h"
 
 namespace patchlight {
 namespace {
 
 using test::PatchScene;
-
-/// A solved scene in which every patch receives `direct` and `indirect` of group 0.
-struct Solved {
-  PatchSet scene;
-  EnergyField energy;
-  Job job;
-  Camera camera;
-
-  explicit Solved(PatchScene& builder, float direct = 2.0f, float indirect = 1.0f) : scene(builder.get()) {
-    const std::size_t n = scene.patches.size();
-    energy.groups = {{"light", std::vector<Color>(n, Color(direct)), std::vector<Color>(n, Color(indirect))}};
-    job.trace.resolution = {8, 8};
-    job.trace.samples = 4;
-    job.trace.quality = "patches";
-  }
-
-  Image render() const {
-    Progress progress({"test", true, ""});
-    return Integrator(scene, energy, job).render(camera, progress);
-  }
-};
+using test::Solved;
 
 TEST(Integrator, ShowsEmissionAndReflectedIrradiance) {
   PatchScene builder;
@@ -125,6 +106,71 @@ TEST(Integrator, FindsDirectLightAtThePixelAndInMirrors) {
   EXPECT_NEAR(solved.render().pixels[0].y, 0.5 * 0.8 * irradiance / kPi, 1e-4);
   solved.energy.groups[0].direct_by_rows.assign(solved.scene.patches.size(), Color(0.25f));
   EXPECT_NEAR(solved.render().pixels[0].y, 0.5 * 0.8 * (irradiance + 0.25) / kPi, 1e-4);
+}
+
+TEST(Integrator, RoughMetalsShowEmittersAsTheirLobesHaveThem) {
+  for (const float roughness : {0.1f, 0.3f, 0.7f}) {
+    PatchScene builder;
+    builder.get().materials.push_back({"metal", Color(1.0f, 0.5f, 0.25f), roughness});
+    builder.quad({{{-9, -9, -1}, {9, -9, -1}, {9, 9, -1}, {-9, 9, -1}}}, 1, 1, {0.0f, 0.0f, 0, 1});
+    builder.quad({{{0.1, 0, 1}, {0.1, 0.4, 1}, {0.5, 0.4, 1}, {0.5, 0, 1}}}, 1, 1, {0.0f, 5.0f});
+    builder.quad({{{-2, 0, 3}, {-2, 1, 3}, {-1, 1, 3}, {-1, 0, 3}}}, 1, 1, {0.0f, 20.0f});
+    Solved solved(builder);
+    solved.job.trace.samples = 256;
+    solved.camera.vertical = 1e-3;
+    double exact = 0;
+    const auto add_lamp = [&](double x0, double y0, double z, double size, double exitance) {
+      constexpr int kFine = 200;
+      for (int k = 0; k < kFine * kFine; ++k) {
+        const Vec3d to(x0 + (k % kFine + 0.5) / kFine * size, y0 + (k / kFine + 0.5) / kFine * size, z + 1);
+        const Vec3d out = to.normalized();
+        const double solid_angle = size * size / (kFine * kFine) * out.z / to.length2();
+        exact += exitance / kPi * solid_angle * metal_lobe(roughness, {0, 0, 1}, {0, 0, -1}, Vec3f(out)).value;
+      }
+    };
+    add_lamp(0.1, 0, 1, 0.4, 5);
+    add_lamp(-2, 0, 3, 1, 20);
+    Color mean(0.0f);
+    for (const Color& pixel : solved.render().pixels) mean += pixel / 64;
+    EXPECT_NEAR(mean.x, exact, 0.02 * exact) << roughness;
+    EXPECT_NEAR(mean.z, 0.25 * exact, 0.02 * 0.25 * exact) << roughness;
+  }
+}
+
+TEST(Integrator, RoughMetalsShowSurroundingsLessWhatTheirFacetsKeep) {
+  for (const bool lamps : {true, false}) {  // that glow, or that reflect as much
+    PatchScene builder;
+    builder.get().materials.push_back({"metal", Color(1.0f), 0.5f});
+    builder.room(1, 2, lamps ? PatchScene::Surface{0.0f, 3.0f} : PatchScene::Surface{0.5f, 0.0f});
+    builder.get().primitives[4].material = 1;  // before the camera
+    for (Patch& patch : builder.get().patches)
+      if (patch.primitive == 4) patch.emission = patch.reflectance = Color(0.0f);
+    Solved solved(builder, 4.0f, 2.0f);
+    solved.job.trace.samples = 64;
+    solved.camera.vertical = 0.05;
+    double mean = 0;
+    for (const Color& pixel : solved.render().pixels) mean += pixel.y / 64;
+    EXPECT_NEAR(mean * kPi, 3 * 0.9119, 0.02) << "as Mirror.RoughOnesReflectWhatTheirMicrofacetsLeave has it";
+  }
+}
+
+TEST(Integrator, MirrorsOnCurvedMeshesTurnSmoothly) {
+  PatchScene builder;  // two facets at an angle; what they show runs on from one to the other
+  builder.get().materials.push_back({"mirror", Color(1.0f), 0.0f});
+  builder.quad({{{-1, -1, -1.1}, {0, -1, -1}, {0, 1, -1}, {-1, 1, -1.1}}}, 1, 1, {0.0f, 0.0f, 0, 1});
+  builder.quad({{{0, -1, -1}, {1, -1, -1.1}, {1, 1, -1.1}, {0, 1, -1}}}, 1, 1, {0.0f, 0.0f, 0, 1});
+  builder.get().primitives[0].smooth_vertices = {0, 1, 2, 3};
+  builder.get().primitives[1].smooth_vertices = {1, 4, 5, 2};
+  builder.quad({{{-9, -9, 1}, {-9, 9, 1}, {9, 9, 1}, {9, -9, 1}}}, 1, 1, {0.0f, 1.0f});
+  builder.get().shaders = {{"ramp", {}, {"2 + x", "1", "1"}}};
+  builder.get().primitives[2].shader = 0;
+  Solved solved(builder);
+  solved.job.trace.resolution = {64, 1};
+  solved.camera.vertical = 0.02;
+  const Image image = solved.render();
+  for (std::size_t x = 1; x < 64; ++x)
+    EXPECT_NEAR(image.pixels[x].x, image.pixels[x - 1].x, 0.05) << "no step at the edge";
+  EXPECT_GT(image.pixels[63].x - image.pixels[0].x, 0.1);
 }
 
 TEST(Integrator, EdgesAreTheShareOfThePixelThatIsCovered) {
@@ -307,6 +353,47 @@ TEST(Integrator, ShadersAreBroughtIntoRangeInFrames) {
     EXPECT_NEAR(pixel.y, 1 + 0.99999, 1e-5);
     EXPECT_NEAR(pixel.z, 1, 1e-5);
   }
+}
+
+/// A floor under a lamp and a screen whose shadow's edge is soft, seen in parallel from above, `shift` pixels of 5 cm
+/// to the right.
+Image floor_under_screen(int shift) {
+  constexpr int kSize = 64;
+  PatchScene builder;
+  builder.quad({{{-4, 0, 4}, {4, 0, 4}, {4, 0, -4}, {-4, 0, -4}}}, 1, 1, {0.5f});
+  builder.quad({{{-0.5, 3, 0.5}, {-0.5, 3, -0.5}, {0.5, 3, -0.5}, {0.5, 3, 0.5}}}, 1, 1, {0.0f, 50.0f});
+  builder.quad({{{-0.7, 1, 2}, {-0.2, 1, 2}, {-0.2, 1, -2}, {-0.7, 1, -2}}}, 1, 1, {0.5f});
+  Solved solved(builder, 0.0f, 1.0f);
+  solved.job.trace.quality = "direct";
+  solved.job.trace.samples = 16;
+  solved.job.trace.resolution = {kSize, kSize};
+  solved.camera.projection = Camera::Projection::orthographic;
+  solved.camera.vertical = kSize * 0.05 / 2;
+  solved.camera.to_world.setAxisAngle(Vec3d(1, 0, 0), -kPi / 2);
+  solved.camera.to_world[3][0] = 0.05 * shift;
+  solved.camera.to_world[3][1] = 0.9;  // below the screen
+  return solved.render();
+}
+
+TEST(Integrator, SurfacesLookTheSameWhileTheCameraMoves) {
+  const Image before = floor_under_screen(0), after = floor_under_screen(1);
+  double squares = 0, pixels = 0, block_squares = 0, blocks = 0;
+  for (int y = 0; y < 64; y += 9)
+    for (int x = 0; x < 63; x += 9) {
+      double sum = 0, difference = 0;
+      for (int v = y; v < std::min(64, y + 9); ++v)
+        for (int u = x; u < std::min(63, x + 9); ++u) {
+          const double a = before.pixels[std::size_t(v * 64 + u + 1)].y, b = after.pixels[std::size_t(v * 64 + u)].y;
+          sum += a + b;
+          difference += a - b;
+          squares += std::pow((a - b) / ((a + b) / 2), 2);
+          ++pixels;
+        }
+      block_squares += std::pow(difference / (sum / 2), 2);
+      ++blocks;
+    }
+  EXPECT_LT(std::sqrt(squares / pixels), 0.02);
+  EXPECT_LT(std::sqrt(block_squares / blocks), 0.003);
 }
 
 TEST(Integrator, GivesTheSameBitsForAnyNumberOfThreads) {

@@ -18,12 +18,16 @@ std::vector<Color> slope(const PatchSet& scene) {
   return values;
 }
 
+IrradianceLookup lookup_of(const PatchSet& scene, const PatchLookup& patches, const std::vector<Color>& values) {
+  return {scene, patches, [&](std::size_t) { return values; }, {{Color(1.0f)}}};
+}
+
 TEST(IrradianceLookup, FollowsALinearFunctionUpToTheEdges) {
   PatchScene builder;
   builder.quad({{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}, 5, 3, {});
   const PatchLookup patches(builder.get());
   const std::vector<Color> values = slope(builder.get());
-  const IrradianceLookup lookup(builder.get(), patches, values);
+  const IrradianceLookup lookup = lookup_of(builder.get(), patches, values);
   for (float u : {0.0f, 0.03f, 0.5f, 0.97f, 1.0f})
     for (float v : {0.0f, 0.1f, 0.5f, 1.0f}) EXPECT_NEAR(lookup(0, u, v).x, 10 + 3 * u + 2 * v, 1e-4) << u << " " << v;
 }
@@ -33,7 +37,7 @@ TEST(IrradianceLookup, ExtrapolatesNoDarkerThanBlack) {
   builder.quad({{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}, 2, 1, {});
   const PatchLookup patches(builder.get());
   const std::vector<Color> values{Color(0.1f), Color(9.0f)};
-  EXPECT_EQ(IrradianceLookup(builder.get(), patches, values)(0, 0, 0.5f).x, 0.05f);
+  EXPECT_EQ(lookup_of(builder.get(), patches, values)(0, 0, 0.5f).x, 0.05f);
 }
 
 /// Two squares side by side along x; `smooth`: they share the vertices of their common edge.
@@ -53,7 +57,7 @@ TEST(IrradianceLookup, IsContinuousAcrossASmoothEdgeAndBreaksAtACrease) {
       const PatchLookup patches(builder.get());
       std::vector<Color> values(builder.get().patches.size(), Color(1.0f));
       for (std::size_t i = values.size() / 2; i < values.size(); ++i) values[i] = Color(5.0f);
-      const IrradianceLookup lookup(builder.get(), patches, values);
+      const IrradianceLookup lookup = lookup_of(builder.get(), patches, values);
       const float left = lookup(0, 1.0f, 0.4f).x, right = lookup(1, 0.0f, 0.4f).x;
       if (smooth) {
         EXPECT_NEAR(left, 3.0f, 1e-5) << cells;
@@ -69,7 +73,7 @@ TEST(IrradianceLookup, FollowsALinearFunctionAcrossASmoothEdge) {
   PatchScene builder = two_squares(4, true);
   const PatchLookup patches(builder.get());
   const std::vector<Color> values = slope(builder.get());
-  const IrradianceLookup lookup(builder.get(), patches, values);
+  const IrradianceLookup lookup = lookup_of(builder.get(), patches, values);
   EXPECT_NEAR(lookup(0, 0.99f, 0.5f).x, 10 + 3 * 0.99 + 1, 1e-4);
   EXPECT_NEAR(lookup(1, 0.01f, 0.5f).x, 10 + 3 * 1.01 + 1, 1e-4);
 }
@@ -81,7 +85,7 @@ TEST(IrradianceLookup, OnSpheresWrapsInUAndNotInV) {
   const PatchLookup patches(scene);
   std::vector<Color> values;
   for (const Patch& patch : scene.patches) values.emplace_back(float(2 + patch.normal.x + 3 * patch.normal.y));
-  const IrradianceLookup lookup(scene, patches, values);
+  const IrradianceLookup lookup = lookup_of(scene, patches, values);
   EXPECT_EQ(lookup(0, 0.0f, 0.5f).x, lookup(0, 1.0f, 0.5f).x);
   // At a pole every u gives one value, and the poles differ.
   for (const float u : {0.0f, 0.3f, 0.8f}) {

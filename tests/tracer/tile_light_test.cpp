@@ -14,10 +14,10 @@ using test::PatchScene;
 constexpr int kWidth = 8, kPerPixel = 16;
 
 /// What a strip of pixels gets from points at them. `place`: of the first pixel, from which come the random numbers.
-std::vector<Color> light_of(const PatchSet& scene, const std::vector<Color>& emission, std::vector<ShadingPoint> points,
-                            int width, int place) {
+std::vector<Color> light_of(const PatchSet& scene, const Color& setting, std::vector<ShadingPoint> points, int width,
+                            int place) {
   const RayScene rays(scene);
-  const PixelLight lights(scene, rays, emission);
+  const PixelLight lights(scene, rays, {setting});
   TileLight tile(lights, {place, 0, width, 1}, kPerPixel);
   std::vector<Color> pixels(std::size_t(width), Color(0.0f));
   tile.look(points, std::vector<std::uint8_t>(std::size_t(width), 1));
@@ -40,13 +40,12 @@ struct Ground {
   double x(int pixel, int k) const { return extent * ((pixel + (k + 0.5) / kPerPixel) / kWidth - 0.5); }
 
   std::vector<Color> light(int place, const Color& setting = Color(1.0f)) {
-    std::vector<Color> emission;
-    for (const Patch& patch : builder.get().patches) emission.push_back(patch.emission * setting);
     std::vector<ShadingPoint> points;
     for (int k = 0; k < kPerPixel; ++k)
       for (std::uint32_t pixel = 0; pixel < kWidth; ++pixel)
-        points.push_back({pixel, 1, 1, Vec3d(x(int(pixel), k), 1e-6, 0.1), Vec3f(0, 1, 0), Color(1.0f / kPerPixel)});
-    return light_of(builder.get(), emission, points, kWidth, place);
+        points.push_back(
+            {pixel, 1, 1, {}, Vec3d(x(int(pixel), k), 1e-6, 0.1), Vec3f(0, 1, 0), Color(1.0f / kPerPixel)});
+    return light_of(builder.get(), setting, points, kWidth, place);
   }
 
   /// Irradiance of a pixel by a grid of rays to each lamp, which are squares that look down, of these corners, sizes
@@ -145,10 +144,9 @@ TEST(TileLight, ALampDoesNotLightItself) {
   PatchScene builder;
   builder.quad({{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}, 2, 2, {0.5f, 3.0f});
   builder.sphere({0, 0, 5}, 1, 4, 8, {0.5f, 3.0f});
-  const std::vector<Color> emission(builder.get().patches.size(), Color(3.0f));
-  const std::vector<ShadingPoint> points{{0, 0, 0, Vec3d(0.3, 0.4, 1e-5), Vec3f(0, 0, 1), Color(1.0f)},
-                                         {1, 1, 1, Vec3d(0, 0, 6 + 1e-4), Vec3f(0, 0, 1), Color(1.0f)}};
-  const std::vector<Color> pixels = light_of(builder.get(), emission, points, 2, 1);
+  const std::vector<ShadingPoint> points{{0, 0, 0, {}, Vec3d(0.3, 0.4, 1e-5), Vec3f(0, 0, 1), Color(1.0f)},
+                                         {1, 1, 1, {}, Vec3d(0, 0, 6 + 1e-4), Vec3f(0, 0, 1), Color(1.0f)}};
+  const std::vector<Color> pixels = light_of(builder.get(), Color(1.0f), points, 2, 1);
   EXPECT_GT(pixels[0].y, 0) << "the sphere lights the square";
   EXPECT_EQ(pixels[1].y, 0) << "the sphere's far side sees nothing";
 }

@@ -1,4 +1,4 @@
-#include "solver/mirror_path.h"
+#include "pipeline/optics/mirror_path.h"
 
 #include <algorithm>
 
@@ -14,7 +14,8 @@ bool go_on(const PatchSet& scene, const RayScene& ray_scene, const SurfaceHit& h
   const Primitive& primitive = scene.primitives[hit.primitive];
   const SurfacePoint point = point_at(primitive, hit.u, hit.v);
   Vec3f direction = packet.direction(lane);
-  if (!reflect(scene.materials[primitive.material], point.normal, random, direction, throughput)) return false;
+  const Vec2f at(to_unit(random), to_unit(scramble(random)));
+  if (!reflect(scene.materials[primitive.material], point.normal, at, direction, throughput)) return false;
   const float most = std::max({throughput.x, throughput.y, throughput.z});
   if (most < kSurelyKept) {
     if (to_unit(scramble(~random)) * kSurelyKept >= most) return false;

@@ -1,0 +1,58 @@
+#pragma once
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include <functional>
+#include <map>
+#include <string>
+
+#include "pipeline/model/math.h"
+
+namespace patchlight {
+
+// Each throws std::string, which values are allowed, for any other.
+
+template <class T>
+T parse(const YAML::Node& node, const std::string& expected) {
+  try {
+    return node.as<T>();
+  } catch (const YAML::Exception&) {
+    throw "expected " + expected;
+  }
+}
+
+/// Finite; `high` may be infinity.
+double parse_number(const YAML::Node& node, double low, double high);
+
+/// A point or a direction, [x, y, z].
+Vec3d parse_vector(const YAML::Node& node);
+
+/// In the fewest digits that read as the same value.
+template <class Number>
+YAML::Node number_node(Number value) {
+  return YAML::Node(fmt::format("{}", value));
+}
+
+/// Numbers as [a, b, c].
+template <class Vector>
+YAML::Node vector_node(const Vector& vector) {
+  YAML::Node node;
+  node.SetStyle(YAML::EmitterStyle::Flow);
+  for (int k = 0; k < 3; ++k) node.push_back(number_node(vector[k]));
+  return node;
+}
+
+/// As `--set` takes it.
+std::string quoted_if_dotted(const std::string& name);
+
+/// Settings of one name below a section that is a map of names, each with its reader.
+using EntryReader = std::map<std::string, std::function<void(const YAML::Node&)>>;
+
+/// Reads a map of names with the settings of each. `entry_reader` makes or finds what a name stands for; `check`
+/// throws std::string, how to mend it, for settings that do not go together.
+/// Throws: std::string; EntryFault.
+void read_entries(const std::string& section, const YAML::Node& map,
+                  const std::function<EntryReader(const std::string&)>& entry_reader,
+                  const std::function<void(const std::string&)>& check = {});
+
+}  // namespace patchlight

@@ -1,0 +1,153 @@
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <map>
+#include <random>
+#include <thread>
+
+#include "tests/end_to_end/program.h"
+
+extern char** environ;
+
+namespace patchlight {
+namespace {
+
+namespace fs = std::filesystem;
+using test::Outcome;
+using test::run_program;
+using test::small_job;
+using test::TemporaryFolder;
+using ::testing::HasSubstr;
+using Clock = std::chrono::steady_clock;
+
+constexpr const char* kFiles[] = {"patches.h5", "energy.h5", "transport.h5", "frames/camera.0001.exr"};
+
+class Kill : public ::testing::Test {
+ protected:
+  void SetUp() override { small_job(folder_); }
+
+  /// Starts `patchlight run` with the job's output in `output`, as the leader of a process group of its own.
+  pid_t start(const std::string& output, const std::string& set = "solve.rays=1000") {
+    const std::string program = (fs::path(PATCHLIGHT_PROGRAMS) / "patchlight").string();
+    const std::string job = (folder_ / "job.yaml").string(), folder = (folder_ / output).string();
+    const std::string log = (folder_ / (output + ".log")).string();
+    std::vector<std::string> words{program,       "run", job, "--output=" + folder, "--set=import.patch_area=0.001",
+                                   "--set=" + set};
+    std::vector<char*> argv;
+    for (std::string& word : words) argv.push_back(word.data());
+    argv.push_back(nullptr);
+    posix_spawnattr_t group;
+    posix_spawnattr_init(&group);
+    posix_spawnattr_setflags(&group, POSIX_SPAWN_SETPGROUP);
+    posix_spawn_file_actions_t files;
+    posix_spawn_file_actions_init(&files);
+    posix_spawn_file_actions_addopen(&files, STDERR_FILENO, log.c_str(), O_CREAT | O_APPEND | O_WRONLY, 0600);
+    pid_t child = 0;
+    EXPECT_EQ(posix_spawn(&child, program.c_str(), &files, &group, argv.data(), environ), 0);
+    posix_spawn_file_actions_destroy(&files);
+    posix_spawnattr_destroy(&group);
+    return child;
+  }
+
+  int wait(pid_t child) {
+    int status = 0;
+    waitpid(child, &status, 0);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  }
+
+  void expect_same_bits(const std::string& output) {
+    for (const char* file : kFiles) {
+      const Outcome diff =
+          run_program(folder_, "patchlight", {"diff", std::string("whole/") + file, output + "/" + file});
+      EXPECT_EQ(diff.code, 0) << output << diff.out << diff.err;
+    }
+    EXPECT_EQ(test::read_text(folder_ / (output + "/frames/camera.0001.png")),
+              test::read_text(folder_ / "whole/frames/camera.0001.png"));
+    for (const auto& entry : fs::recursive_directory_iterator(folder_ / output))
+      EXPECT_FALSE(entry.path().filename().string().starts_with(".")) << entry.path();
+  }
+
+  /// Seconds that an undisturbed run takes, into `whole`.
+  double run_whole() {
+    const auto begin = Clock::now();
+    EXPECT_EQ(wait(start("whole")), 0);
+    return std::chrono::duration<double>(Clock::now() - begin).count();
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(Kill, AtTwentyMomentsLeavesWhatARerunMakesWhole) {
+  const double whole = run_whole();
+  std::mt19937 random(1);
+  int killed = 0;
+  for (int k = 0; k < 20; ++k) {
+    const std::string output = "killed" + std::to_string(k);
+    const pid_t run = start(output);
+    const double moment = whole * (k + std::uniform_real_distribution<double>()(random)) / 20;
+    std::this_thread::sleep_for(std::chrono::duration<double>(moment));
+    if (k % 4 == 3)
+      kill(run, SIGKILL);  // the stage lives on
+    else
+      kill(-run, SIGKILL);
+    killed += wait(run) == 128 + SIGKILL;
+    EXPECT_EQ(wait(start(output)), 0) << test::read_text(folder_ / (output + ".log"));
+    expect_same_bits(output);
+    fs::remove_all(folder_ / output);
+  }
+  EXPECT_GE(killed, 10) << "the others had ended before";
+}
+
+TEST_F(Kill, TwoRunsOfOneJobAtOnceDoNotHarmEachOther) {
+  const double whole = run_whole();
+  for (const double part : {0.0, 0.3, 0.6}) {
+    const std::string output = "both" + std::to_string(int(10 * part));
+    const pid_t first = start(output);
+    std::this_thread::sleep_for(std::chrono::duration<double>(part * whole));
+    const pid_t second = start(output);
+    EXPECT_EQ(wait(first), 0);
+    EXPECT_EQ(wait(second), 0);
+    expect_same_bits(output);
+    const std::string log = test::read_text(folder_ / (output + ".log"));
+    EXPECT_THAT(log, HasSubstr("waits for another run in")) << "of which the other starts nothing";
+    std::size_t solves = 0;
+    for (std::size_t at = 0; (at = log.find("solve runs", at)) != std::string::npos; ++at) ++solves;
+    EXPECT_EQ(solves, 1u) << log;
+  }
+}
+
+TEST_F(Kill, RunsWithOtherSettingsInOneFolderEachGetWhatTheyAskFor) {
+  const double whole = run_whole();
+  for (const double part : {0.0, 0.2, 0.4, 0.6, 0.8}) {
+    const std::string output = "mixed" + std::to_string(int(10 * part));
+    const pid_t first = start(output);
+    std::this_thread::sleep_for(std::chrono::duration<double>(part * whole));
+    const pid_t second = start(output, "solve.rays=300");
+    EXPECT_EQ(wait(first), 0);
+    EXPECT_EQ(wait(second), 0);
+    EXPECT_EQ(wait(start(output)), 0);
+    expect_same_bits(output);
+  }
+}
+
+// Stage programs themselves take no lock.
+TEST_F(Kill, TwoSolvesAtOnceDoNotHarmEachOther) {
+  run_whole();
+  fs::create_directory(folder_ / "both");
+  fs::copy(folder_ / "whole/patches.h5", folder_ / "both/patches.h5");
+  const std::string solve = test::quoted((fs::path(PATCHLIGHT_PROGRAMS) / "patchlight-solve").string()) +
+                            " job.yaml --set solve.rays=1000 --output both --quiet";
+  const std::string line =
+      "cd " + test::quoted(folder_.path().string()) + " && { " + solve + " & " + solve + " & " + solve + " && wait; }";
+  EXPECT_EQ(std::system(line.c_str()), 0);
+  fs::copy(folder_ / "whole/frames", folder_ / "both/frames");
+  expect_same_bits("both");
+}
+
+}  // namespace
+}  // namespace patchlight
