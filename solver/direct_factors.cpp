@@ -96,6 +96,7 @@ class DirectFactors::Run {
     const Patch& patch = from_.receivers_[row];
     const Primitive& primitive = from_.scene_.primitives[patch.primitive];
     if (primitive.shape != Primitive::Shape::quad) return false;
+    if (!light_.is_behind(std::array{patch.center}, patch.normal)) return false;
     std::array<Vec3d, 4> corners;
     for (int k = 0; k < 4; ++k)
       corners[k] = position_at(primitive.corners, k % 2 ? patch.u1 : patch.u0, k / 2 ? patch.v1 : patch.v0);
@@ -152,6 +153,8 @@ class DirectFactors::Run {
     constexpr std::array<double, 2> kTwoWeights{0.5, 0.5};
     constexpr std::array<double, 4> kFourWeights{0.1739274226, 0.3260725774, 0.3260725774, 0.1739274226};
     const Patch& patch = from_.receivers_[row];
+    if (light_.distance(patch.center) > kFar * std::sqrt(patch.area))
+      return light_.form_factor(patch.center, patch.normal);
     const PatchSampler sampler(from_.scene_.primitives[patch.primitive], patch);
     const auto integrate = [&](const auto& places, const auto& weights) {
       double sum = 0;
@@ -162,8 +165,6 @@ class DirectFactors::Run {
         }
       return sum;
     };
-    if (light_.distance(patch.center) > kFar * std::sqrt(patch.area))
-      return light_.form_factor(patch.center, patch.normal);
     return light_.distance(patch.center) < 5 * std::sqrt(patch.area) ? integrate(kFour, kFourWeights)
                                                                      : integrate(kTwo, kTwoWeights);
   }
