@@ -28,7 +28,7 @@ SampleCounts::SampleCounts(int samples)
       edge(samples > 1 ? 4 * samples : 1),
       first(std::min(few, kMostAtFirst)) {}
 
-/// A tile of a frame, and a margin of one pixel about it, whose first samples its own pixels are compared with.
+/// A tile of a frame and, where they are compared with its own, a margin of one pixel about it.
 class Integrator::Tile {
  public:
   Tile(const Integrator& integrator, const CameraRays& rays, const std::vector<float>& outlines, int x0, int y0,
@@ -41,12 +41,13 @@ class Integrator::Tile {
         y0_(y0),
         x1_(std::min(x0 + kTile, image.width)),
         y1_(std::min(y0 + kTile, image.height)),
-        window_{std::max(0, x0 - 1), std::max(0, y0 - 1), 0, 0} {
-    window_.width = std::min(x1_ + 1, image.width) - window_.x0;
-    window_.height = std::min(y1_ + 1, image.height) - window_.y0;
+        compared_(!integrator.counts_.even() || integrator.lights_),
+        window_{std::max(0, x0 - compared_), std::max(0, y0 - compared_), 0, 0} {
+    window_.width = std::min(x1_ + compared_, image.width) - window_.x0;
+    window_.height = std::min(y1_ + compared_, image.height) - window_.y0;
     const auto pixels = std::size_t(window_.pixels());
     sums_.pixels.assign(pixels, Color(0.0f));
-    sums_.details.resize(pixels);
+    if (!frame_.counts_.even()) sums_.details.resize(pixels);
     sums_.window = &window_;
     if (!image.layers.empty()) sums_.layers = &layers_.emplace(frame_.config_, frame_.scene_, pixels);
     packet_.clear();
@@ -61,8 +62,8 @@ class Integrator::Tile {
     std::vector<int> samples(std::size_t(window_.pixels()), counts.first);
     smooth_.assign(std::size_t(window_.pixels()), 0);
     for_each_pixel([&](int x, int y, std::uint32_t p) {
-      samples[p] = samples_at(details, x, y);
-      smooth_[p] = samples[p] < counts.edge || counts.edge == counts.first;
+      if (!counts.even()) samples[p] = samples_at(details, x, y);
+      smooth_[p] = counts.even() || samples[p] < counts.edge;
     });
     if (frame_.lights_)
       light_.emplace(*frame_.lights_, window_, counts.some, sums_.layers).look(std::move(points), smooth_);
@@ -170,6 +171,7 @@ class Integrator::Tile {
   const std::vector<float>& outlines_;
   Image& image_;
   const int x0_, y0_, x1_, y1_;
+  const bool compared_;  ///< Pixels are, with their neighbours: so tiles have margins.
   TileLight::Window window_;
   std::vector<std::uint8_t> smooth_;  ///< By pixel: all of it gets as much direct light as its first samples do.
   std::optional<LayerSums> layers_;
@@ -199,7 +201,7 @@ Image Integrator::render(const Camera& camera, Progress& progress) const {
   const std::size_t pixels = std::size_t(width) * height;
   Image image{width, height, std::vector<Color>(pixels, Color(0.0f)), {}, LayerSums::blank(config_, scene_, pixels)};
   const CameraRays rays(camera, width, height);
-  const std::vector<float> outlines = outlines_.draw(rays, width, height);
+  const std::vector<float> outlines = counts_.even() ? std::vector<float>() : outlines_.draw(rays, width, height);
   const int across = (width + kTile - 1) / kTile, down = (height + kTile - 1) / kTile;
   std::atomic<std::int64_t> cast = 0;
   constexpr int kRowsAtOnce = 2;  // of tiles, between two looks at the signals

@@ -17,6 +17,8 @@ struct SampleCounts {
   int first = 0;  ///< Those by which it is told which pixels are which.
 
   explicit SampleCounts(int samples);
+  /// Every pixel gets as many, whatever is in it.
+  bool even() const { return edge == first; }
 };
 
 /// Renders frames of one solved scene under one setting of its lights. Everything is shared between frames.
