@@ -18,8 +18,8 @@ namespace {
 
 // Raised whenever a stage computes something else from the same inputs.
 constexpr int kImportVersion = 2;
-constexpr int kTransportKeyVersion = 11;
-constexpr int kSolveVersion = 13;
+constexpr int kTransportKeyVersion = 12;
+constexpr int kSolveVersion = 14;
 constexpr int kTraceVersion = 7;
 
 XXH3_state_t* state_of(void* state) {

@@ -45,9 +45,11 @@ Elements::Elements(const PatchSet& scene, const RayScene& ray_scene, const Displ
       const std::uint32_t seen = seen_corners(scene, ray_scene, mesh, mesh.cells[cell.index], cell.primitive, places);
       for (int k = 0; k < 4; ++k) {
         const auto [x, y] = std::array{inside[k].x, inside[k].y};
-        float most = -1;
+        float most = -3;
         for (int corner = 0; corner < 4; ++corner) {
-          const float near = (corner % 2 ? x : 1 - x) * (corner / 2 ? y : 1 - y) + float(seen >> (4 * k + corner) & 1u);
+          const bool hidden = mesh.vertices[mesh.cells[cell.index].corners[corner]].hidden;
+          const float near = (corner % 2 ? x : 1 - x) * (corner / 2 ? y : 1 - y) +
+                             float(seen >> (4 * k + corner) & 1u) - (hidden ? 2.0f : 0.0f);
           if (near > most) nearest_[at][first + k] = std::uint8_t(corner);
           most = std::max(most, near);
         }

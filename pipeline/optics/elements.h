@@ -12,8 +12,8 @@
 namespace patchlight {
 
 /// What rays may end on, by number: the patches, and behind them what stands for those that a display mesh cuts: its
-/// leaves, and of leaves that something stands on, the corner that is nearest among those which a place sees, to a
-/// quarter of the leaf.
+/// leaves, and of leaves that something stands on, the corner that is nearest among those which a place sees, to an
+/// eighth of the leaf. A hidden corner stands for nothing that another could: what rays end on is not covered.
 class Elements {
  public:
   explicit Elements(const PatchSet& scene) : scene_(scene), lookup_(scene) {}

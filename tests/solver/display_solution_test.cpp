@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "pipeline/optics/elements.h"
@@ -182,6 +183,30 @@ float exposed_floor(double x0, double x1, double z0, double z1, std::uint64_t ra
   for (std::size_t i = 1; i < 6; ++i)
     EXPECT_EQ(exposed_part(builder.get(), ray_scene, builder.get().patches[i], random, cast), 1.0f);
   return exposed_part(builder.get(), ray_scene, builder.get().patches[0], random, cast);
+}
+
+TEST(Elements, HaveNoHiddenCornersStandForWhatIsExposed) {
+  PatchScene builder;
+  builder.quad({{{0, 0, 0}, {0, 0, 1}, {1, 0, 1}, {1, 0, 0}}}, 4, 4, {});
+  const double x = 0.256;  // a block stands on what is left of it
+  builder.quad({{{x, 0, 0}, {x, 1, 0}, {x, 1, 1}, {x, 0, 1}}}, 4, 4, {});
+  builder.quad({{{0, 1, 0}, {0, 1, 1}, {x, 1, 1}, {x, 1, 0}}}, 4, 4, {});
+  builder.quad({{{0, 0, 0}, {0, 0, 1}, {0, 1, 1}, {0, 1, 0}}}, 4, 4, {});
+  const PatchSet& scene = builder.get();
+  const RayScene ray_scene(scene);
+  const DisplayMesh mesh = mesh_of(scene);
+  std::vector<bool> hidden(std::size_t(mesh.elements), false);
+  for (const auto& cell : mesh.cells)
+    for (int k = 0; cell.children < 0 && cell.cut && k < 4; ++k)
+      hidden[std::size_t(cell.leaf + k)] = mesh.vertices[cell.corners[k]].hidden;
+  ASSERT_TRUE(std::find(hidden.begin(), hidden.end(), true) != hidden.end());
+  const Elements elements(scene, ray_scene, mesh);
+  for (const float beyond : {1e-4f, 5e-4f, 1.5e-3f})
+    for (int k = 0; k < 1000; ++k) {
+      const std::int32_t element = elements.at(0, (float(k) + 0.5f) / 1000, float(x) + beyond);
+      ASSERT_GE(element, std::int32_t(scene.patches.size()));
+      EXPECT_FALSE(hidden[std::size_t(element) - scene.patches.size()]) << k << " " << beyond;
+    }
 }
 
 TEST(ExposedPart, IsWhatNothingStandsOn) {
