@@ -14,7 +14,8 @@ namespace patchlight {
 namespace {
 
 constexpr int kSteps = 1 << kDisplayLevels;  // of the finest cells along a patch
-constexpr float kCovered = 0.5f;             // of the exposure of other corners, below which a corner has no say
+constexpr float kCovered = 0.75f;            // of the exposure of other corners, below which a corner has no say: more
+                                             // than what is left at the very edge of a panel near by
 constexpr float kNudge = 0.02f;              // of a finest cell: how far vertices stay off where surfaces may meet
 
 /// A place on the lattice of a primitive's finest cells; on a sphere, of a ring's.

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "pipeline/optics/elements.h"
 #include "solver/display_mesh_builder.h"
@@ -183,6 +184,25 @@ float exposed_floor(double x0, double x1, double z0, double z1, std::uint64_t ra
   for (std::size_t i = 1; i < 6; ++i)
     EXPECT_EQ(exposed_part(builder.get(), ray_scene, builder.get().patches[i], random, cast), 1.0f);
   return exposed_part(builder.get(), ray_scene, builder.get().patches[0], random, cast);
+}
+
+TEST(DisplayMesh, LeavesBesideAPanelAskNoVertexAtItsEdge) {
+  PatchScene builder;
+  builder.room(1, 8, {});  // the panel stands 1 cm before the wall at z = -1
+  builder.quad({{{-0.5, -0.5, -0.99}, {0.5, -0.5, -0.99}, {0.5, 0.5, -0.99}, {-0.5, 0.5, -0.99}}}, 4, 4, {});
+  const DisplayMesh mesh = mesh_of(builder.get());
+  constexpr std::int32_t kWall = 4;
+  int leaves = 0;
+  for (const auto& cell : mesh.cells) {
+    if (cell.children >= 0) continue;
+    const DisplayMesh::Vertex &low = mesh.vertices[cell.corners[0]], &high = mesh.vertices[cell.corners[3]];
+    if (builder.get().patches[low.patch].primitive != kWall || std::abs(low.v - 0.75f) > 0.01f) continue;
+    if (high.v < 0.76f || low.u < 0.27f || high.u > 0.73f) continue;
+    ++leaves;
+    EXPECT_TRUE(cell.cut && low.hidden) << low.u;
+    EXPECT_FALSE(high.hidden) << high.u;
+  }
+  EXPECT_GE(leaves, 3);
 }
 
 TEST(Elements, HaveNoHiddenCornersStandForWhatIsExposed) {
