@@ -141,10 +141,12 @@ void RayScene::add_quads(const PatchSet& scene, float extent) {
       size = std::max(size, largest(local[k]));
     }
     offsets_[i] = std::max(size * kPlaneOffset, std::numeric_limits<float>::min());
+    const Vec3d normal = ((exact[2] - exact[0]) % (exact[3] - exact[1])).normalized();
+    const auto sag = float(std::abs((exact[0] - exact[1] + exact[2] - exact[3]) ^ normal) / 4);
+    if (sag > offsets_[i]) offsets_[i] += sag;
     if (p.back >= 0 && p.back < std::int32_t(i)) continue;
     const Vec2f shape = quad_shape(p.corners);
     const bool plane = few_ && few_->add_quad(exact, extent * kOverlap, std::int32_t(quads_.size()));
-    const Vec3d normal = ((exact[2] - exact[0]) % (exact[3] - exact[1])).normalized();
     quads_.push_back({std::int32_t(i), p.back, shape.x, shape.y, Vec3f(normal), !plane});
     if (!few_) corners.push_back(local);
   }

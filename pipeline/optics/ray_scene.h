@@ -57,7 +57,8 @@ class RayScene {
   Vec3f to_local(const Vec3d& world) const { return Vec3f(world - origin_); }
 
   /// How far off primitive `i` a ray must start so as not to meet the surface it leaves, in m: some units in the last
-  /// place of the primitive's own coordinates, whatever the size of the scene.
+  /// place of the primitive's own coordinates, whatever the size of the scene; of a quad that is not quite plane, as
+  /// much more as its bilinear surface may lie below the two triangles that are traced.
   float offset(std::int32_t i) const { return offsets_[i]; }
 
   void intersect(RayPacket& packet, bool coherent) const;

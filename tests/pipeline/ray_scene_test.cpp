@@ -100,5 +100,24 @@ TEST(PatchLookup, FindsThePatchThatHoldsUv) {
   EXPECT_EQ(lookup.patch(0, 0.0f, 0.0f), 0);
 }
 
+TEST(RayScene, DoesNotMeetTheBentQuadThatARayLeaves) {
+  for (const std::size_t few : {RayScene::kFew, std::size_t(0)})
+    for (const double bend : {-1e-3, 1e-3}) {
+      test::PatchScene builder;
+      builder.quad({{{0, 0, 0}, {1, 0, bend}, {1, 1, 0}, {0, 1, bend}}}, 1, 1, {});
+      const RayScene ray_scene(builder.get(), few);
+      EXPECT_LT(ray_scene.offset(0), 1e-3f);
+      RayPacket packet;
+      for (int k = 0; k < 100; ++k) {
+        packet.clear();
+        const double u = (k % 10 + 0.5) / 10, v = (k / 10 + 0.5) / 10;
+        const SurfacePoint point = point_at(builder.get().primitives[0], u, v);
+        const Vec3f start = ray_scene.to_local(point.position) + point.normal * ray_scene.offset(0);
+        packet.set_shadow(0, start, point.normal, 10.0f);
+        EXPECT_EQ(ray_scene.occluded(packet), 0u) << u << " " << v << " " << bend;
+      }
+    }
+}
+
 }  // namespace
 }  // namespace patchlight
