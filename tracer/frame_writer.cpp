@@ -45,18 +45,18 @@ std::string lens(const Camera& camera, const std::array<int, 2>& size) {
 
 }  // namespace
 
-FrameWriter::FrameWriter(const Job& job, const PatchSet& scene, const EnergyField& energy)
+FrameWriter::FrameWriter(const Job& job, const PatchSet& scene, std::string energy_key)
     : job_(job),
       scene_(scene),
-      energy_(energy),
+      energy_key_(std::move(energy_key)),
       view_(job.trace.view, job.trace.exposure),
       view_config_(view_config_key()) {}
 
 std::string FrameWriter::key(const Frame& frame) const {
-  return frame_key(scene_, energy_.key, job_, frame.camera, frame.number, view_config_);
+  return frame_key(scene_, energy_key_, job_, frame.camera, frame.number, view_config_);
 }
 
-void FrameWriter::write(const Frame& frame, Image image, double seconds) const {
+void FrameWriter::write(const Frame& frame, Image image, double seconds, const std::string& relit_from) const {
   const float most = job_.trace.pixel_type == "half" ? kBrightest : std::numeric_limits<float>::max();
   clamp(image.pixels, most);
   for (ImageLayer& layer : image.layers)
@@ -85,12 +85,16 @@ void FrameWriter::write(const Frame& frame, Image image, double seconds) const {
       {"patchlight:peak_bytes", fmt::format("{}", std::int64_t(usage.ru_maxrss) * 1024)},
       {"patchlight:key", key(frame)},
       {"patchlight:patches_key", scene_.key},
-      {"patchlight:energy_key", energy_.key},
+      {"patchlight:energy_key", energy_key_},
       {"patchlight:frames_key", scene_.frames_key},
       {"patchlight:camera_key", camera_key(frame.camera)},
       {"patchlight:view_config", view_config_},
       {"patchlight:job", effective_job(job)},
   };
+  if (!relit_from.empty()) {
+    image.metadata["patchlight:key"] = KeyHasher().add("relight").add(key(frame)).add(relit_from).hex();
+    image.metadata["patchlight:relit_from"] = relit_from;
+  }
   if (frame.camera.projection == Camera::Projection::perspective)
     image.metadata["Lens"] = lens(frame.camera, job_.trace.resolution);
   write_png(frame.png, view_(image), job_.output);

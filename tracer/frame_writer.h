@@ -1,7 +1,6 @@
 #pragma once
 #include "pipeline/files/frame_list.h"
 #include "pipeline/files/image_file.h"
-#include "pipeline/model/energy_field.h"
 #include "tracer/view_transform.h"
 
 namespace patchlight {
@@ -10,20 +9,21 @@ namespace patchlight {
 class FrameWriter {
  public:
   /// Throws: Error (bad_config, bad_data, missing_input) for a view that cannot be had.
-  FrameWriter(const Job& job, const PatchSet& scene, const EnergyField& energy);
+  FrameWriter(const Job& job, const PatchSet& scene, std::string energy_key);
 
   /// What a frame's files carry if they are what the job makes now.
   std::string key(const Frame& frame) const;
 
   /// Writes the PNG and then the EXR, whose header holds the PNG's hash and the frame's key: with it a frame is
-  /// whole.
+  /// whole. `relit_from`: the key of the frame that it was made of without a trace, which its own key tells it from;
+  /// empty: it was traced.
   /// Throws: Error (cannot_create, io_error).
-  void write(const Frame& frame, Image image, double seconds) const;
+  void write(const Frame& frame, Image image, double seconds, const std::string& relit_from = "") const;
 
  private:
   const Job& job_;
   const PatchSet& scene_;
-  const EnergyField& energy_;
+  std::string energy_key_;
   ViewTransform view_;
   std::string view_config_;          ///< Its key.
   mutable double cpu_before_ = 0.0;  ///< Of the process, when it wrote the last frame, s.

@@ -3,18 +3,24 @@
 #include "pipeline/files/energy_file.h"
 #include "pipeline/files/patch_file.h"
 #include "pipeline/stage/stage.h"
+#include "tracer/relight.h"
 #include "tracer/trace.h"
 
 int main(int argc, char** argv) {
   using namespace patchlight;
-  bool skip_fresh = false;
+  bool skip_fresh = false, relight = false;
   const auto body = [&](const Job& job, Progress& progress) {
     const PatchSet scene = read_patches(job.patch_file());
+    if (relight) return relight_frames(job, scene, progress);
     trace_frames(job, scene, read_energy(job.energy_file(), scene), skip_fresh, progress);
   };
   return run_stage("trace", argc, argv, body, [&](CLI::App& app) {
-    app.add_flag(
+    CLI::Option* skip = app.add_flag(
         "--skip-fresh", skip_fresh,
         "Leave frames that are there as the job makes them now, and share the others with whoever renders them");
+    app.add_flag(
+           "--relight", relight,
+           "Trace nothing: make frames under other `lights` from the layers `light_groups` of those that are there")
+        ->excludes(skip);
   });
 }

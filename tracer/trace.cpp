@@ -64,7 +64,7 @@ void trace_frames(const Job& job, const PatchSet& scene, const EnergyField& ener
                   Progress& progress) {
   keep_freed_memory();
   const std::vector<Frame> frames = job_frames(job, scene);
-  const FrameWriter writer(job, scene, energy);
+  const FrameWriter writer(job, scene, energy.key);
   const Integrator integrator(scene, energy, job);
   const auto render = [&](const Frame& frame) {
     const auto start = std::chrono::steady_clock::now();

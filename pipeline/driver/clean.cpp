@@ -43,7 +43,7 @@ std::uintmax_t remove_outputs(const Job& job) {
   for (const fs::path& file : {job.patch_file(), job.transport_file(), job.energy_file(), job.output / "report.html"})
     size += discard(file);
   std::error_code fault;
-  for (const fs::path& folder : {job.frame_folder(), job.output / "preview"}) {
+  for (const fs::path& folder : {job.frame_folder(), job.relit_folder(), job.output / "preview"}) {
     std::vector<fs::path> pictures;
     for (fs::directory_iterator entry(folder, fault), end; !fault && entry != end; entry.increment(fault))
       if (entry->path().extension() == ".exr" || entry->path().extension() == ".png") pictures.push_back(entry->path());

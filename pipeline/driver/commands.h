@@ -71,6 +71,17 @@ std::filesystem::path preview_file(const PreviewCommand& command, const Job& job
 /// Draws it from files that are fresh. Returns an exit code.
 int draw_picture(const PreviewCommand& command, const std::filesystem::path& picture);
 
+struct RelightCommand {
+  std::string job_file;
+  std::string variant;  ///< Glob; empty: all.
+  CommonOptions common;
+};
+
+/// Makes frames under other lights into <output>/relit/, from the layers of those that are there; nothing else is run.
+/// Goes on past a variant that fails. Returns the exit code of the first failure, else 0.
+/// Throws: Error (bad_config, missing_input) for the job.
+int relight_jobs(const RelightCommand& command, Progress& progress);
+
 struct ReportCommand {
   std::string job_file;
   std::string variant;  ///< Glob; empty: all.

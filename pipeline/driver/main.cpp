@@ -60,6 +60,18 @@ Command add_preview(CLI::App& app) {
   return {sub, &preview.common, [](Progress& progress) { return draw_preview(preview, progress); }};
 }
 
+Command add_relight(CLI::App& app) {
+  static RelightCommand relight;
+  CLI::App* sub = app.add_subcommand("relight",
+                                     "Make frames under other `lights`, without a trace, from the layers "
+                                     "`light_groups` of those that are there");
+  sub->add_option("JOB.yaml", relight.job_file, "The job file")->required();
+  sub->add_option("--variant", relight.variant, "Only variants of the job's matrix with such a name (glob)");
+  add_common_options(*sub, relight.common);
+  sub->footer(job_key_help());
+  return {sub, &relight.common, [](Progress& progress) { return relight_jobs(relight, progress); }};
+}
+
 Command add_report(CLI::App& app) {
   static ReportCommand report;
   CLI::App* sub = app.add_subcommand(
@@ -112,8 +124,9 @@ int main(int argc, char** argv) {
   CLI::App app{"Patchlight: radiosity from glTF scenes, in stages that run again only when they must.", "patchlight"};
   app.require_subcommand(1);
   app.set_version_flag("--version", patchlight_version());
-  const std::vector<Command> commands{add_run(app),    add_status(app), add_clean(app), add_preview(app),
-                                      add_report(app), add_bench(app),  add_info(app),  add_diff(app)};
+  const std::vector<Command> commands{add_run(app),     add_status(app),  add_clean(app),
+                                      add_preview(app), add_relight(app), add_report(app),
+                                      add_bench(app),   add_info(app),    add_diff(app)};
   if (const auto exit_code = parse_options(app, "patchlight", argc, argv)) return *exit_code;
   for (const Command& command : commands) {
     if (!command.app->parsed()) continue;

@@ -133,6 +133,7 @@ struct Job {
   std::filesystem::path transport_file() const { return output / "transport.h5"; }
   std::filesystem::path energy_file() const { return output / "energy.h5"; }
   std::filesystem::path frame_folder() const { return output / "frames"; }
+  std::filesystem::path relit_folder() const { return output / "relit"; }
 };
 
 /// Reads a job file and those that it includes, whose keys it overrides; entries of `materials` and `lights` are
