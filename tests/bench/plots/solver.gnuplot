@@ -2,17 +2,17 @@
 #   gnuplot -e "folder='out/bench_solver'; rates='9.4 9.4 9.4 3.8'" tests/bench/plots/solver.gnuplot
 # `rates`: million rays a second of raw Embree in each, measured in the same hour (solver_bench).
 scenes = "cornell_5k cornell_20k cornell_100k gallery"
-titles = "'Cornell box, 5,294 patches' 'Cornell box, 21,989' 'Cornell box, 109,808' 'gallery, 18,671'"
+titles = "'Cornell box, 5,294 patches' 'Cornell box, 21,989' 'Cornell box, 109,808' 'gallery, 17,413'"
 lows = "0.03 0.1 0.4 0.4"
-highs = "5 20 200 100"
-set terminal pngcairo size 1400,1000 font "sans,11"
+highs = "10 40 200 400"
+set terminal pngcairo size 1200,860 font "sans,11"
 set output "solver.png"
 set datafile separator ","
 set logscale xyx2
 set grid xtics ytics lc rgb "#cccccc" lw 1
 set key right top
 set format y "%g%%"
-set yrange [0.1:20]
+set yrange [0.1:100]
 set multiplot layout 2,2 spacing 0.07,0.16 margins 0.06,0.98,0.07,0.92
 do for [k=1:4] {
   file = folder."/".word(scenes, k)."/bench/bench.csv"
