@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <span>
 #include <vector>
 
@@ -13,8 +14,9 @@ namespace patchlight {
 
 namespace {
 
-constexpr int kCells = 7;               // of the lattice along either side; its inner lines are placed at random
-constexpr int kNodes = kCells + 1;      // along either side
+constexpr int kLeastCells = 7;  // of the lattice along either side; its inner lines are placed at random
+constexpr int kMostCells = 64;
+constexpr double kRaysOfLeast = 256;    // of a row, up to which these are enough
 constexpr int kSteps = 5;               // of bisection between two nodes
 constexpr float kInset = 0.01f;         // of a patch: how far inside its border places lie
 constexpr float kCovered = 0.5f;        // of the exposure of the most exposed place, below which a place is covered
@@ -22,22 +24,28 @@ constexpr float kLeastExposed = 0.25f;  // part of a patch: the less there is, t
 
 class Lattice {
  public:
-  Lattice(const PatchSet& scene, const RayScene& ray_scene, const Patch& patch, std::uint64_t random)
-      : ray_scene_(ray_scene),
+  Lattice(const PatchSet& scene, const RayScene& ray_scene, const Patch& patch, int rays, std::uint64_t random)
+      : cells_(std::clamp(int(kLeastCells * std::sqrt(rays / kRaysOfLeast)), kLeastCells, kMostCells)),
+        nodes_(cells_ + 1),
+        ray_scene_(ray_scene),
         sampler_(scene.primitives[patch.primitive], patch),
         offset_(ray_scene.offset(patch.primitive)),
-        random_(random) {
+        random_(random),
+        exposed_(std::size_t(nodes_) * nodes_),
+        along_x_(exposed_.size()),
+        along_y_(exposed_.size()) {
     for (int axis = 0; axis < 2; ++axis) {
       const float shift = to_unit(scramble(random + std::uint64_t(axis)));
-      for (int k = 1; k < kCells; ++k) lines_[axis][k] = (float(k - 1) + shift) / float(kCells - 1);
-      lines_[axis][kCells] = 1.0f;
+      lines_[axis].push_back(0.0f);
+      for (int k = 1; k < cells_; ++k) lines_[axis].push_back((float(k - 1) + shift) / float(cells_ - 1));
+      lines_[axis].push_back(1.0f);
     }
   }
 
   float exposed_part() {
     std::vector<Vec2f> places;
-    for (int j = 0; j < kNodes; ++j)
-      for (int i = 0; i < kNodes; ++i) places.emplace_back(lines_[0][i], lines_[1][j]);
+    for (int j = 0; j < nodes_; ++j)
+      for (int i = 0; i < nodes_; ++i) places.emplace_back(lines_[0][i], lines_[1][j]);
     const std::vector<float> exposures = exposures_of(places);
     const float most = *std::max_element(exposures.begin(), exposures.end());
     if (most == 0) return 1.0f;
@@ -46,8 +54,8 @@ class Lattice {
     if (std::find(exposed_.begin(), exposed_.end(), false) == exposed_.end()) return 1.0f;
     find_crossings();
     float sum = 0;
-    for (int j = 0; j < kCells; ++j)
-      for (int i = 0; i < kCells; ++i)
+    for (int j = 0; j < cells_; ++j)
+      for (int i = 0; i < cells_; ++i)
         sum += part_of_cell(i, j) * (lines_[0][i + 1] - lines_[0][i]) * (lines_[1][j + 1] - lines_[1][j]);
     return std::max(kLeastExposed, sum);
   }
@@ -55,7 +63,7 @@ class Lattice {
   std::int64_t cast() const { return cast_; }
 
  private:
-  static int node(int i, int j) { return j * kNodes + i; }
+  std::size_t node(int i, int j) const { return std::size_t(j) * nodes_ + i; }
 
   /// Of each place's four rays, those that end on lit surfaces; 1 if no unlit back is in sight.
   std::vector<float> exposures_of(std::span<const Vec2f> places) {
@@ -93,13 +101,13 @@ class Lattice {
       bool exposed;  ///< At `from`.
     };
     std::vector<Bracket> brackets;
-    for (int j = 0; j < kNodes; ++j)
-      for (int i = 0; i < kNodes; ++i) {
+    for (int j = 0; j < nodes_; ++j)
+      for (int i = 0; i < nodes_; ++i) {
         const Vec2f here(lines_[0][i], lines_[1][j]);
         const bool exposed = exposed_[node(i, j)];
-        if (i < kCells && exposed != exposed_[node(i + 1, j)])
+        if (i < cells_ && exposed != exposed_[node(i + 1, j)])
           brackets.push_back({&along_x_[node(i, j)], here, Vec2f(lines_[0][i + 1], here.y), exposed});
-        if (j < kCells && exposed != exposed_[node(i, j + 1)])
+        if (j < cells_ && exposed != exposed_[node(i, j + 1)])
           brackets.push_back({&along_y_[node(i, j)], here, Vec2f(here.x, lines_[1][j + 1]), exposed});
       }
     float width = 1.0f;
@@ -136,23 +144,24 @@ class Lattice {
     return 0.5f * (in[0] ? low + high : 2 - low - high);
   }
 
+  const int cells_, nodes_;  ///< Along either side.
   const RayScene& ray_scene_;
   const PatchSampler sampler_;
   const float offset_;
   const std::uint64_t random_;
-  std::array<std::array<float, kNodes>, 2> lines_{};  ///< Along x and y.
-  std::array<bool, kNodes * kNodes> exposed_{};
-  std::array<float, kNodes * kNodes> along_x_{}, along_y_{};  ///< Crossings between a node and the next, in [0,1].
-  float least_ = 0;                                           ///< Exposure of what is exposed.
+  std::array<std::vector<float>, 2> lines_;  ///< Along x and y.
+  std::vector<bool> exposed_;                ///< Nodes.
+  std::vector<float> along_x_, along_y_;     ///< Crossings between a node and the next, in [0,1].
+  float least_ = 0;                          ///< Exposure of what is exposed.
   std::uint64_t packets_ = 0;
   std::int64_t cast_ = 0;
 };
 
 }  // namespace
 
-float exposed_part(const PatchSet& scene, const RayScene& ray_scene, const Patch& patch, std::uint64_t random,
+float exposed_part(const PatchSet& scene, const RayScene& ray_scene, const Patch& patch, int rays, std::uint64_t random,
                    std::int64_t& cast) {
-  Lattice lattice(scene, ray_scene, patch, random);
+  Lattice lattice(scene, ray_scene, patch, rays, random);
   const float part = lattice.exposed_part();
   cast += lattice.cast();
   return part;

@@ -11,9 +11,10 @@ namespace patchlight {
 /// exposed at all. The number of rays that it takes is added to `cast`.
 ///
 /// A place is exposed if at least half as many of its rays end on lit surfaces as do of the most exposed place. Places
-/// on a lattice are told apart so; between those that differ the border is found by bisection, and the area within it
-/// by lines from crossing to crossing (marching squares, Lorensen and Cline 1987 in the plane).
-float exposed_part(const PatchSet& scene, const RayScene& ray_scene, const Patch& patch, std::uint64_t random,
+/// on a lattice, the finer the more `rays` the patch's row has, are told apart so; between those that differ the border
+/// is found by bisection, and the area within it by lines from crossing to crossing (marching squares, Lorensen and
+/// Cline 1987 in the plane).
+float exposed_part(const PatchSet& scene, const RayScene& ray_scene, const Patch& patch, int rays, std::uint64_t random,
                    std::int64_t& cast);
 
 }  // namespace patchlight

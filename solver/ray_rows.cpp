@@ -218,7 +218,8 @@ void RayRows::cast_row(std::int32_t row, const DirectionTable& table, Scratch& s
   std::array<float, 2> parts{1.0f, 1.0f};
   if (exposed_parts_ && kFewBacks * backs >= halves[0].cast + halves[1].cast)
     for (int half = 0; half < 2; ++half)
-      parts[half] = exposed_part(scene_, ray_scene_, receivers_[row], scramble(halves[half].random), found.rays);
+      parts[half] = exposed_part(scene_, ray_scene_, receivers_[row], 2 * table.count(), scramble(halves[half].random),
+                                 found.rays);
   found.exposed.insert(found.exposed.end(), parts.begin(), parts.end());
   const auto blocks = [&](const Half& other) {
     const int met = int(other.ends.size());

@@ -182,8 +182,8 @@ float exposed_floor(double x0, double x1, double z0, double z1, std::uint64_t ra
   const RayScene ray_scene(builder.get());
   std::int64_t cast = 0;
   for (std::size_t i = 1; i < 6; ++i)
-    EXPECT_EQ(exposed_part(builder.get(), ray_scene, builder.get().patches[i], random, cast), 1.0f);
-  return exposed_part(builder.get(), ray_scene, builder.get().patches[0], random, cast);
+    EXPECT_EQ(exposed_part(builder.get(), ray_scene, builder.get().patches[i], 256, random, cast), 1.0f);
+  return exposed_part(builder.get(), ray_scene, builder.get().patches[0], 256, random, cast);
 }
 
 TEST(DisplayMesh, LeavesBesideAPanelAskNoVertexAtItsEdge) {
