@@ -217,9 +217,11 @@ void RayRows::cast_row(std::int32_t row, const DirectionTable& table, Scratch& s
   const int backs = halves[0].backs + halves[1].backs;
   std::array<float, 2> parts{1.0f, 1.0f};
   if (exposed_parts_ && kFewBacks * backs >= halves[0].cast + halves[1].cast)
-    for (int half = 0; half < 2; ++half)
-      parts[half] = exposed_part(scene_, ray_scene_, receivers_[row], 2 * table.count(), scramble(halves[half].random),
-                                 found.rays);
+    for (int half = 0; half < 2; ++half) {
+      const int rays = std::max(kLeastForExposedPart, 2 * table.count());
+      parts[half] = exposed_part(scene_, ray_scene_, receivers_[row], rays, scramble(halves[half].random));
+      found.rays += rays;
+    }
   found.exposed.insert(found.exposed.end(), parts.begin(), parts.end());
   const auto blocks = [&](const Half& other) {
     const int met = int(other.ends.size());

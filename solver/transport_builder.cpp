@@ -19,7 +19,6 @@ namespace patchlight {
 
 namespace {
 
-constexpr int kRaysOfHemicubeRow = 1024;  // that are as good, for what is exposed
 constexpr double kPhotons = 0.125;  // of all emitters together, for each ray of the rows
 
 /// Two hemicubes a row, one for each half.
@@ -53,15 +52,14 @@ std::int64_t find_exposed(const PatchSet& scene, const RayScene& ray_scene, std:
     std::uint64_t random = scramble(seed + i);
     cast += RayPacket::kSize;
     if (!closeness(scene, ray_scene, scene.patches[i], random).to_backs) return;
-    std::int64_t own = 0;
     for (const std::size_t half : {2 * i, 2 * i + 1}) {
       random = scramble(random);
       const float part = transport.exposed[half] =
-          exposed_part(scene, ray_scene, scene.patches[i], kRaysOfHemicubeRow, random, own);
+          exposed_part(scene, ray_scene, scene.patches[i], kLeastForExposedPart, random);
+      cast += kLeastForExposedPart;
       for (std::uint64_t at = transport.starts[half]; at < transport.starts[half + 1]; ++at)
         transport.weights[at] /= part;
     }
-    cast += own;
   });
   return cast;
 }

@@ -40,7 +40,8 @@ std::vector<FrameRecord> read_frames(const Job& job, const PatchSet& scene) {
   for (const Frame& frame : job_frames(job, scene)) {
     const Image header = read_exr_header(frame.exr);
     records.push_back({frame, header.metadata.at("Camera"), header.width, header.height,
-                       number_of(header.metadata, "patchlight:wall_seconds"), number_of(header.metadata, "patchlight:cpu_seconds"),
+                       number_of(header.metadata, "patchlight:wall_seconds"),
+                       number_of(header.metadata, "patchlight:cpu_seconds"),
                        std::int64_t(number_of(header.metadata, "patchlight:peak_bytes"))});
   }
   return records;

@@ -166,7 +166,7 @@ TEST(DisplaySolution, AtTheFootOfACurvedMeshIsNearerToTheTruthThanFacets) {
   const double truth = vertices_at_foot(Solved(under_a_sky(32, 128).get(), 256).energy);
   double facets = 0;
   for (int i = 0; i < 16; ++i) facets += coarse.energy.groups[0].indirect[32 * 32 + i].y / 16;
-  EXPECT_GT(facets / truth, 1.15);
+  EXPECT_GT(facets / truth, 1.1);
   EXPECT_NEAR(vertices_at_foot(coarse.energy) / truth, 1, 0.06);
 }
 
@@ -180,10 +180,9 @@ float exposed_floor(double x0, double x1, double z0, double z1, std::uint64_t ra
   builder.quad({{{x0, 0, z0}, {x0, 1, z0}, {x1, 1, z0}, {x1, 0, z0}}}, 1, 1, {});
   builder.quad({{{x0, 0, z0}, {x0, 0, z1}, {x0, 1, z1}, {x0, 1, z0}}}, 1, 1, {});
   const RayScene ray_scene(builder.get());
-  std::int64_t cast = 0;
   for (std::size_t i = 1; i < 6; ++i)
-    EXPECT_EQ(exposed_part(builder.get(), ray_scene, builder.get().patches[i], 256, random, cast), 1.0f);
-  return exposed_part(builder.get(), ray_scene, builder.get().patches[0], 256, random, cast);
+    EXPECT_EQ(exposed_part(builder.get(), ray_scene, builder.get().patches[i], 1024, random), 1.0f);
+  return exposed_part(builder.get(), ray_scene, builder.get().patches[0], 1024, random);
 }
 
 TEST(DisplayMesh, LeavesBesideAPanelAskNoVertexAtItsEdge) {
@@ -231,8 +230,8 @@ TEST(Elements, HaveNoHiddenCornersStandForWhatIsExposed) {
 
 TEST(ExposedPart, IsWhatNothingStandsOn) {
   for (std::uint64_t random = 0; random < 8; ++random) {
-    EXPECT_NEAR(exposed_floor(-1, 0.3, 0, 1, random), 0.7, 0.004) << "one border";
-    EXPECT_NEAR(exposed_floor(-1, 0.3, -1, 0.6, random), 1 - 0.3 * 0.6, 0.01) << "a corner";
+    EXPECT_NEAR(exposed_floor(-1, 0.3, 0, 1, random), 0.7, 0.01) << "one border";
+    EXPECT_NEAR(exposed_floor(-1, 0.3, -1, 0.6, random), 1 - 0.3 * 0.6, 0.025) << "a corner";
     EXPECT_NEAR(exposed_floor(0.3, 0.7, 0.2, 0.7, random), 1 - 0.4 * 0.5, 0.03) << "in the middle";
     EXPECT_EQ(exposed_floor(1.5, 1.7, 0.2, 0.7, random), 1.0f) << "beside it";
   }
