@@ -101,7 +101,8 @@ TEST_F(ReportPage, AgreesWithTheFiles) {
                                                         made.cpu_seconds, double(made.peak_bytes) / (1 << 20)))));
   }
   Image frame = read_exr(folder_ / "out/frames/camera.0001.exr");
-  EXPECT_THAT(page_, HasSubstr(row("trace", fmt::format("{:.2f}", std::stod(frame.metadata["patchlight:wall_seconds"])))));
+  EXPECT_THAT(page_,
+              HasSubstr(row("trace", fmt::format("{:.2f}", std::stod(frame.metadata["patchlight:wall_seconds"])))));
   EXPECT_GT(std::stod(frame.metadata["patchlight:peak_bytes"]), 1 << 20);
   EXPECT_THAT(page_, HasSubstr("camera.0001, 32 x 32"));
 }
