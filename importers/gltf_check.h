@@ -6,7 +6,6 @@
 
 #include "importers/gltf_packing.h"
 #include "importers/gltf_pose.h"
-#include "pipeline/model/motion.h"
 
 namespace patchlight {
 
@@ -16,15 +15,6 @@ struct GltfData {
   std::string uri;       ///< Empty: the binary chunk (buffer 0), or `buffer_view`.
   int buffer_view = -1;  ///< Of an image.
   std::size_t size = 0;  ///< Stated length of a buffer, bytes.
-};
-
-/// Keyframes of one property of a node.
-struct GltfChannel {
-  int node = 0;
-  Motion::Kind kind = Motion::Kind::translation;
-  Motion::Interpolation interpolation = Motion::Interpolation::linear;
-  int times = 0;   ///< Accessor.
-  int values = 0;  ///< Accessor.
 };
 
 /// What will be read of a glTF file beyond what always is.
@@ -47,10 +37,10 @@ struct CheckedGltf {
   std::vector<MeshoptView> meshopt_views;
   std::vector<DracoPrimitive> draco_primitives;
   std::vector<NodeChannel> node_channels;
-  std::map<int, GltfInstances> instances;    ///< By node, of those that have some.
-  std::vector<int> parents;                  ///< By node; -1: a root.
-  std::vector<GltfChannel> camera_channels;  ///< Each property of a node once.
-  std::vector<std::string> ignored;          ///< What the scene holds beyond what is read, one warning each.
+  std::map<int, GltfInstances> instances;  ///< By node, of those that have some.
+  std::vector<int> parents;                ///< By node; -1: a root.
+  std::vector<NodeChannel> camera_channels;
+  std::vector<std::string> ignored;  ///< What the scene holds beyond what is read, one warning each.
 };
 
 /// Checks all that the importer and tinygltf read of a glTF file's JSON: version, required extensions, types, indices,

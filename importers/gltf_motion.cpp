@@ -16,6 +16,7 @@ constexpr std::size_t kMostNumbers = 10'000'000;
 std::vector<double> numbers(const GltfModel& model, int accessor, int width) {
   const AccessorReader reader(model, accessor);
   std::vector<double> result;
+  if (!reader.data) return result;
   result.reserve(reader.count * static_cast<std::size_t>(width));
   for (std::size_t i = 0; i < reader.count; ++i)
     for (int k = 0; k < width; ++k) result.push_back(reader.component(i, static_cast<std::size_t>(k)));
@@ -45,6 +46,12 @@ Matrix4 rest_factor(const tinygltf::Node& node, Motion::Kind kind) {
   return matrix;
 }
 
+Motion::Kind kind_of(NodeChannel::Path path) {
+  return path == NodeChannel::Path::translation ? Motion::Kind::translation
+         : path == NodeChannel::Path::rotation  ? Motion::Kind::rotation
+                                                : Motion::Kind::scale;
+}
+
 constexpr std::array kOutwards{Motion::Kind::scale, Motion::Kind::rotation, Motion::Kind::translation};
 
 }  // namespace
@@ -60,8 +67,8 @@ Matrix4 local_matrix(const tinygltf::Node& node) {
 }
 
 MotionReader::MotionReader(const GltfModel& model) : model_(model), channels_(model.gltf.nodes.size()) {
-  for (const GltfChannel& channel : model.checked.camera_channels)
-    channels_[channel.node][static_cast<std::size_t>(channel.kind)] = &channel;
+  for (const NodeChannel& channel : model.checked.camera_channels)
+    channels_[channel.node][static_cast<std::size_t>(kind_of(channel.path))] = &channel;
 }
 
 std::vector<Motion> MotionReader::motion_of(int camera) {
@@ -77,12 +84,12 @@ std::vector<Motion> MotionReader::motion_of(int camera) {
   bool moves = false;
   for (int node = camera; node >= 0; node = model_.checked.parents[node]) {
     count(1, node);
-    if (channels_[node] == std::array<const GltfChannel*, 4>{}) {
+    if (channels_[node] == std::array<const NodeChannel*, 4>{}) {
       still *= local_matrix(model_.gltf.nodes[node]);
       continue;
     }
     for (const Motion::Kind kind : kOutwards) {
-      const GltfChannel* channel = channels_[node][static_cast<std::size_t>(kind)];
+      const NodeChannel* channel = channels_[node][static_cast<std::size_t>(kind)];
       if (!channel) {
         still *= rest_factor(model_.gltf.nodes[node], kind);
         continue;
@@ -96,13 +103,14 @@ std::vector<Motion> MotionReader::motion_of(int camera) {
   return moves ? factors : std::vector<Motion>();
 }
 
-Motion MotionReader::read(const GltfChannel& channel) {
+Motion MotionReader::read(const NodeChannel& channel) {
   Motion motion;
-  motion.kind = channel.kind;
+  motion.kind = kind_of(channel.path);
   motion.interpolation = channel.interpolation;
   count(model_.gltf.accessors[channel.times].count * static_cast<std::size_t>(1 + motion.stride()), channel.node);
   motion.times = numbers(model_, channel.times, 1);
   motion.values = numbers(model_, channel.values, motion.width());
+  if (motion.times.empty() || motion.values.empty()) refuse("keyframes without data", channel.node);
   if (!all_finite(motion.times) || !all_finite(motion.values)) refuse("a keyframe that is not finite", channel.node);
   if (!std::is_sorted(motion.times.begin(), motion.times.end())) refuse("keyframes that go back in time", channel.node);
   return motion;

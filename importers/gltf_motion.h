@@ -20,13 +20,13 @@ class MotionReader {
   std::vector<Motion> motion_of(int camera);
 
  private:
-  Motion read(const GltfChannel& channel);
+  Motion read(const NodeChannel& channel);
   void count(std::size_t numbers, int node);
   [[noreturn]] void refuse(const std::string& what, int node) const;
   std::string place(int node) const;
 
   const GltfModel& model_;
-  std::vector<std::array<const GltfChannel*, 4>> channels_;  ///< By node and kind; null: at rest.
+  std::vector<std::array<const NodeChannel*, 4>> channels_;  ///< By node and kind; null: at rest.
   std::size_t read_ = 0;                                     ///< Numbers and nodes so far.
 };
 

@@ -12,7 +12,7 @@ namespace patchlight {
 namespace {
 
 using Path = NodeChannel::Path;
-using Interpolation = NodeChannel::Interpolation;
+using Interpolation = Motion::Interpolation;
 using Numbers = std::vector<double>;
 
 /// Keyframes of one channel.

@@ -11,7 +11,7 @@ namespace patchlight {
 namespace {
 
 using Path = NodeChannel::Path;
-using Interpolation = NodeChannel::Interpolation;
+using Interpolation = Motion::Interpolation;
 
 std::optional<Path> path_of(const std::string& name) {
   if (name == "translation") return Path::translation;
@@ -40,6 +40,8 @@ std::int64_t checked_count(const GltfLists& gltf, int accessor, const char* shap
   if (!known || string_member(*place.item, "type") != shape)
     refuse_gltf(fmt::format("must be {} of floats{} for {}", shape, integers ? " or small integers" : "", owner.text()),
                 place);
+  if (!place.item->contains("bufferView") && !place.item->contains("sparse"))
+    refuse_gltf("keyframes have no bufferView", place);
   return whole_number(*place.item, "count", 0, place);
 }
 
@@ -54,15 +56,27 @@ void check_sampler(const GltfLists& gltf, const Json& sampler, NodeChannel& chan
                                             : morphs ? "SCALAR"
                                                      : "VEC3",
                                             turns || morphs, place);
-  const std::int64_t each = channel.interpolation == Interpolation::cubic_spline ? 3 : 1;
-  const bool fits = times > 0 && values / each >= times && values % (times * each) == 0;
+  const bool spline = channel.interpolation == Interpolation::cubic_spline;
+  const std::int64_t each = spline ? 3 : 1;
+  if (times == 0) refuse_gltf("has no keyframes", place);
+  const bool fits = values / each >= times && values % (times * each) == 0;
   if (!fits || (!morphs && values / each != times))
-    refuse_gltf(fmt::format("has {} values for {} keyframes", values, times), place);
+    refuse_gltf(fmt::format("has {} values for {} keyframes{}", values, times, spline ? " with tangents" : ""), place);
+}
+
+/// Marks the nodes that have `member` and all nodes above them.
+std::vector<char> at_or_above(const Json& nodes, const char* member, const std::vector<int>& parents) {
+  std::vector<char> marked(nodes.size(), 0);
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    if (!nodes[i].contains(member)) continue;
+    for (int node = static_cast<int>(i); node >= 0 && !marked[node]; node = parents[node]) marked[node] = 1;
+  }
+  return marked;
 }
 
 }  // namespace
 
-std::vector<NodeChannel> checked_node_channels(const GltfLists& gltf) {
+std::vector<NodeChannel> checked_node_channels(const GltfLists& gltf, const std::function<bool(int, Path)>& wanted) {
   std::vector<NodeChannel> result;
   std::set<std::pair<int, Path>> taken;
   gltf.each("animations", [&](const Json& animation, const GltfPlace& place) {
@@ -75,7 +89,7 @@ std::vector<NodeChannel> checked_node_channels(const GltfLists& gltf) {
       check_string(*target, "path", place);
       const int node = index_member(*target, "node", gltf.count("nodes"), place);
       const std::optional<Path> path = path_of(string_member(*target, "path"));
-      if (node < 0 || !path || !taken.insert({node, *path}).second) continue;
+      if (node < 0 || !path || !wanted(node, *path) || !taken.insert({node, *path}).second) continue;
       if (*path != Path::weights && gltf.list("nodes")[static_cast<std::size_t>(node)].contains("matrix"))
         refuse_gltf(fmt::format("moves nodes[{}], which has a matrix", node), place);
       const int sampler = index_member(channel, "sampler", samplers->size(), place);
@@ -87,6 +101,21 @@ std::vector<NodeChannel> checked_node_channels(const GltfLists& gltf) {
     }
   });
   return result;
+}
+
+std::vector<NodeChannel> checked_camera_channels(const GltfLists& gltf, const std::vector<int>& parents,
+                                                 std::set<std::string>& ignored) {
+  const std::vector<char> above_camera = at_or_above(gltf.list("nodes"), "camera", parents);
+  const std::vector<char> above_mesh = at_or_above(gltf.list("nodes"), "mesh", parents);
+  std::set<std::pair<int, Path>> seen;
+  return checked_node_channels(gltf, [&](int node, Path path) {
+    const bool moves_camera = above_camera[node] && path != Path::weights;
+    if (!moves_camera || above_mesh[node])
+      ignored.insert("animations are read for cameras alone: all else stands in its rest state");
+    if (moves_camera && !seen.insert({node, path}).second)
+      ignored.insert("several animations move a camera: the first of them counts");
+    return moves_camera;
+  });
 }
 
 }  // namespace patchlight
