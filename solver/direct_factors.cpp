@@ -15,10 +15,9 @@ namespace patchlight {
 
 namespace {
 
-constexpr int kBlock = 64;  // rows that a thread samples at a time
-constexpr double kFarOfPilots =
-    1.5;                       // radii of an emitter, beyond which pilots look at its area: they tell what is seen
-constexpr double kFar = 30.0;  // of a patch's size: from there on, its middle is as good as its mean, to 1e-4
+constexpr int kBlock = 64;            // rows that a thread samples at a time
+constexpr double kFarOfPilots = 1.5;  // radii of an emitter, from where on pilots need no solid angle to look
+constexpr double kFar = 30.0;         // of a patch's size: from there on, its middle is as good as its mean, to 1e-4
 
 /// Samples of each half of a row to begin with, and more where visibility is partial. Many emitters share what would be
 /// spent on four.

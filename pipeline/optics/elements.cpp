@@ -44,7 +44,7 @@ Elements::Elements(const PatchSet& scene, const RayScene& ray_scene, const Displ
       }
       const std::uint32_t seen = seen_corners(scene, ray_scene, mesh, mesh.cells[cell.index], cell.primitive, places);
       for (int k = 0; k < 4; ++k) {
-        const auto [x, y] = std::array{inside[k].x, inside[k].y};
+        const float x = inside[k].x, y = inside[k].y;
         float most = -3;
         for (int corner = 0; corner < 4; ++corner) {
           const bool hidden = mesh.vertices[mesh.cells[cell.index].corners[corner]].hidden;
