@@ -1,6 +1,7 @@
 #include "pipeline/optics/texture_lookup.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "pipeline/optics/material_shader.h"
@@ -9,11 +10,21 @@ namespace patchlight {
 
 namespace {
 
-std::int64_t wrapped(std::int64_t k, std::int64_t count, Texture::Wrap wrap) {
-  if (wrap == Texture::Wrap::clamp) return std::clamp<std::int64_t>(k, 0, count - 1);
-  const std::int64_t period = wrap == Texture::Wrap::mirror ? 2 * count : count;
-  k = (k % period + period) % period;
-  return k < count ? k : period - 1 - k;
+/// Where texels `from` and after it lie along an axis of `count` texels; `from` is in the first period or just before.
+std::array<std::int64_t, 2> texel_pair(std::int64_t from, std::int64_t count, Texture::Wrap wrap) {
+  const auto wrapped = [&](std::int64_t k) {
+    if (wrap == Texture::Wrap::clamp) return std::clamp<std::int64_t>(k, 0, count - 1);
+    const std::int64_t period = wrap == Texture::Wrap::mirror ? 2 * count : count;
+    k += k < 0 ? period : k >= period ? -period : 0;
+    return k < count ? k : period - 1 - k;
+  };
+  return {wrapped(from), wrapped(from + 1)};
+}
+
+/// A texture coordinate in its wrapping's first period.
+double in_first_period(double x, Texture::Wrap wrap) {
+  if (wrap == Texture::Wrap::clamp) return std::clamp(x, -1.0, 2.0);
+  return wrap == Texture::Wrap::mirror ? x - 2 * std::floor(0.5 * x) : x - std::floor(x);
 }
 
 /// sRGB from [0, 255] to linear [0, 1] by a table; its error is below 1e-5.
@@ -33,8 +44,7 @@ float linear_of(float encoded) {
 }
 
 Vec3f encoded(const Texture& texture, std::int64_t x, std::int64_t y) {
-  const std::int32_t rgb = texture.texels[std::size_t(wrapped(y, texture.height, texture.wrap[1]) * texture.width +
-                                                      wrapped(x, texture.width, texture.wrap[0]))];
+  const std::int32_t rgb = texture.texels[std::size_t(y * texture.width + x)];
   return {float(rgb >> 16 & 255), float(rgb >> 8 & 255), float(rgb & 255)};
 }
 
@@ -51,14 +61,19 @@ Imath::V2d texcoord_at(const PatchSet& scene, std::int32_t i, double u, double v
 
 Color texture_color(const Texture& texture, const Imath::V2d& at) {
   constexpr double kFarthest = 1e9;  // turns of a texture that still have digits
-  const double s = std::clamp(at.x, -kFarthest, kFarthest) * texture.width - (texture.nearest ? 0.0 : 0.5);
-  const double t = std::clamp(at.y, -kFarthest, kFarthest) * texture.height - (texture.nearest ? 0.0 : 0.5);
-  const auto x = std::int64_t(std::floor(s)), y = std::int64_t(std::floor(t));
-  Vec3f color = encoded(texture, x, y);
+  const double middle = texture.nearest ? 0.0 : 0.5;
+  const auto texels = [&](double coordinate, std::int32_t count, Texture::Wrap wrap) {
+    return in_first_period(std::clamp(coordinate, -kFarthest, kFarthest), wrap) * count - middle;
+  };
+  const double s = texels(at.x, texture.width, texture.wrap[0]), t = texels(at.y, texture.height, texture.wrap[1]);
+  const double left = std::floor(s), top = std::floor(t);
+  const auto x = texel_pair(std::int64_t(left), texture.width, texture.wrap[0]);
+  const auto y = texel_pair(std::int64_t(top), texture.height, texture.wrap[1]);
+  Vec3f color = encoded(texture, x[0], y[0]);
   if (!texture.nearest) {
-    const auto a = float(s - double(x)), b = float(t - double(y));
-    color = (color * (1 - a) + encoded(texture, x + 1, y) * a) * (1 - b) +
-            (encoded(texture, x, y + 1) * (1 - a) + encoded(texture, x + 1, y + 1) * a) * b;
+    const auto a = float(s - left), b = float(t - top);
+    color = (color * (1 - a) + encoded(texture, x[1], y[0]) * a) * (1 - b) +
+            (encoded(texture, x[0], y[1]) * (1 - a) + encoded(texture, x[1], y[1]) * a) * b;
   }
   return {linear_of(color.x), linear_of(color.y), linear_of(color.z)};
 }
