@@ -17,9 +17,9 @@ Transport read_kept(const Job& job, const PatchSet& scene, Progress& progress) {
   std::error_code fault;
   if (job.solve.method != "matrix" || !std::filesystem::exists(job.transport_file(), fault)) return {};
   try {
-    if (read_transport_key(job.transport_file()) != transport_key(scene.geometry_key, job.solve)) return {};
-    Transport kept = read_transport(job.transport_file());
-    if (kept.rows() == std::int64_t(scene.patches.size())) return kept;
+    std::optional<Transport> kept = read_transport(job.transport_file(), transport_key(scene.geometry_key, job.solve));
+    if (!kept) return {};
+    if (kept->rows() == std::int64_t(scene.patches.size())) return std::move(*kept);
     progress.warning("casts all rays anew: " + job.transport_file().string() + " is of another number of patches");
     return {};
   } catch (const Error& error) {

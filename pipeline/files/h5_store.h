@@ -11,10 +11,9 @@ namespace patchlight {
 
 /// Writes one HDF5 file under a temporary name and renames it when it is whole.
 ///
-/// Datasets are chunked with fletcher32 checksums, and each carries the XXH3 hash of its bytes as attribute `xxh3`
-/// (fletcher32 cannot tell a word of zeros from a word of ones). The root attribute `digest` covers all names, hashes
-/// and other root attributes. A hash of the whole file follows the HDF5 data.
-/// Throws everywhere: Error (cannot_create, io_error).
+/// Each dataset carries the XXH3 hash of its bytes as attribute `xxh3`. The root attribute `digest` covers all names,
+/// hashes and other root attributes. A hash of the whole file follows the HDF5 data. Throws everywhere: Error
+/// (cannot_create, io_error).
 class H5Writer {
  public:
   explicit H5Writer(const std::filesystem::path& file);

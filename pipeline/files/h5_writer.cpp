@@ -76,7 +76,6 @@ struct H5Writer::State {
       chunk[0] = std::clamp<hsize_t>((hsize_t(1) << 20) / row_bytes, 1, shape[0]);
       H5Pset_chunk(creation, int(chunk.size()), chunk.data());
       if (compress) H5Pset_deflate(creation, 1);
-      H5Pset_fletcher32(creation);
     }
     H5Handle dataset(H5Dcreate2(file, name.c_str(), type, space, links, creation, H5P_DEFAULT), H5Dclose);
     check(dataset.valid() ? 0 : -1, name);

@@ -126,6 +126,19 @@ void read_display(const H5Reader& reader, std::int64_t patches, Transport& trans
     reader.refuse("another number of rows than of vertices", "/display/rows/start");
 }
 
+Transport read_all(const H5Reader& reader) {
+  Transport transport;
+  transport.key = reader.text("key");
+  read_rows(reader, "", -1, reader.integer("rays"), transport);
+  if (reader.has("/exposed")) {
+    transport.exposed = reader.dataset<float>("/exposed", transport.rows(), 2);
+    check_all(reader, "/exposed", transport.exposed, [](float part) { return part > 0 && part <= 1; });
+  }
+  read_display(reader, transport.rows(), transport);
+  read_emitters(reader, transport.rows(), transport);
+  return transport;
+}
+
 }  // namespace
 
 void write_transport(const std::filesystem::path& file, const Transport& transport) {
@@ -158,17 +171,13 @@ void write_transport(const std::filesystem::path& file, const Transport& transpo
 }
 
 Transport read_transport(const std::filesystem::path& file) {
+  return read_all(H5Reader(file, kTransportFormat, kTransportVersion));
+}
+
+std::optional<Transport> read_transport(const std::filesystem::path& file, const std::string& key) {
   const H5Reader reader(file, kTransportFormat, kTransportVersion);
-  Transport transport;
-  transport.key = reader.text("key");
-  read_rows(reader, "", -1, reader.integer("rays"), transport);
-  if (reader.has("/exposed")) {
-    transport.exposed = reader.dataset<float>("/exposed", transport.rows(), 2);
-    check_all(reader, "/exposed", transport.exposed, [](float part) { return part > 0 && part <= 1; });
-  }
-  read_display(reader, transport.rows(), transport);
-  read_emitters(reader, transport.rows(), transport);
-  return transport;
+  if (reader.text("key") != key) return std::nullopt;
+  return read_all(reader);
 }
 
 std::string read_transport_key(const std::filesystem::path& file) {

@@ -1,5 +1,7 @@
 #pragma once
 #include <filesystem>
+#include <optional>
+#include <string>
 
 #include "pipeline/model/transport.h"
 
@@ -14,6 +16,9 @@ void write_transport(const std::filesystem::path& file, const Transport& transpo
 /// Reads transport.h5 and checks that all in it is within the bounds of its own number of patches.
 /// Throws: Error (missing_input, bad_data).
 Transport read_transport(const std::filesystem::path& file);
+
+/// The same, or nothing if the file has another key.
+std::optional<Transport> read_transport(const std::filesystem::path& file, const std::string& key);
 
 /// Key of a transport.h5, the file's hash checked. Throws: Error (missing_input, bad_data).
 std::string read_transport_key(const std::filesystem::path& file);
