@@ -5,17 +5,6 @@
 
 namespace patchlight {
 
-namespace {
-
-/// What each patch sees of all others: 1 in a closed scene without mirrors.
-SpectrumField seen_by(const FormFactorRows& rows, std::size_t patches) {
-  SpectrumField ones(patches, Spectrum(1.0)), seen(patches);
-  rows.receive(ones, seen);
-  return seen;
-}
-
-}  // namespace
-
 std::vector<double> exposed_areas(const PatchSet& scene, const Transport& transport) {
   std::vector<double> areas;
   for (std::size_t i = 0; i < scene.patches.size(); ++i)
@@ -35,7 +24,7 @@ double reciprocity_error(const Transport& transport, const FormFactorRows& rows,
       seen_of[transport.ends[at]] += share * (transport.rays > 0 ? 1.0 : double(transport.weights[at]));
   }
   for (const auto& m : transport.mirrored) seen_of[m.patch] += 0.5 * areas[m.row] * Spectrum(m.weight).sum() / 3;
-  const SpectrumField seen = seen_by(rows, n);
+  const SpectrumField seen = rows.seen();
   double square = 0, norm = 0;
   for (std::size_t j = 0; j < n; ++j) {
     const double sees = areas[j] * seen[j].sum() / 3;
@@ -47,7 +36,7 @@ double reciprocity_error(const Transport& transport, const FormFactorRows& rows,
 
 double balance_error(const FormFactorRows& rows, const std::vector<double>& areas, const SpectrumField& reflectance,
                      const SpectrumField& emission, const SpectrumField& irradiance) {
-  const SpectrumField seen = seen_by(rows, areas.size());
+  const SpectrumField seen = rows.seen();
   Spectrum emitted, left;
   for (std::size_t i = 0; i < areas.size(); ++i) {
     const Spectrum area(areas[i]), reflected = reflectance[i] * irradiance[i];

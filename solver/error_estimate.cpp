@@ -108,12 +108,12 @@ class Estimator {
       const SpectrumField smooth = part.filter->apply(signs(part.deviation, k + 1));
       for (std::size_t i = 0; i < source.size(); ++i) source[i] += smooth[i];
     }
-    SpectrumField error = source;
-    solve_irradiance(rows_, reflectance_, areas_, source, kSpreadTolerance, kSpreadIterations, error,
+    std::vector<SpectrumField> error{source};
+    solve_irradiance(rows_, reflectance_, areas_, {source}, kSpreadTolerance, kSpreadIterations, error,
                      [](double) { Progress::check_interrupted(); });
     double square = 0, own = 0;
-    for (std::size_t i = 0; i < error.size(); ++i) {
-      square += squared_at(i, error);
+    for (std::size_t i = 0; i < source.size(); ++i) {
+      square += squared_at(i, error[0]);
       own += squared_at(i, source);
     }
     return own > 0 ? square / own : 1.0;

@@ -1,40 +1,14 @@
 #include "solver/linear_system.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
-#include <span>
 
 #include "pipeline/model/error.h"
-#include "pipeline/optics/vector_code.h"
+#include "solver/parallel_rows.h"
 
 namespace patchlight {
 
 namespace {
-
-constexpr std::size_t kBlock = 1024;  // rows that are summed one after the other, whatever the number of threads
-
-/// Calls act(i) for every i below `count`.
-template <class Act>
-void for_each(std::size_t count, Act act) {
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, (count + kBlock - 1) / kBlock), [&](const auto& range) {
-    for (std::size_t i = range.begin() * kBlock; i < std::min(range.end() * kBlock, count); ++i) act(i);
-  });
-}
-
-/// Sum of term(i), in an order that does not depend on the number of threads.
-template <class Term>
-Spectrum sum_of(std::size_t count, Term term) {
-  std::vector<Spectrum> parts((count + kBlock - 1) / kBlock);
-  tbb::parallel_for(std::size_t(0), parts.size(), [&](std::size_t block) {
-    for (std::size_t i = block * kBlock; i < std::min((block + 1) * kBlock, count); ++i) parts[block] += term(i);
-  });
-  Spectrum sum;
-  for (const Spectrum& part : parts) sum += part;
-  return sum;
-}
 
 Spectrum ratio(const Spectrum& a, const Spectrum& b) {
   Spectrum result;
@@ -50,16 +24,100 @@ double worst(const Spectrum& square, const Spectrum& reference) {
   return largest;
 }
 
-VECTOR_CODE void add_all(std::span<const std::int32_t> places, const Spectrum* values, Spectrum& sum) {
-  Spectrum even = sum, odd;
-  std::size_t k = 0;
-  for (; k + 2 <= places.size(); k += 2) {
-    even += values[places[k]];
-    odd += values[places[k + 1]];
-  }
-  if (k < places.size()) even += values[places[k]];
-  sum = even + odd;
+bool is_black(const SpectrumField& field) {
+  return std::all_of(field.begin(), field.end(), [](const Spectrum& value) { return value.sum() == 0; });
 }
+
+/// One source's system on its way. Between the steps stands the product of F: v of p, t of s.
+class BiCgStab {
+  const std::vector<double>& areas_;
+  SpectrumField& x_;
+
+ public:
+  SpectrumField p, v, s, t;
+  LinearSolve result;
+
+  BiCgStab(const std::vector<double>& areas, const SpectrumField& source, SpectrumField& x)
+      : areas_(areas), x_(x), p(areas.size()), v(p), s(p), t(p), r_(source) {
+    source_square_ = sums_over_rows<1>(areas.size(),
+                                       [&](std::size_t i) { return std::array{weighted(source[i], source[i], i)}; })[0];
+  }
+
+  bool has_start() const { return !is_black(x_); }
+
+  /// Before the first step; `p` holds x, `v` F of it, if it has a start.
+  void begin(bool started) {
+    if (started) for_each_row(size(), [&](std::size_t i) { r_[i] -= x_[i] - v[i]; });
+    shadow_ = p = r_;
+    rho_ = r_square_ = shadow_square_ =
+        sums_over_rows<1>(size(), [&](std::size_t i) { return std::array{weighted(r_[i], r_[i], i)}; })[0];
+    note(worst(r_square_, source_square_));
+  }
+
+  /// From v = F p to s; true if that is near enough already.
+  bool first_half(double tolerance) {
+    const auto [shadow_v] = sums_over_rows<1>(size(), [&](std::size_t i) {
+      v[i] = p[i] - v[i];
+      return std::array{weighted(shadow_[i], v[i], i)};
+    });
+    alpha_ = ratio(rho_, shadow_v);
+    const auto [s_square] = sums_over_rows<1>(size(), [&](std::size_t i) {
+      s[i] = r_[i] - alpha_ * v[i];
+      return std::array{weighted(s[i], s[i], i)};
+    });
+    const double halfway = worst(s_square, source_square_);
+    if (halfway > tolerance) return false;
+    for_each_row(size(), [&](std::size_t i) { x_[i] += alpha_ * p[i]; });
+    ++result.iterations;
+    note(halfway);
+    return true;
+  }
+
+  /// From t = F s to the next p.
+  void second_half() {
+    const auto [t_s, t_square] = sums_over_rows<2>(size(), [&](std::size_t i) {
+      t[i] = s[i] - t[i];
+      return std::array{weighted(t[i], s[i], i), weighted(t[i], t[i], i)};
+    });
+    const Spectrum omega = ratio(t_s, t_square);
+    const auto [rho_next, r_square] = sums_over_rows<2>(size(), [&](std::size_t i) {
+      x_[i] += alpha_ * p[i] + omega * s[i];
+      r_[i] = s[i] - omega * t[i];
+      return std::array{weighted(shadow_[i], r_[i], i), weighted(r_[i], r_[i], i)};
+    });
+    const Spectrum beta = ratio(rho_next, rho_) * ratio(alpha_, omega);
+    rho_ = rho_next;
+    r_square_ = r_square;
+    ++result.iterations;
+    note(worst(r_square_, source_square_));
+    if (is_breakdown()) {
+      shadow_ = p = r_;
+      rho_ = shadow_square_ = r_square_;
+    } else {
+      for_each_row(size(), [&](std::size_t i) { p[i] = r_[i] + beta * (p[i] - omega * v[i]); });
+    }
+  }
+
+ private:
+  std::size_t size() const { return areas_.size(); }
+
+  Spectrum weighted(const Spectrum& a, const Spectrum& b, std::size_t i) const { return a * b * Spectrum(areas_[i]); }
+
+  void note(double residual) {
+    result.residual = residual;
+    result.residuals.push_back(residual);
+  }
+
+  /// The shadow residual has become orthogonal to the residual: start again from here.
+  bool is_breakdown() const {
+    for (int k = 0; k < 3; ++k)
+      if (std::abs(rho_.c[k]) < 1e-12 * std::sqrt(r_square_.c[k] * shadow_square_.c[k])) return true;
+    return false;
+  }
+
+  SpectrumField r_, shadow_;
+  Spectrum source_square_, rho_, r_square_, shadow_square_, alpha_;
+};
 
 }  // namespace
 
@@ -77,112 +135,46 @@ std::vector<Color> to_colors(const SpectrumField& field, const std::string& grou
   return colors;
 }
 
-FormFactorRows::FormFactorRows(const TransportRows& rows) : transport_(rows) {
-  if (rows.mirrored.empty()) return;
-  mirrored_starts_.assign(rows.starts.size(), 0);
-  for (const auto& m : rows.mirrored) ++mirrored_starts_[2 * m.row + m.half + 1];
-  for (std::size_t k = 1; k < mirrored_starts_.size(); ++k) mirrored_starts_[k] += mirrored_starts_[k - 1];
-}
-
-Spectrum FormFactorRows::half(std::int64_t k, const SpectrumField& radiosity) const {
-  const std::uint64_t begin = transport_.starts[k], end = transport_.starts[k + 1];
-  Spectrum sum;
-  if (transport_.rays > 0) {
-    add_all(std::span(transport_.ends).subspan(begin, end - begin), radiosity.data(), sum);
-    sum *= Spectrum(double(transport_.shares[k]));
-  } else {
-    for (std::uint64_t at = begin; at < end; ++at)
-      sum += radiosity[transport_.ends[at]] * Spectrum(double(transport_.weights[at]));
-  }
-  if (!mirrored_starts_.empty())
-    for (std::uint64_t at = mirrored_starts_[k]; at < mirrored_starts_[k + 1]; ++at)
-      sum += radiosity[transport_.mirrored[at].patch] * Spectrum(transport_.mirrored[at].weight);
-  return sum;
-}
-
-void FormFactorRows::receive(const SpectrumField& radiosity, SpectrumField& irradiance) const {
-  for_each(std::size_t(transport_.rows()), [&](std::size_t i) {
-    irradiance[i] = (half(std::int64_t(2 * i), radiosity) + half(std::int64_t(2 * i + 1), radiosity)) * Spectrum(0.5);
-  });
-}
-
-void FormFactorRows::receive(const SpectrumField& radiosity, SpectrumField& irradiance,
-                             SpectrumField& deviation) const {
-  for_each(std::size_t(transport_.rows()), [&](std::size_t i) {
-    const Spectrum a = half(std::int64_t(2 * i), radiosity), b = half(std::int64_t(2 * i + 1), radiosity);
-    irradiance[i] = (a + b) * Spectrum(0.5);
-    deviation[i] = (a - b) * Spectrum(0.5);
-  });
-}
-
-void FormFactorRows::receive_mirrored(const SpectrumField& radiosity, SpectrumField& irradiance,
-                                      SpectrumField& deviation) const {
-  std::fill(irradiance.begin(), irradiance.end(), Spectrum());
-  std::fill(deviation.begin(), deviation.end(), Spectrum());
-  for (const auto& m : transport_.mirrored) {
-    const Spectrum received = radiosity[m.patch] * Spectrum(m.weight) * Spectrum(0.5);
-    irradiance[m.row] += received;
-    m.half == 0 ? deviation[m.row] += received : deviation[m.row] -= received;
-  }
-}
-
-LinearSolve solve_irradiance(const FormFactorRows& rows, const SpectrumField& reflectance,
-                             const std::vector<double>& areas, const SpectrumField& source, double tolerance,
-                             int max_iterations, SpectrumField& x, const std::function<void(double)>& step) {
-  const std::size_t n = areas.size();
-  SpectrumField reflected(n);
-  const auto dot = [&](const SpectrumField& a, const SpectrumField& b) {
-    return sum_of(n, [&](std::size_t i) { return a[i] * b[i] * Spectrum(areas[i]); });
-  };
-  /// out = x - F (reflectance x)
-  const auto apply = [&](const SpectrumField& field, SpectrumField& out) {
-    for_each(n, [&](std::size_t i) { reflected[i] = reflectance[i] * field[i]; });
-    rows.receive(reflected, out);
-    for_each(n, [&](std::size_t i) { out[i] = field[i] - out[i]; });
+std::vector<LinearSolve> solve_irradiance(const FormFactorRows& rows, const SpectrumField& reflectance,
+                                          const std::vector<double>& areas, const std::vector<SpectrumField>& sources,
+                                          double tolerance, int max_iterations, std::vector<SpectrumField>& x,
+                                          const std::function<void(double)>& step) {
+  const auto precision = FormFactorRows::precision_for(tolerance);
+  std::vector<BiCgStab> systems;
+  for (std::size_t k = 0; k < sources.size(); ++k) systems.emplace_back(areas, sources[k], x[k]);
+  std::vector<BiCgStab*> active;
+  /// to = F (reflectance from) of all that are active
+  const auto apply = [&](SpectrumField BiCgStab::*from, SpectrumField BiCgStab::*to) {
+    std::vector<FormFactorRows::Exchange> fields;
+    for (BiCgStab* system : active) fields.push_back({&(system->*from), &(system->*to)});
+    rows.receive(fields, &reflectance, precision);
   };
 
-  const Spectrum source_square = dot(source, source);
-  SpectrumField r(n), p(n), v(n), s(n), t(n);
-  r = source;
-  if (std::any_of(x.begin(), x.end(), [](const Spectrum& value) { return value.sum() != 0; })) {
-    apply(x, v);
-    for_each(n, [&](std::size_t i) { r[i] -= v[i]; });
-  }
-  SpectrumField shadow = r;
-  Spectrum r_square = dot(r, r), rho = r_square;
-  p = r;
-  LinearSolve result{0, worst(r_square, source_square)};
-  while (result.residual > tolerance && result.iterations < max_iterations) {
-    step(result.residual);
-    apply(p, v);
-    const Spectrum alpha = ratio(rho, dot(shadow, v));
-    for_each(n, [&](std::size_t i) { s[i] = r[i] - alpha * v[i]; });
-    if (const double halfway = worst(dot(s, s), source_square); halfway <= tolerance) {
-      for_each(n, [&](std::size_t i) { x[i] += alpha * p[i]; });
-      return {result.iterations + 1, halfway};
+  for (std::size_t k = 0; k < systems.size(); ++k)
+    if (systems[k].has_start()) {
+      systems[k].p = x[k];
+      active.push_back(&systems[k]);
     }
-    apply(s, t);
-    const Spectrum omega = ratio(dot(t, s), dot(t, t));
-    for_each(n, [&](std::size_t i) {
-      x[i] += alpha * p[i] + omega * s[i];
-      r[i] = s[i] - omega * t[i];
-    });
-    const Spectrum rho_next = dot(shadow, r);
-    const Spectrum beta = ratio(rho_next, rho) * ratio(alpha, omega);
-    for_each(n, [&](std::size_t i) { p[i] = r[i] + beta * (p[i] - omega * v[i]); });
-    rho = rho_next;
-    r_square = dot(r, r);
-    result.residual = worst(r_square, source_square);
-    ++result.iterations;
-    // A breakdown, where the shadow residual has become orthogonal to the residual: start again from here.
-    for (int k = 0; k < 3; ++k)
-      if (std::abs(rho.c[k]) < 1e-12 * std::sqrt(r_square.c[k] * dot(shadow, shadow).c[k])) {
-        shadow = p = r;
-        rho = r_square;
-        break;
+  apply(&BiCgStab::p, &BiCgStab::v);
+  for (BiCgStab& system : systems) system.begin(system.has_start());
+  for (;;) {
+    active.clear();
+    double residual = 0;
+    for (BiCgStab& system : systems)
+      if (system.result.residual > tolerance && system.result.iterations < max_iterations) {
+        active.push_back(&system);
+        residual = std::max(residual, system.result.residual);
       }
+    if (active.empty()) break;
+    step(residual);
+    apply(&BiCgStab::p, &BiCgStab::v);
+    std::erase_if(active, [&](BiCgStab* system) { return system->first_half(tolerance); });
+    apply(&BiCgStab::s, &BiCgStab::t);
+    for (BiCgStab* system : active) system->second_half();
   }
-  return result;
+  std::vector<LinearSolve> results;
+  for (BiCgStab& system : systems) results.push_back(std::move(system.result));
+  return results;
 }
 
 }  // namespace patchlight

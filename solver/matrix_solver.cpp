@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "pipeline/model/error.h"
 #include "solver/consistency.h"
@@ -15,6 +16,8 @@
 namespace patchlight {
 
 namespace {
+
+using Exchange = FormFactorRows::Exchange;
 
 constexpr int kMostIterations = 500;
 
@@ -42,7 +45,6 @@ struct GroupSolution {
   SpectrumField reflected;       ///< From what patches reflect.
   SpectrumField apart_deviation, by_rows_deviation, by_mirrors_deviation, reflected_deviation;
   LinearSolve linear;
-  std::vector<double> residuals;  ///< Before each iteration and after the last.
 };
 
 /// Emission of a group: of emitters that are sampled apart, and of the others. Shape: [n].
@@ -84,7 +86,8 @@ void add_rows(const System& system, const Emission& emission, GroupSolution& sol
   const std::size_t n = system.areas.size();
   if (is_black(emission.others)) return;
   solution.by_rows.resize(n);
-  system.rows.receive(emission.others, solution.by_rows, solution.by_rows_deviation);
+  const Exchange field{&emission.others, &solution.by_rows, &solution.by_rows_deviation};
+  system.rows.receive({&field, 1}, nullptr, FormFactorRows::Precision::full);
   system.rows.receive_mirrored(emission.others, solution.by_mirrors, solution.by_mirrors_deviation);
   for (std::size_t i = 0; i < n; ++i) {
     solution.by_rows[i] -= solution.by_mirrors[i];
@@ -109,37 +112,49 @@ void add_photons(const System& system, const Emission& emission, GroupSolution& 
   }
 }
 
-GroupSolution solve_group(const System& system, std::int32_t group, double tolerance, Progress& progress) {
-  const std::size_t n = system.areas.size();
+/// What comes straight from a group's emitters and by way of mirrors.
+GroupSolution emitted_light(const System& system, std::int32_t group) {
   const Emission emission = emission_of(system, group);
   GroupSolution solution;
   for (auto* field : {&solution.apart, &solution.by_mirrors, &solution.reflected, &solution.apart_deviation,
                       &solution.by_rows_deviation, &solution.by_mirrors_deviation, &solution.reflected_deviation})
-    field->resize(n);
+    field->resize(system.areas.size());
   add_emitters(system, emission, solution);
   add_rows(system, emission, solution);
   add_photons(system, emission, solution);
-  SpectrumField direct = solution.apart;
-  if (!solution.by_rows.empty())
-    for (std::size_t i = 0; i < n; ++i) direct[i] += solution.by_rows[i];
+  return solution;
+}
 
-  SpectrumField reflected(n), source(n), indirect(n);
-  for (std::size_t i = 0; i < n; ++i) reflected[i] = system.reflectance[i] * direct[i];
-  system.rows.receive(reflected, source);
-  for (std::size_t i = 0; i < n; ++i) source[i] += solution.by_mirrors[i];
-  solution.linear = solve_irradiance(system.rows, system.reflectance, system.areas, source, tolerance, kMostIterations,
-                                     indirect, [&](double residual) {
-                                       solution.residuals.push_back(residual);
-                                       progress.update(std::min(0.99, std::log(residual) / std::log(tolerance)),
-                                                       fmt::format("residual {:.2g}", residual));
-                                     });
+/// Solves for light groups side by side.
+void add_reflected_light(const System& system, std::span<GroupSolution> groups, double tolerance, Progress& progress) {
+  const std::size_t n = system.areas.size();
+  const auto precision = FormFactorRows::precision_for(tolerance);
+  std::vector<SpectrumField> sent, sources(groups.size(), SpectrumField(n)), indirect(sources);
+  for (const GroupSolution& group : groups) {
+    SpectrumField& direct = sent.emplace_back(group.apart);
+    if (!group.by_rows.empty())
+      for (std::size_t i = 0; i < n; ++i) direct[i] += group.by_rows[i];
+  }
+  std::vector<Exchange> fields;
+  for (std::size_t g = 0; g < groups.size(); ++g) fields.push_back({&sent[g], &sources[g]});
+  system.rows.receive(fields, &system.reflectance, precision);
+  for (std::size_t g = 0; g < groups.size(); ++g)
+    for (std::size_t i = 0; i < n; ++i) sources[g][i] += groups[g].by_mirrors[i];
 
-  solution.residuals.push_back(solution.linear.residual);
+  std::vector<LinearSolve> solves =
+      solve_irradiance(system.rows, system.reflectance, system.areas, sources, tolerance, kMostIterations, indirect,
+                       [&](double residual) {
+                         progress.update(std::min(0.99, std::log(residual) / std::log(tolerance)),
+                                         fmt::format("residual {:.2g}", residual));
+                       });
 
   // One more pass, whose halves tell their deviation.
-  for (std::size_t i = 0; i < n; ++i) reflected[i] = system.reflectance[i] * (direct[i] + indirect[i]);
-  system.rows.receive(reflected, solution.reflected, solution.reflected_deviation);
-  return solution;
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    for (std::size_t i = 0; i < n; ++i) sent[g][i] += indirect[g][i];
+    fields[g] = {&sent[g], &groups[g].reflected, &groups[g].reflected_deviation};
+    groups[g].linear = std::move(solves[g]);
+  }
+  system.rows.receive(fields, &system.reflectance, precision);
 }
 
 void warn_of_residual(const std::string& group, const LinearSolve& linear, const SolveConfig& config,
@@ -159,11 +174,17 @@ EnergyField solve_matrix(const PatchSet& scene, const SolveConfig& config, int r
   const System system(scene, transport);
   const std::size_t n = system.areas.size();
   std::vector<GroupSolution> groups;
+  for (std::size_t g = 0; g < scene.light_groups.size(); ++g) groups.push_back(emitted_light(system, std::int32_t(g)));
+  for (std::size_t g = 0; g < groups.size(); g += FormFactorRows::kSideBySide)
+    add_reflected_light(
+        system,
+        std::span(groups).subspan(g).first(std::min<std::size_t>(groups.size() - g, FormFactorRows::kSideBySide)),
+        config.tolerance, progress);
   SpectrumField reflected(n), reflected_deviation(n), by_mirrors(n), by_mirrors_deviation(n);
-  for (std::size_t g = 0; g < scene.light_groups.size(); ++g) {
-    const GroupSolution& group = groups.emplace_back(solve_group(system, std::int32_t(g), config.tolerance, progress));
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    const GroupSolution& group = groups[g];
     energy.iterations += group.linear.iterations;
-    energy.convergence.push_back({scene.light_groups[g], group.residuals});
+    energy.convergence.push_back({scene.light_groups[g], group.linear.residuals});
     energy.residual = std::max(energy.residual, group.linear.residual);
     if (group.linear.residual > config.tolerance)
       warn_of_residual(scene.light_groups[g], group.linear, config, progress);

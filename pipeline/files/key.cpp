@@ -17,9 +17,9 @@ namespace patchlight {
 namespace {
 
 // Raised whenever a stage computes something else from the same inputs.
-constexpr int kImportVersion = 2;
+constexpr int kImportVersion = 3;
 constexpr int kTransportKeyVersion = 12;
-constexpr int kSolveVersion = 14;
+constexpr int kSolveVersion = 15;
 constexpr int kTraceVersion = 7;
 
 XXH3_state_t* state_of(void* state) {

@@ -56,7 +56,10 @@ double residual(const FormFactorRows& rows, const SpectrumField& reflectance, co
 LinearSolve solve(const FormFactorRows& rows, const SpectrumField& reflectance, const SpectrumField& source,
                   SpectrumField& x, double tolerance = 1e-10, int most = 1000) {
   const std::vector<double> areas(kPatches, 0.5);
-  return solve_irradiance(rows, reflectance, areas, source, tolerance, most, x, [](double) {});
+  std::vector<SpectrumField> fields{x};
+  const auto solves = solve_irradiance(rows, reflectance, areas, {source}, tolerance, most, fields, [](double) {});
+  x = fields[0];
+  return solves[0];
 }
 
 TEST(LinearSystem, IsSolvedForAnyRows) {
@@ -93,6 +96,29 @@ TEST(LinearSystem, TakesChannelsOfAnySize) {
   }
 }
 
+TEST(LinearSystem, SourcesSideBySideAreSolvedAsAlone) {
+  const Transport transport = random_rows(0.9, false);
+  const FormFactorRows rows(transport);
+  const SpectrumField reflectance = random_field(0.1f, 0.9f);
+  const std::vector<double> areas(kPatches, 0.5);
+  for (const double tolerance : {1e-4, 1e-9}) {
+    std::vector<SpectrumField> sources, together;
+    for (int k = 0; k < FormFactorRows::kSideBySide; ++k) {
+      SpectrumField& source = sources.emplace_back(random_field(0.0f, 2.0f));
+      for (int i = 0; i < 7 * k; ++i) source[i] = Spectrum();  // of other numbers of iterations
+      together.emplace_back(kPatches);
+    }
+    const auto solves = solve_irradiance(rows, reflectance, areas, sources, tolerance, 100, together, [](double) {});
+    for (std::size_t k = 0; k < sources.size(); ++k) {
+      SpectrumField alone(kPatches);
+      const LinearSolve solve_alone = solve(rows, reflectance, sources[k], alone, tolerance, 100);
+      EXPECT_EQ(solves[k].residuals, solve_alone.residuals);
+      for (int i = 0; i < kPatches; ++i)
+        for (int c = 0; c < 3; ++c) EXPECT_EQ(together[k][i].c[c], alone[i].c[c]);
+    }
+  }
+}
+
 TEST(LinearSystem, WithoutASourceIsZero) {
   const Transport transport = random_rows(0.9, false);
   SpectrumField x(kPatches);
@@ -110,6 +136,23 @@ TEST(LinearSystem, StopsAtItsLimitAndSaysWhatIsLeft) {
   EXPECT_GT(result.residual, 1e-12);
 }
 
+TEST(FormFactorRows, InSinglePrecisionLoseItsDigitsAlone) {
+  for (const bool weighted : {false, true}) {
+    const Transport transport = random_rows(0.8, weighted);
+    const FormFactorRows rows(transport);
+    const SpectrumField light = random_field(0.0f, 3.0f), even(kPatches, Spectrum(0.1f));
+    SpectrumField full(kPatches), single(kPatches), of_even(kPatches);
+    rows.receive(light, full);
+    const std::vector<FormFactorRows::Exchange> fields{{&light, &single}, {&even, &of_even}};
+    rows.receive(fields, nullptr, FormFactorRows::Precision::single);
+    const SpectrumField seen = rows.seen();
+    for (int i = 0; i < kPatches; ++i) {
+      EXPECT_NEAR(single[i].c[1], full[i].c[1], 1e-6);
+      EXPECT_NEAR(of_even[i].c[1], double(0.1f) * seen[i].c[1], 1e-15);  // where all is equal nothing is lost
+    }
+  }
+}
+
 TEST(FormFactorRows, TellHowFarTheirHalvesAreApart) {
   Transport transport;
   transport.starts = {0, 2, 3};
@@ -120,7 +163,8 @@ TEST(FormFactorRows, TellHowFarTheirHalvesAreApart) {
   const FormFactorRows rows(transport);
   SpectrumField light(2), received(1), deviation(1);
   light[0] = Spectrum(4.0);
-  rows.receive(light, received, deviation);  // halves of 2, and of 4 + 4 times the mirror's
+  const FormFactorRows::Exchange field{&light, &received, &deviation};
+  rows.receive({&field, 1}, nullptr, FormFactorRows::Precision::full);  // halves of 2, and of 4 + 4 times the mirror's
   EXPECT_DOUBLE_EQ(received[0].c[0], 0.5 * (2 + 6));
   EXPECT_DOUBLE_EQ(received[0].c[1], 0.5 * (2 + 5));
   EXPECT_DOUBLE_EQ(deviation[0].c[0], 0.5 * (2 - 6));
