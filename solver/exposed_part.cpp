@@ -14,16 +14,19 @@ namespace {
 
 constexpr float kOpen = 0.75f;          // of the most exposed place: from there on, all of a place counts
 constexpr float kLeastExposed = 0.25f;  // part of a patch: the less there is, the noisier
+constexpr int kPilots = 64;             // places: where they are all open, or none, the others are too
 
 }  // namespace
 
-float exposed_part(const PatchSet& scene, const RayScene& ray_scene, const Patch& patch, int rays,
-                   std::uint64_t random) {
+float exposed_part(const PatchSet& scene, const RayScene& ray_scene, const Patch& patch, int rays, std::uint64_t random,
+                   std::int64_t& cast) {
   const auto point_of = [](int lane) { return (lane ^ lane >> 2) & 3; };
   const PatchSampler sampler(scene.primitives[patch.primitive], patch);
   const float offset = ray_scene.offset(patch.primitive);
   std::vector<float> points;  // each with four rays that go all ways
+  float least = 1, most = 0;
   for (int first = 0; first < rays / 4; first += 4) {
+    if (first == kPilots && (most == 0 || least >= kOpen * most)) break;
     const StratifiedDirections directions(scramble(random + std::uint64_t(first)));
     RayPacket packet;
     packet.clear();
@@ -32,15 +35,19 @@ float exposed_part(const PatchSet& scene, const RayScene& ray_scene, const Patch
       directions.set(lane, ray_scene, sampler(at.x, at.y), offset, packet);
     }
     ray_scene.intersect(packet, false);
+    cast += RayPacket::kSize;
     std::array<int, 4> lit{}, backs{};
     for (int lane = 0; lane < RayPacket::kSize; ++lane) {
       const SurfaceHit hit = ray_scene.hit(packet, lane);
       lit[point_of(lane)] += hit.front;
       backs[point_of(lane)] += !hit.front && hit.primitive >= 0;
     }
-    for (int k = 0; k < 4; ++k) points.push_back(backs[k] > 0 ? 0.25f * float(lit[k]) : 1.0f);
+    for (int k = 0; k < 4; ++k) {
+      const float open = points.emplace_back(backs[k] > 0 ? 0.25f * float(lit[k]) : 1.0f);
+      least = std::min(least, open);
+      most = std::max(most, open);
+    }
   }
-  const float most = *std::max_element(points.begin(), points.end());
   if (most == 0) return 1.0f;
   float sum = 0;
   for (const float exposed : points) sum += std::min(1.0f, exposed / (kOpen * most));

@@ -9,9 +9,9 @@ namespace patchlight {
 /// with its unlit back to it. What others see of a patch is its exposed part; so its own mean must be over that alone,
 /// or what is covered would darken the rest. A place is the more exposed, the less of its rays end on unlit backs. At
 /// least a quarter, since less cannot be told well; 1 for what is not exposed at all.
-/// By `rays`, a multiple of 16; fewer than the least do not tell it well.
+/// By up to `rays`, a multiple of 16; fewer than the least do not tell it well. Adds how many to `cast`.
 constexpr int kLeastForExposedPart = 1024;
 float exposed_part(const PatchSet& scene, const RayScene& ray_scene, const Patch& patch, int rays,
-                   std::uint64_t random);
+                   std::uint64_t random, std::int64_t& cast);
 
 }  // namespace patchlight

@@ -219,8 +219,7 @@ void RayRows::cast_row(std::int32_t row, const DirectionTable& table, Scratch& s
   if (exposed_parts_ && kFewBacks * backs >= halves[0].cast + halves[1].cast)
     for (int half = 0; half < 2; ++half) {
       const int rays = std::max(kLeastForExposedPart, 2 * table.count());
-      parts[half] = exposed_part(scene_, ray_scene_, receivers_[row], rays, scramble(halves[half].random));
-      found.rays += rays;
+      parts[half] = exposed_part(scene_, ray_scene_, receivers_[row], rays, scramble(halves[half].random), found.rays);
     }
   found.exposed.insert(found.exposed.end(), parts.begin(), parts.end());
   const auto blocks = [&](const Half& other) {

@@ -50,16 +50,16 @@ std::int64_t find_exposed(const PatchSet& scene, const RayScene& ray_scene, std:
   tbb::parallel_for(std::size_t(0), scene.patches.size(), [&](std::size_t i) {
     _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree wants denormals flushed
     std::uint64_t random = scramble(seed + i);
-    cast += RayPacket::kSize;
-    if (!closeness(scene, ray_scene, scene.patches[i], random).to_backs) return;
-    for (const std::size_t half : {2 * i, 2 * i + 1}) {
-      random = scramble(random);
-      const float part = transport.exposed[half] =
-          exposed_part(scene, ray_scene, scene.patches[i], kLeastForExposedPart, random);
-      cast += kLeastForExposedPart;
-      for (std::uint64_t at = transport.starts[half]; at < transport.starts[half + 1]; ++at)
-        transport.weights[at] /= part;
-    }
+    std::int64_t rays = RayPacket::kSize;
+    if (closeness(scene, ray_scene, scene.patches[i], random).to_backs)
+      for (const std::size_t half : {2 * i, 2 * i + 1}) {
+        random = scramble(random);
+        const float part = transport.exposed[half] =
+            exposed_part(scene, ray_scene, scene.patches[i], kLeastForExposedPart, random, rays);
+        for (std::uint64_t at = transport.starts[half]; at < transport.starts[half + 1]; ++at)
+          transport.weights[at] /= part;
+      }
+    cast += rays;
   });
   return cast;
 }

@@ -180,9 +180,10 @@ float exposed_floor(double x0, double x1, double z0, double z1, std::uint64_t ra
   builder.quad({{{x0, 0, z0}, {x0, 1, z0}, {x1, 1, z0}, {x1, 0, z0}}}, 1, 1, {});
   builder.quad({{{x0, 0, z0}, {x0, 0, z1}, {x0, 1, z1}, {x0, 1, z0}}}, 1, 1, {});
   const RayScene ray_scene(builder.get());
+  std::int64_t cast = 0;
   for (std::size_t i = 1; i < 6; ++i)
-    EXPECT_EQ(exposed_part(builder.get(), ray_scene, builder.get().patches[i], 1024, random), 1.0f);
-  return exposed_part(builder.get(), ray_scene, builder.get().patches[0], 1024, random);
+    EXPECT_EQ(exposed_part(builder.get(), ray_scene, builder.get().patches[i], 1024, random, cast), 1.0f);
+  return exposed_part(builder.get(), ray_scene, builder.get().patches[0], 1024, random, cast);
 }
 
 TEST(DisplayMesh, LeavesBesideAPanelAskNoVertexAtItsEdge) {
