@@ -15,9 +15,9 @@ namespace patchlight {
 
 namespace {
 
-constexpr int kBlock = 64;            // rows that a thread samples at a time
-constexpr double kFarOfPilots = 1.5;  // radii of an emitter, from where on pilots need no solid angle to look
-constexpr double kFar = 30.0;         // of a patch's size: from there on, its middle is as good as its mean, to 1e-4
+constexpr int kBlock = 64;                 // rows that a thread samples at a time
+constexpr double kFarForSolidAngle = 1.5;  // radii of an emitter, from where on visibility varies more than its parts
+constexpr double kFar = 30.0;  // of a patch's size: from there on, its middle is as good as its mean, to 1e-4
 
 /// Samples of each half of a row to begin with, and more where visibility is partial. Many emitters share what would be
 /// spent on four.
@@ -27,7 +27,7 @@ struct Samples {
   Samples(int rays, std::size_t emitters) {
     const double share = std::min(1.0, 4.0 / double(emitters));
     pilot = std::max(emitters > 4 ? 2 : 4, int(share * rays / 32));
-    partial = std::max(8, int(share * rays / 2));
+    partial = std::max(4, int(share * rays / 2));
   }
 };
 
@@ -50,16 +50,21 @@ class DirectFactors::Run {
     for_each_row([&](std::int32_t row, ShadowRays& rays) {
       if (owned(row) || is_behind(row)) return;
       whole_[row] = float(mean_form_factor(row));
-      for (int half = 0; half < 2; ++half) add_samples(row, half, 0, samples_.pilot, pilots_[2 * row + half], rays);
+      const PatchSampler sampler = sampler_of(row);
+      for (int half = 0; half < 2; ++half)
+        add_samples(row, half, 0, sampler, samples_.pilot, pilots_[2 * row + half], rays);
     });
     const double typical = typical_of_partial();
     for_each_row([&](std::int32_t row, ShadowRays& rays) {
+      if (pilots_[2 * row].count == 0) return;
+      const std::array<bool, 2> partial{others(row, 0).partial(), others(row, 1).partial()};
+      if (!partial[0] && !partial[1]) return;
       // In proportion to what there is to lose (Neyman 1934).
       const double share = typical > 0 ? std::clamp(whole_[row] / typical, 0.125, 4.0) : 1.0;
-      const int total = std::max(8, int(share * samples_.partial));
+      const int total = std::max(4, int(share * samples_.partial));
+      const PatchSampler sampler = sampler_of(row);
       for (int half = 0; half < 2; ++half)
-        if (pilots_[2 * row].count > 0 && others(row, half).partial())
-          add_samples(row, half, 1, total, more_[2 * row + half], rays);
+        if (partial[half]) add_samples(row, half, 1, sampler, total, more_[2 * row + half], rays);
     });
     std::vector<float> values(2 * std::size_t(rows_), 0.0f);
     for (std::int32_t row = 0; row < rows_; ++row)
@@ -126,19 +131,24 @@ class DirectFactors::Run {
     return count > 0 ? std::sqrt(sum / count) : 0.0;
   }
 
-  void add_samples(std::int32_t row, int half, int round, int total, LightSamples& sums, ShadowRays& rays) const {
+  PatchSampler sampler_of(std::int32_t row) const {
     const Patch& patch = from_.receivers_[row];
-    const PatchSampler sampler(from_.scene_.primitives[patch.primitive], patch);
+    return {from_.scene_.primitives[patch.primitive], patch};
+  }
+
+  void add_samples(std::int32_t row, int half, int round, const PatchSampler& sampler, int total, LightSamples& sums,
+                   ShadowRays& rays) const {
+    const Patch& patch = from_.receivers_[row];
     const double offset = from_.ray_scene_.offset(patch.primitive);
     const std::uint64_t random = scramble(from_.seed_ ^ scramble(4 * std::uint64_t(row) + 2 * half + round));
+    const float shift_x = to_unit(scramble(random + 1)), shift_y = to_unit(scramble(random + 2));
     for (int k = 0; k < total; ++k) {
       const Vec2f at = kronecker2(std::uint64_t(k), random);
-      const Vec2f to(shifted((float(k) + 0.5f) / float(total), to_unit(scramble(random + 1))),
-                     shifted(radical_inverse(std::uint32_t(k)), to_unit(scramble(random + 2))));
+      const Vec2f to(shifted((float(k) + 0.5f) / float(total), shift_x),
+                     shifted(radical_inverse(std::uint32_t(k)), shift_y));
       const SurfacePoint point = sampler(at.x, at.y);
       const Vec3d start = point.position + Vec3d(point.normal) * offset;
-      const double far = round == 0 ? kFarOfPilots : DirectLight::kFar;
-      const DirectLight::Sample sample = light_.view(start, point.normal, far).sample(to.x, to.y);
+      const DirectLight::Sample sample = light_.view(start, point.normal, kFarForSolidAngle).sample(to.x, to.y);
       ++sums.count;
       if (sample.weight > 0) rays.add(start, sample, sums);
     }
@@ -154,7 +164,7 @@ class DirectFactors::Run {
     const Patch& patch = from_.receivers_[row];
     if (light_.distance(patch.center) > kFar * std::sqrt(patch.area))
       return light_.form_factor(patch.center, patch.normal);
-    const PatchSampler sampler(from_.scene_.primitives[patch.primitive], patch);
+    const PatchSampler sampler = sampler_of(row);
     const auto integrate = [&](const auto& places, const auto& weights) {
       double sum = 0;
       for (std::size_t j = 0; j < places.size(); ++j)

@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kOfPatch = 2;  // rays of a patch for one of a vertex: there are many vertices where it matters,
 constexpr int kLeast = 128;  // but few rays of one show as blotches
-constexpr int kFewer = 4;    // of a vertex, for one of those that ask for the direct light of an element
+constexpr int kFewer = 8;    // of a vertex, for one of those that ask for the direct light of an element
 
 int rays_of_vertex(int rays) {
   return std::max(std::min(rays, kLeast), rays / kOfPatch);

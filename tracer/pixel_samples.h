@@ -14,14 +14,6 @@ inline std::uint32_t owen_scrambled(std::uint32_t x, std::uint32_t seed) {
   return x;
 }
 
-inline std::uint32_t reversed_bits(std::uint32_t x) {
-  x = (x >> 16) | (x << 16);
-  x = (x & 0xff00ff00u) >> 8 | (x & 0x00ff00ffu) << 8;
-  x = (x & 0xf0f0f0f0u) >> 4 | (x & 0x0f0f0f0fu) << 4;
-  x = (x & 0xccccccccu) >> 2 | (x & 0x33333333u) << 2;
-  return (x & 0xaaaaaaaau) >> 1 | (x & 0x55555555u) << 1;
-}
-
 /// Another order of all numbers, in which aligned runs of 1, 2, 4, ... stay together: so that what one sample takes
 /// from two sequences has nothing in common (Burley 2020, section 4).
 inline std::uint32_t shuffled(std::uint32_t k, std::uint32_t seed) {

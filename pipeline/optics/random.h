@@ -23,11 +23,17 @@ inline Vec2f kronecker2(std::uint64_t k, std::uint64_t shift) {
   return {to_unit(shift + k * 0xc13fa9a902a6328f), to_unit(scramble(shift) + k * 0x91e10da5c79e7b1d)};
 }
 
+inline std::uint32_t reversed_bits(std::uint32_t x) {
+  x = (x >> 16) | (x << 16);
+  x = (x & 0xff00ff00u) >> 8 | (x & 0x00ff00ffu) << 8;
+  x = (x & 0xf0f0f0f0u) >> 4 | (x & 0x0f0f0f0fu) << 4;
+  x = (x & 0xccccccccu) >> 2 | (x & 0x33333333u) << 2;
+  return (x & 0xaaaaaaaau) >> 1 | (x & 0x55555555u) << 1;
+}
+
 /// The bits of k in the opposite order, as a number in [0,1): van der Corput's sequence.
 inline float radical_inverse(std::uint32_t k) {
-  std::uint32_t reversed = 0;
-  for (int bit = 0; bit < 32; ++bit) reversed |= (k >> bit & 1u) << (31 - bit);
-  return float(reversed >> 8) * 0x1p-24f;
+  return float(reversed_bits(k) >> 8) * 0x1p-24f;
 }
 
 /// x + shift in [0,1), for both in it.
