@@ -29,12 +29,14 @@ SpectrumField leaf_reflectance(const PatchSet& scene, const DisplayMesh& mesh) {
     if (shaded || primitive.texture >= 0) {
       sum = Spectrum();
       const PatchSampler sampler(primitive, leaf);
-      for (int k = 0; k < kAcross * kAcross; ++k) {
-        const Imath::V2d at = sampler.uv((float(k % kAcross) + 0.5f) / kAcross, (float(k / kAcross) + 0.5f) / kAcross);
+      const int across = leaf.u0 == leaf.u1 ? 1 : kAcross;  // a corner is of no size
+      for (int k = 0; k < across * across; ++k) {
+        const Imath::V2d at =
+            sampler.uv((float(k % across) + 0.5f) / float(across), (float(k / across) + 0.5f) / float(across));
         sum += Spectrum(shaded ? shaded_reflectance(scene, shaders[primitive.shader], leaf.primitive, at.x, at.y)
                                : textured_reflectance(scene, leaf.primitive, at.x, at.y));
       }
-      sum *= Spectrum(1.0 / (kAcross * kAcross));
+      sum *= Spectrum(1.0 / (across * across));
     }
     reflectance.push_back(sum);
   }
