@@ -5,6 +5,17 @@
 
 namespace patchlight {
 
+namespace {
+
+/// What each patch sees of all others; nothing where no rows were cast, as in a scene without light.
+SpectrumField seen_by(std::size_t patches, const FormFactorRows& rows) {
+  SpectrumField seen = rows.seen();
+  seen.resize(patches);
+  return seen;
+}
+
+}  // namespace
+
 std::vector<double> exposed_areas(const PatchSet& scene, const Transport& transport) {
   std::vector<double> areas;
   for (std::size_t i = 0; i < scene.patches.size(); ++i)
@@ -24,7 +35,7 @@ double reciprocity_error(const Transport& transport, const FormFactorRows& rows,
       seen_of[transport.ends[at]] += share * (transport.rays > 0 ? 1.0 : double(transport.weights[at]));
   }
   for (const auto& m : transport.mirrored) seen_of[m.patch] += 0.5 * areas[m.row] * Spectrum(m.weight).sum() / 3;
-  const SpectrumField seen = rows.seen();
+  const SpectrumField seen = seen_by(n, rows);
   double square = 0, norm = 0;
   for (std::size_t j = 0; j < n; ++j) {
     const double sees = areas[j] * seen[j].sum() / 3;
@@ -36,7 +47,7 @@ double reciprocity_error(const Transport& transport, const FormFactorRows& rows,
 
 double balance_error(const FormFactorRows& rows, const std::vector<double>& areas, const SpectrumField& reflectance,
                      const SpectrumField& emission, const SpectrumField& irradiance) {
-  const SpectrumField seen = rows.seen();
+  const SpectrumField seen = seen_by(areas.size(), rows);
   Spectrum emitted, left;
   for (std::size_t i = 0; i < areas.size(); ++i) {
     const Spectrum area(areas[i]), reflected = reflectance[i] * irradiance[i];
