@@ -18,8 +18,9 @@ namespace patchlight {
 namespace {
 
 // Measured: smaller values cost more vertices than they are worth.
-constexpr float kNear = 0.25f;   // size over harmonic mean distance from which a patch gets vertices of its own
-constexpr float kSplit = 0.25f;  // and from which it is cut
+constexpr float kNear = 0.25f;    // size over harmonic mean distance from which a patch gets vertices of its own
+constexpr float kSplit = 0.25f;   // and from which it is cut
+constexpr float kContact = 4.0f;  // and from which it is cut a last time: where things touch or stand just off a wall
 
 /// How cells lie among other surfaces.
 struct Surroundings {
@@ -37,7 +38,7 @@ class Builder {
     plant(cast);
     std::vector<std::int32_t> level;
     for (std::size_t i = 0; i < mesh_.cells.size(); ++i) level.push_back(std::int32_t(i));
-    for (int depth = 0; !level.empty(); ++depth) level = grow(level, depth == kDisplayLevels, cast);
+    for (int depth = 0; !level.empty(); ++depth) level = grow(level, depth, cast);
     add_display_vertices(scene_, ray_scene_, lookup_, smooth_, mesh_);
     for (auto& cell : mesh_.cells) {
       if (cell.children < 0) cell.leaf = mesh_.elements;
@@ -73,14 +74,18 @@ class Builder {
   }
 
   /// Cuts those of a level's cells that need it, if there may be another level. Returns the new ones.
-  std::vector<std::int32_t> grow(const std::vector<std::int32_t>& level, bool last, std::int64_t& cast) {
+  std::vector<std::int32_t> grow(const std::vector<std::int32_t>& level, int depth, std::int64_t& cast) {
+    const auto is_to_be_cut = [&](const Surroundings& at) {
+      if (depth + 1 < kDisplayLevels) return at.closeness >= kSplit || at.cut;
+      return depth < kDisplayLevels && at.closeness >= kContact;
+    };
     std::vector<Patch> parts;
     for (const std::int32_t i : level) parts.push_back(parts_[i]);
     const std::vector<Surroundings> found = look_around(parts, cast);
     std::vector<std::int32_t> next;
     for (std::size_t k = 0; k < level.size(); ++k) {
       DisplayMesh::Cell& cell = mesh_.cells[level[k]];
-      if (last || (found[k].closeness < kSplit && !found[k].cut)) {
+      if (!is_to_be_cut(found[k])) {
         cell.cut = found[k].cut;
         continue;
       }

@@ -8,7 +8,7 @@
 
 namespace patchlight {
 
-constexpr int kDisplayLevels = 2;  ///< How often a patch may be halved along each side.
+constexpr int kDisplayLevels = 3;  ///< How often a patch may be halved along each side.
 
 /// Which edges of quads meet others without a crease.
 class SmoothEdges {

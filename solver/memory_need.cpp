@@ -21,7 +21,7 @@ constexpr double kOfPhotons = 26;        // of a patch and emitter where there a
 constexpr double kOfProgressive = 350;   // of a patch and light group
 constexpr double kOfRay = 4;             // a row's: the patch it ends on
 constexpr double kOfDisplay = 250;       // of a patch, and
-constexpr double kDisplayRows = 0.6;     // rows of as many rays as a patch has: of vertices, at most
+constexpr double kDisplayRows = 1.2;     // rows of as many rays as a patch has: of vertices, at most
 constexpr double kOfHemicubePatch = 16;  // in two hemicubes: patch and form factor
 
 bool has_metals(const PatchSet& scene) {
