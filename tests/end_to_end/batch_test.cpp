@@ -5,15 +5,9 @@
 #include "pipeline/files/image_file.h"
 #include "tests/end_to_end/program.h"
 
-namespace patchlight {
+namespace patchlight::test {
 namespace {
 
-using test::Outcome;
-using test::read_text;
-using test::run_program;
-using test::TemporaryFolder;
-using ::testing::HasSubstr;
-using ::testing::Not;
 using ::testing::UnorderedElementsAre;
 
 /// The frames that were rendered, in order.
@@ -26,10 +20,10 @@ std::vector<int> rendered(const std::string& messages) {
 }
 
 /// A camera that turns about the box, eight frames a turn.
-class Batch : public ::testing::Test {
+class Batch : public ProgramTest {
  protected:
   void SetUp() override {
-    test::small_job(folder_, "cameras:\n  spin: {look_from: [0, 0.28, 1.2], look_at: [0, 0.28, 0], turntable: 8}\n");
+    small_job(folder_, "cameras:\n  spin: {look_from: [0, 0.28, 1.2], look_at: [0, 0.28, 0], turntable: 8}\n");
   }
 
   Outcome run(std::vector<std::string> more = {}) {
@@ -44,20 +38,18 @@ class Batch : public ::testing::Test {
 
   /// The command that renders what is left of eight frames on one thread and tells of it in a file.
   static std::string trace(const std::string& samples, const std::string& messages) {
-    return test::quoted((std::filesystem::path(PATCHLIGHT_PROGRAMS) / "patchlight-trace").string()) +
+    return quoted((std::filesystem::path(PATCHLIGHT_PROGRAMS) / "patchlight-trace").string()) +
            " --skip-fresh --threads 1 job.yaml --set trace.cameras=[spin] --set trace.frames=1-8 --set trace.samples=" +
            samples + " 2>" + messages;
   }
   int bash(const std::string& script) const {
-    const std::string command = "cd " + test::quoted(folder_.path().string()) + "; " + script;
-    return WEXITSTATUS(std::system(("bash -c " + test::quoted(command)).c_str()));
+    const std::string command = "cd " + quoted(folder_.path().string()) + "; " + script;
+    return WEXITSTATUS(std::system(("bash -c " + quoted(command)).c_str()));
   }
 
   std::filesystem::path exr(int frame) const {
     return folder_ / ("out/frames/spin.000" + std::to_string(frame) + ".exr");
   }
-
-  TemporaryFolder folder_;
 };
 
 TEST_F(Batch, RendersARangeInItsOrder) {
@@ -127,4 +119,4 @@ TEST_F(Batch, GoesOnAfterAProcessWasKilledOrInterrupted) {
 }
 
 }  // namespace
-}  // namespace patchlight
+}  // namespace patchlight::test

@@ -5,28 +5,22 @@
 
 #include "tests/end_to_end/program.h"
 
-namespace patchlight {
+namespace patchlight::test {
 namespace {
 
 using nlohmann::json;
-using test::Outcome;
-using test::small_job;
-using test::TemporaryFolder;
-using ::testing::HasSubstr;
 
-class Bench : public ::testing::Test {
+class Bench : public ProgramTest {
  protected:
   Outcome bench(const std::string& section, const std::string& environment = "") {
     small_job(folder_, "bench:\n" + section);
-    return test::run_program(folder_, "patchlight", {"bench", "job.yaml"}, environment);
+    return run_program(folder_, "patchlight", {"bench", "job.yaml"}, environment);
   }
-  json report() const { return json::parse(test::read_text(folder_ / "out/bench/bench.json")); }
+  json report() const { return json::parse(read_text(folder_ / "out/bench/bench.json")); }
   bool made(const std::string& file) const {
     std::error_code fault;
     return std::filesystem::file_size(folder_ / ("out/bench/" + file), fault) > 0 && !fault;
   }
-
-  TemporaryFolder folder_;
 };
 
 TEST_F(Bench, WritesTablesPlotAndComparison) {
@@ -38,7 +32,7 @@ TEST_F(Bench, WritesTablesPlotAndComparison) {
   EXPECT_TRUE(made("error_against_seconds.png"));
   EXPECT_TRUE(made("comparison.png"));
 
-  std::istringstream csv(test::read_text(folder_ / "out/bench/bench.csv"));
+  std::istringstream csv(read_text(folder_ / "out/bench/bench.csv"));
   std::vector<std::string> lines;
   for (std::string line; std::getline(csv, line);) lines.push_back(line);
   ASSERT_EQ(lines.size(), 7u);
@@ -70,13 +64,13 @@ TEST_F(Bench, WritesTablesPlotAndComparison) {
 
 TEST_F(Bench, FindsNoErrorAgainstTheSamePicture) {
   small_job(folder_);
-  ASSERT_EQ(test::run_program(folder_, "patchlight", {"run", "job.yaml"}).code, 0);
+  ASSERT_EQ(run_program(folder_, "patchlight", {"run", "job.yaml"}).code, 0);
   const Outcome outcome = bench("  sweep: {solve.rays: 64}\n  reference: out/frames/camera.0001.exr\n  repeats: 2\n");
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_EQ(report()["variants"][0]["error"]["relmse"], 0);
   EXPECT_TRUE(made("error_against_seconds.png"));
   // The bench leaves the job's own output alone.
-  EXPECT_THAT(test::run_program(folder_, "patchlight", {"run", "job.yaml"}).err, HasSubstr("trace skipped"));
+  EXPECT_THAT(run_program(folder_, "patchlight", {"run", "job.yaml"}).err, HasSubstr("trace skipped"));
 }
 
 TEST_F(Bench, RefusesAReferenceOfAnotherShape) {
@@ -101,7 +95,7 @@ TEST_F(Bench, FindsTheClosedFormOfAFurnace) {
   folder_.write("furnace.yaml", "scene: " + scene + "\noutput: out\ntrace: {resolution: [32, 32]}\n" +
                                     "bench: {sweep: [{solve.method: [progressive], solve.rays: [16, 256]}], reference: "
                                     "{radiance: [2, 1, 0.5]}}\n");
-  const Outcome outcome = test::run_program(folder_, "patchlight", {"bench", "furnace.yaml"});
+  const Outcome outcome = run_program(folder_, "patchlight", {"bench", "furnace.yaml"});
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   const json rows = report()["variants"];
   EXPECT_LT(rows[1]["error"]["block"], 0.02);
@@ -144,4 +138,4 @@ TEST_F(Bench, StopsWhenItIsInterrupted) {
 }
 
 }  // namespace
-}  // namespace patchlight
+}  // namespace patchlight::test

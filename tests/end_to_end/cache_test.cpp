@@ -7,18 +7,10 @@
 
 #include "tests/end_to_end/program.h"
 
-namespace patchlight {
+namespace patchlight::test {
 namespace {
 
-namespace fs = std::filesystem;
-using test::Outcome;
-using test::run_program;
-using test::small_job;
-using test::TemporaryFolder;
-using ::testing::HasSubstr;
-using ::testing::Not;
-
-class Cache : public ::testing::Test {
+class Cache : public ProgramTest {
  protected:
   void SetUp() override {
     small_job(folder_);
@@ -47,7 +39,7 @@ class Cache : public ::testing::Test {
     std::map<std::string, std::string> content;
     for (const char* file :
          {"patches.h5", "energy.h5", "transport.h5", "frames/camera.0001.exr", "frames/camera.0001.png"})
-      content[file] = test::read_text(folder_ / (std::string("out/") + file));
+      content[file] = read_text(folder_ / (std::string("out/") + file));
     return content;
   }
 
@@ -57,8 +49,6 @@ class Cache : public ::testing::Test {
       if (entry.path().filename().string().starts_with(beginning)) files.push_back(entry.path());
     return files;
   }
-
-  TemporaryFolder folder_;
 };
 
 TEST_F(Cache, GivesBackWhatWasMadeWithEarlierSettings) {
@@ -75,7 +65,7 @@ TEST_F(Cache, GivesBackWhatWasMadeWithEarlierSettings) {
 }
 
 TEST_F(Cache, GivesBackWhatWasMadeOfAnEarlierScene) {
-  const std::string glb = test::read_text(folder_ / "box.glb");
+  const std::string glb = read_text(folder_ / "box.glb");
   std::string moved = glb;
   moved[moved.find("\"yfov\":0.6") + 9] = '7';
   folder_.write("box.glb", moved);
@@ -102,7 +92,7 @@ TEST_F(Cache, IsNotTrustedWhereItIsDamaged) {
   set("solve.rays=80");
   for (const char* name : {"energy-", "frame-"})
     for (const fs::path& file : kept(name)) {
-      const std::string whole = test::read_text(file);
+      const std::string whole = read_text(file);
       std::ofstream(file, std::ios::binary) << whole.substr(0, whole.size() / 2);
     }
   const Outcome outcome = run({});
@@ -129,7 +119,7 @@ TEST_F(Cache, DoesNotTakeAFileForAnotherByItsName) {
   set("solve.rays=80");
   const std::vector<fs::path> files = kept("energy-");
   ASSERT_EQ(files.size(), 2u);
-  const std::string a = test::read_text(files[0]), b = test::read_text(files[1]);
+  const std::string a = read_text(files[0]), b = read_text(files[1]);
   std::ofstream(files[0], std::ios::binary) << b;
   std::ofstream(files[1], std::ios::binary) << a;
   EXPECT_EQ(stages(run({})), "solve runs, trace restored");
@@ -190,4 +180,4 @@ TEST_F(Cache, IsCleaned) {
 }
 
 }  // namespace
-}  // namespace patchlight
+}  // namespace patchlight::test

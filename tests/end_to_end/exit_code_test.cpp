@@ -2,20 +2,15 @@
 
 #include "tests/end_to_end/program.h"
 
-namespace patchlight {
+namespace patchlight::test {
 namespace {
 
-using test::Outcome;
-using test::run_program;
-using test::small_job;
-using test::TemporaryFolder;
-using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 /// Runs what follows, and after a second sends a signal to it, but not to its children.
 constexpr const char* kInASecond = "timeout --foreground --preserve-status -s TERM 1";
 
-class ExitCode : public ::testing::Test {
+class ExitCode : public ProgramTest {
  protected:
   /// Every failure names its program, and leaves no half-written file.
   void expect(int code, const Outcome& outcome, const std::string& text) {
@@ -28,8 +23,6 @@ class ExitCode : public ::testing::Test {
   Outcome import(const std::vector<std::string>& arguments) {
     return run_program(folder_, "patchlight-import", arguments);
   }
-
-  TemporaryFolder folder_;
 };
 
 TEST_F(ExitCode, Is0ForHelpAndVersion) {
@@ -71,7 +64,7 @@ TEST_F(ExitCode, Is65ForADamagedOrForeignFile) {
   // A solution of other patches.
   ASSERT_EQ(import({"job.yaml", "--set", "import.patch_area=0.02"}).code, 0);
   expect(65, run_program(folder_, "patchlight-trace", {"job.yaml"}), "another patch file");
-  const std::string whole = test::read_text(folder_ / "out/patches.h5");
+  const std::string whole = read_text(folder_ / "out/patches.h5");
   folder_.write("out/patches.h5", whole.substr(0, whole.size() - 100));
   expect(65, run_program(folder_, "patchlight-solve", {"job.yaml"}), "patches.h5");
   folder_.write("out/patches.h5", "nonsense");
@@ -115,15 +108,15 @@ TEST_F(ExitCode, Is74WhenTheDiskIsFull) {
 TEST_F(ExitCode, Is75AfterASignalAndKeepsThePreviousFile) {
   small_job(folder_);
   ASSERT_EQ(run_program(folder_, "patchlight", {"run", "job.yaml"}).code, 0);
-  const std::string before = test::read_text(folder_ / "out/energy.h5");
+  const std::string before = read_text(folder_ / "out/energy.h5");
   const Outcome outcome =
       run_program(folder_, "patchlight-solve", {"job.yaml", "--set", "solve.rays=1000000"}, kInASecond);
   expect(75, outcome, "interrupted");
-  EXPECT_EQ(test::read_text(folder_ / "out/energy.h5"), before);
+  EXPECT_EQ(read_text(folder_ / "out/energy.h5"), before);
   // The signal reaches the driver alone, which passes it on.
   expect(75, run_program(folder_, "patchlight", {"run", "job.yaml", "--set", "solve.rays=1000000"}, kInASecond),
          "patchlight-solve: error: interrupted");
-  EXPECT_EQ(test::read_text(folder_ / "out/energy.h5"), before);
+  EXPECT_EQ(read_text(folder_ / "out/energy.h5"), before);
 }
 
 // A stage that is just ending may not heed the signal.
@@ -182,8 +175,8 @@ TEST_F(ExitCode, Is78ForABadJob) {
 TEST_F(ExitCode, IsToldInTheJsonLog) {
   small_job(folder_);
   run_program(folder_, "patchlight-solve", {"job.yaml", "--log-json", "log"});
-  EXPECT_THAT(test::read_text(folder_ / "log"), HasSubstr(R"("exit_code":66)"));
+  EXPECT_THAT(read_text(folder_ / "log"), HasSubstr(R"("exit_code":66)"));
 }
 
 }  // namespace
-}  // namespace patchlight
+}  // namespace patchlight::test

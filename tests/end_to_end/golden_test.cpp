@@ -5,18 +5,14 @@
 
 #include "tests/end_to_end/program.h"
 
-namespace patchlight {
+namespace patchlight::test {
 namespace {
-
-using test::Outcome;
-using test::run_program;
-using test::TemporaryFolder;
 
 // What each stage made of the golden job, kept in golden/. `golden/regenerate` makes them anew after a wanted change.
 const std::string kGolden = std::string(PATCHLIGHT_SOURCE) + "/tests/end_to_end/golden/";
 
 /// Runs one stage from the golden output of the one before and compares its own.
-class Golden : public ::testing::Test {
+class Golden : public ProgramTest {
  protected:
   void expect_same(const std::string& stage, const std::vector<std::string>& inputs, const std::string& golden,
                    const std::string& output, const std::string& tolerance, std::vector<std::string> more = {}) {
@@ -29,7 +25,6 @@ class Golden : public ::testing::Test {
         run_program(folder_, "patchlight", {"diff", kGolden + golden, "out/" + output, "--tolerance", tolerance});
     EXPECT_EQ(diff.code, 0) << diff.out << diff.err;
   }
-  TemporaryFolder folder_;
 };
 
 TEST_F(Golden, PatchesAreAsTheyWere) {
@@ -72,4 +67,4 @@ TEST(Frame, LayersStandBesideTheBeautyByTheirNames) {
 }
 
 }  // namespace
-}  // namespace patchlight
+}  // namespace patchlight::test

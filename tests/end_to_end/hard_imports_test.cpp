@@ -11,8 +11,6 @@
 namespace patchlight::test {
 namespace {
 
-using ::testing::HasSubstr;
-
 Json diffuse(const char* name, double reflectance, double exitance) {
   const double radiance = exitance / kPi;
   return {{"name", name},

@@ -6,25 +6,14 @@
 
 #include "tests/end_to_end/program.h"
 
-namespace patchlight {
+namespace patchlight::test {
 namespace {
 
-namespace fs = std::filesystem;
-using test::Outcome;
-using test::run_program;
-using test::small_job;
-using test::TemporaryFolder;
-using ::testing::ContainsRegex;
-using ::testing::HasSubstr;
-using ::testing::Not;
-
-class JobBatch : public ::testing::Test {
+class JobBatch : public ProgramTest {
  protected:
   void SetUp() override { small_job(folder_); }
 
   Outcome run(const std::vector<std::string>& words) { return run_program(folder_, "patchlight", words); }
-
-  TemporaryFolder folder_;
 };
 
 TEST_F(JobBatch, GoesOnPastAFailedJobAndSumsUp) {
@@ -45,7 +34,7 @@ TEST_F(JobBatch, GoesOnPastAFailedJobAndSumsUp) {
 
 TEST_F(JobBatch, MakesEveryVariantOfAMatrixFromOneSolve) {
   folder_.write("job.yaml",
-                test::read_text(folder_ / "job.yaml") +
+                read_text(folder_ / "job.yaml") +
                     "matrix:\n"
                     "  trace.samples: [1, 4]\n"
                     "  mood: {day: {}, night: {lights.\"lights.ceiling\".scale: 0.1, trace.exposure: 1}}\n");
@@ -59,8 +48,8 @@ TEST_F(JobBatch, MakesEveryVariantOfAMatrixFromOneSolve) {
               ContainsRegex("done      job.yaml 1,day: import [0-9.]+ s, solve [0-9.]+ s, trace [0-9.]+ s\n"));
   EXPECT_THAT(outcome.err,
               ContainsRegex("done      job.yaml 4,night: import restored, solve restored, trace [0-9.]+ s\n"));
-  EXPECT_NE(test::read_text(folder_ / "out/1,day/frames/camera.0001.exr"),
-            test::read_text(folder_ / "out/1,night/frames/camera.0001.exr"));
+  EXPECT_NE(read_text(folder_ / "out/1,day/frames/camera.0001.exr"),
+            read_text(folder_ / "out/1,night/frames/camera.0001.exr"));
 
   outcome = run({"status", "job.yaml"});
   EXPECT_EQ(outcome.code, 0) << outcome.out;
@@ -73,7 +62,7 @@ TEST_F(JobBatch, MakesEveryVariantOfAMatrixFromOneSolve) {
 }
 
 TEST_F(JobBatch, RefusesAMatrixOfWhatIsNoSetting) {
-  const std::string job = test::read_text(folder_ / "job.yaml");
+  const std::string job = read_text(folder_ / "job.yaml");
   for (const auto& [matrix, said] : {std::pair("{solve.raise: [1, 2]}", "unknown key `solve.raise`"),
                                      {"{output: [a, b]}", "`output` cannot vary"},
                                      {"{mood: {day: {solve.rays: -1}}}", "bad value of `solve.rays`"},
@@ -91,7 +80,7 @@ TEST_F(JobBatch, LogsEveryStageOfEveryJob) {
   folder_.write("other.yaml", "include: job.yaml\nsolve: {rays: 80}\n");
   ASSERT_EQ(run({"run", "job.yaml", "other.yaml", "--log-json", "log"}).code, 0);
   ASSERT_EQ(run({"run", "job.yaml", "--log-json", "log"}).code, 0);
-  std::istringstream lines(test::read_text(folder_ / "log"));
+  std::istringstream lines(read_text(folder_ / "log"));
   std::string results;
   for (std::string line; std::getline(lines, line);) {
     const nlohmann::json entry = nlohmann::json::parse(line);
@@ -113,7 +102,7 @@ TEST_F(JobBatch, LogsEveryStageOfEveryJob) {
 TEST_F(JobBatch, ShowsALineOfProgressInATerminalAndPlainLinesElsewhere) {
   ASSERT_EQ(run({"run", "job.yaml"}).code, 0);
   const auto by = [&](const std::string& command) {
-    const std::string line = "cd " + test::quoted(folder_.path().string()) + " && " + command;
+    const std::string line = "cd " + quoted(folder_.path().string()) + " && " + command;
     return std::system(line.c_str());
   };
   for (const auto& [stage, setting, part] :
@@ -122,12 +111,12 @@ TEST_F(JobBatch, ShowsALineOfProgressInATerminalAndPlainLinesElsewhere) {
     const std::string slow = (fs::path(PATCHLIGHT_PROGRAMS) / "patchlight-").string() + stage + " --set " + setting +
                              " --threads 1 job.yaml";
     EXPECT_EQ(by("script -qec '" + slow + "' /dev/null >terminal.txt </dev/null"), 0);
-    const std::string terminal = test::read_text(folder_ / "terminal.txt");
+    const std::string terminal = read_text(folder_ / "terminal.txt");
     EXPECT_THAT(terminal, ContainsRegex(std::string("\r.\\[Kpatchlight-") + stage + ":  *[0-9]+%  " + part +
                                         "  [0-9.]+ million rays/s"));
     EXPECT_THAT(terminal, ContainsRegex("[0-9] s left"));
     EXPECT_EQ(by(slow + " 2>plain.txt"), 0);
-    EXPECT_THAT(test::read_text(folder_ / "plain.txt"), Not(HasSubstr("\r")));
+    EXPECT_THAT(read_text(folder_ / "plain.txt"), Not(HasSubstr("\r")));
   }
 }
 
@@ -147,4 +136,4 @@ TEST_F(JobBatch, StopsAtASignalAndGoesOnFromThere) {
 }
 
 }  // namespace
-}  // namespace patchlight
+}  // namespace patchlight::test

@@ -14,20 +14,14 @@
 
 extern char** environ;
 
-namespace patchlight {
+namespace patchlight::test {
 namespace {
 
-namespace fs = std::filesystem;
-using test::Outcome;
-using test::run_program;
-using test::small_job;
-using test::TemporaryFolder;
-using ::testing::HasSubstr;
 using Clock = std::chrono::steady_clock;
 
 constexpr const char* kFiles[] = {"patches.h5", "energy.h5", "transport.h5", "frames/camera.0001.exr"};
 
-class Kill : public ::testing::Test {
+class Kill : public ProgramTest {
  protected:
   void SetUp() override { small_job(folder_); }
 
@@ -66,8 +60,8 @@ class Kill : public ::testing::Test {
           run_program(folder_, "patchlight", {"diff", std::string("whole/") + file, output + "/" + file});
       EXPECT_EQ(diff.code, 0) << output << diff.out << diff.err;
     }
-    EXPECT_EQ(test::read_text(folder_ / (output + "/frames/camera.0001.png")),
-              test::read_text(folder_ / "whole/frames/camera.0001.png"));
+    EXPECT_EQ(read_text(folder_ / (output + "/frames/camera.0001.png")),
+              read_text(folder_ / "whole/frames/camera.0001.png"));
     for (const auto& entry : fs::recursive_directory_iterator(folder_ / output))
       EXPECT_FALSE(entry.path().filename().string().starts_with(".")) << entry.path();
   }
@@ -78,8 +72,6 @@ class Kill : public ::testing::Test {
     EXPECT_EQ(wait(start("whole")), 0);
     return std::chrono::duration<double>(Clock::now() - begin).count();
   }
-
-  TemporaryFolder folder_;
 };
 
 TEST_F(Kill, AtTwentyMomentsLeavesWhatARerunMakesWhole) {
@@ -96,7 +88,7 @@ TEST_F(Kill, AtTwentyMomentsLeavesWhatARerunMakesWhole) {
     else
       kill(-run, SIGKILL);
     killed += wait(run) == 128 + SIGKILL;
-    EXPECT_EQ(wait(start(output)), 0) << test::read_text(folder_ / (output + ".log"));
+    EXPECT_EQ(wait(start(output)), 0) << read_text(folder_ / (output + ".log"));
     expect_same_bits(output);
     fs::remove_all(folder_ / output);
   }
@@ -113,7 +105,7 @@ TEST_F(Kill, TwoRunsOfOneJobAtOnceDoNotHarmEachOther) {
     EXPECT_EQ(wait(first), 0);
     EXPECT_EQ(wait(second), 0);
     expect_same_bits(output);
-    const std::string log = test::read_text(folder_ / (output + ".log"));
+    const std::string log = read_text(folder_ / (output + ".log"));
     EXPECT_THAT(log, HasSubstr("waits for another run in")) << "of which the other starts nothing";
     std::size_t solves = 0;
     for (std::size_t at = 0; (at = log.find("solve runs", at)) != std::string::npos; ++at) ++solves;
@@ -140,14 +132,14 @@ TEST_F(Kill, TwoSolvesAtOnceDoNotHarmEachOther) {
   run_whole();
   fs::create_directory(folder_ / "both");
   fs::copy(folder_ / "whole/patches.h5", folder_ / "both/patches.h5");
-  const std::string solve = test::quoted((fs::path(PATCHLIGHT_PROGRAMS) / "patchlight-solve").string()) +
+  const std::string solve = quoted((fs::path(PATCHLIGHT_PROGRAMS) / "patchlight-solve").string()) +
                             " job.yaml --set solve.rays=1000 --output both --quiet";
   const std::string line =
-      "cd " + test::quoted(folder_.path().string()) + " && { " + solve + " & " + solve + " & " + solve + " && wait; }";
+      "cd " + quoted(folder_.path().string()) + " && { " + solve + " & " + solve + " & " + solve + " && wait; }";
   EXPECT_EQ(std::system(line.c_str()), 0);
   fs::copy(folder_ / "whole/frames", folder_ / "both/frames");
   expect_same_bits("both");
 }
 
 }  // namespace
-}  // namespace patchlight
+}  // namespace patchlight::test

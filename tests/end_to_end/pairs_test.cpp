@@ -10,7 +10,7 @@
 #include "pipeline/files/patch_file.h"
 #include "tests/end_to_end/program.h"
 
-namespace patchlight {
+namespace patchlight::test {
 namespace {
 
 const std::string kScenes = PATCHLIGHT_SCENES;
@@ -30,7 +30,7 @@ const std::array<Pair, 4> kPairs{
      {"progressive", "rays", {"solve.rays=4096"}},
      {"progressive", "hemicube", {"solve.hemicube_resolution=64", "solve.tolerance=0.003"}}}};
 
-class Pairs : public ::testing::Test {
+class Pairs : public ProgramTest {
  protected:
   void SetUp() override {
     if (!std::filesystem::exists(kScenes + "/reference/cornell.exr"))
@@ -49,7 +49,7 @@ class Pairs : public ::testing::Test {
       arguments.insert(arguments.end(), {"--set", set});
     for (const auto* sets : {&pair.settings, &more})
       for (const auto& set : *sets) arguments.insert(arguments.end(), {"--set", set});
-    const test::Outcome outcome = test::run_program(folder_, program, arguments);
+    const Outcome outcome = run_program(folder_, program, arguments);
     ASSERT_EQ(outcome.code, 0) << outcome.err;
   }
 
@@ -72,8 +72,6 @@ class Pairs : public ::testing::Test {
     }
     return energy.residual / (1 - reflected / area) + radiosity_error(scene, energy, other) / std::sqrt(2.0);
   }
-
-  test::TemporaryFolder folder_;
 };
 
 /// Mean block error that the reference's own noise makes, by its pixels' standard errors.
@@ -133,4 +131,4 @@ TEST_F(Pairs, AgreeWithThePathTracerAndEachOtherWithinTheirStatedErrors) {
 }
 
 }  // namespace
-}  // namespace patchlight
+}  // namespace patchlight::test

@@ -4,12 +4,8 @@
 
 #include "tests/end_to_end/program.h"
 
-namespace patchlight {
+namespace patchlight::test {
 namespace {
-
-using test::Outcome;
-using test::run_program;
-using test::TemporaryFolder;
 
 const std::string kGolden = std::string(PATCHLIGHT_SOURCE) + "/tests/end_to_end/golden/";
 
@@ -44,10 +40,10 @@ INSTANTIATE_TEST_SUITE_P(Kinds, Preview, ::testing::Values("patches", "radiosity
 
 TEST_F(Preview, NamesPatchesAndCamerasThatThereAre) {
   EXPECT_EQ(preview({"--patch", "999999"}).code, 78);
-  EXPECT_THAT(preview({"--patch", "999999"}).err, ::testing::HasSubstr("the scene has patches 0 to"));
+  EXPECT_THAT(preview({"--patch", "999999"}).err, HasSubstr("the scene has patches 0 to"));
   EXPECT_EQ(preview({"--camera", "nobody"}).code, 78);
   EXPECT_EQ(preview({"--kind", "smell"}).code, 64);
 }
 
 }  // namespace
-}  // namespace patchlight
+}  // namespace patchlight::test

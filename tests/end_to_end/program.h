@@ -1,4 +1,5 @@
 #pragma once
+#include <gmock/gmock.h>
 #include <sys/wait.h>
 
 #include <cstdlib>
@@ -8,6 +9,11 @@
 #include "tests/temporary_folder.h"
 
 namespace patchlight::test {
+
+namespace fs = std::filesystem;
+using ::testing::ContainsRegex;
+using ::testing::HasSubstr;
+using ::testing::Not;
 
 /// What a program did.
 struct Outcome {
@@ -33,6 +39,12 @@ inline Outcome run_program(const TemporaryFolder& folder, const std::string& pro
   return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), read_text(folder / "stdout.txt"),
           read_text(folder / "stderr.txt")};
 }
+
+/// Programs run in a folder of the test's own.
+class ProgramTest : public ::testing::Test {
+ protected:
+  TemporaryFolder folder_;
+};
 
 /// A job of the project's own Cornell box that takes a moment.
 inline std::filesystem::path small_job(const TemporaryFolder& folder, const std::string& more = "") {

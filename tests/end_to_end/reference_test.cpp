@@ -6,15 +6,12 @@
 #include "pipeline/files/patch_file.h"
 #include "tests/end_to_end/program.h"
 
-namespace patchlight {
+namespace patchlight::test {
 namespace {
-
-using test::run_program;
-using test::TemporaryFolder;
 
 const std::string kScenes = PATCHLIGHT_SCENES;
 
-class Reference : public ::testing::Test {
+class Reference : public ProgramTest {
  protected:
   void SetUp() override {
     if (!std::filesystem::exists(kScenes + "/reference/cornell.exr"))
@@ -22,10 +19,9 @@ class Reference : public ::testing::Test {
   }
   void run(const std::string& scene, const std::string& more) {
     folder_.write("job.yaml", "scene: " + kScenes + "/blender/" + scene + ".glb\noutput: out\n" + more);
-    const test::Outcome outcome = run_program(folder_, "patchlight", {"run", "job.yaml"});
+    const Outcome outcome = run_program(folder_, "patchlight", {"run", "job.yaml"});
     ASSERT_EQ(outcome.code, 0) << outcome.err;
   }
-  TemporaryFolder folder_;
 };
 
 TEST_F(Reference, CornellMatchesThePathTracerAtTheDefaults) {
@@ -66,4 +62,4 @@ INSTANTIATE_TEST_SUITE_P(All, FurnaceReference,
                          [](const auto& furnace) { return std::string(furnace.param.scene); });
 
 }  // namespace
-}  // namespace patchlight
+}  // namespace patchlight::test

@@ -7,29 +7,22 @@
 #include "pipeline/files/key.h"
 #include "tests/end_to_end/program.h"
 
-namespace patchlight {
+namespace patchlight::test {
 namespace {
 
-namespace fs = std::filesystem;
-using test::Outcome;
-using test::read_text;
-using test::run_program;
-using test::TemporaryFolder;
-using ::testing::ContainsRegex;
 using ::testing::ElementsAre;
-using ::testing::HasSubstr;
 
 const std::vector<std::string> kOtherLights{"--set", "lights.\"lights.ceiling\"={scale: 0.3, color: [1, 0.5, 0.2]}",
                                             "--set", "lights.wall.scale=2",
                                             "--set", "trace.exposure=0.5"};
 
 /// The box with a wall that is a second lamp.
-class Relight : public ::testing::Test {
+class Relight : public ProgramTest {
  protected:
   void SetUp() override { write("half", "[light_groups]"); }
 
   void write(const std::string& pixel_type, const std::string& layers, const std::string& more = "") {
-    test::small_job(folder_);
+    small_job(folder_);
     folder_.write("job.yaml",
                   "scene: box.glb\noutput: out\nimport: {patch_area: 0.01}\nsolve: {rays: 64}\n"
                   "materials: {green: {emission: [0.2, 1, 0.5], light_group: wall}}\n"
@@ -64,8 +57,6 @@ class Relight : public ::testing::Test {
 
   fs::path frame(const std::string& name = "camera.0001.exr") const { return folder_ / ("out/frames/" + name); }
   fs::path relit(const std::string& name = "camera.0001.exr") const { return folder_ / ("out/relit/" + name); }
-
-  TemporaryFolder folder_;
 };
 
 std::vector<std::string> names(const Image& image) {
@@ -208,4 +199,4 @@ TEST_F(Relight, DoesAllVariantsAndIsCleaned) {
 }
 
 }  // namespace
-}  // namespace patchlight
+}  // namespace patchlight::test

@@ -8,15 +8,8 @@
 #include "pipeline/files/patch_file.h"
 #include "tests/end_to_end/program.h"
 
-namespace patchlight {
+namespace patchlight::test {
 namespace {
-
-using test::Outcome;
-using test::run_program;
-using test::small_job;
-using test::TemporaryFolder;
-using ::testing::HasSubstr;
-using ::testing::Not;
 
 std::string decoded(const std::string& base64) {
   std::string bytes;
@@ -34,7 +27,7 @@ std::string decoded(const std::string& base64) {
   return bytes;
 }
 
-class ReportPage : public ::testing::Test {
+class ReportPage : public ProgramTest {
  protected:
   void report(const std::string& more = "", const std::string& environment = "") {
     small_job(folder_, more);
@@ -45,7 +38,7 @@ class ReportPage : public ::testing::Test {
   void report_job(const std::string& environment) {
     const Outcome outcome = run_program(folder_, "patchlight", {"report", "job.yaml"}, environment);
     ASSERT_EQ(outcome.code, 0) << outcome.err;
-    page_ = test::read_text(folder_ / "out/report.html");
+    page_ = read_text(folder_ / "out/report.html");
     pictures_.clear();
     const std::string begin = "src=\"data:image/png;base64,";
     for (std::size_t at = 0; (at = page_.find(begin, at)) != std::string::npos;) {
@@ -55,13 +48,12 @@ class ReportPage : public ::testing::Test {
     }
   }
 
-  bool shows(const std::string& png) const { return pictures_.contains(test::read_text(folder_ / png)); }
+  bool shows(const std::string& png) const { return pictures_.contains(read_text(folder_ / png)); }
 
   static std::string row(const std::string& name, const std::string& value) {
     return "<td>" + name + "</td><td>" + value + "</td>";
   }
 
-  TemporaryFolder folder_;
   std::string page_;
   std::set<std::string> pictures_;
 };
@@ -180,4 +172,4 @@ TEST_F(ReportPage, ShowsEveryCameraAndLightGroupOfALargerScene) {
 }
 
 }  // namespace
-}  // namespace patchlight
+}  // namespace patchlight::test

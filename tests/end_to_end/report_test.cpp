@@ -4,7 +4,7 @@
 #include "pipeline/files/image_file.h"
 #include "tests/end_to_end/program.h"
 
-namespace patchlight {
+namespace patchlight::test {
 namespace {
 
 const std::string kScenes = PATCHLIGHT_SCENES;
@@ -21,11 +21,11 @@ class Report : public ::testing::TestWithParam<const char*> {
                                        "--output", folder_.path().string(),
                                        "--set",    "scene=" + kScenes + "/seed/" + scene + ".glb"};
     arguments.insert(arguments.end(), more.begin(), more.end());
-    const test::Outcome outcome = test::run_program(folder_, "patchlight", arguments);
+    const Outcome outcome = run_program(folder_, "patchlight", arguments);
     EXPECT_EQ(outcome.code, 0) << outcome.err;
     return read_exr(folder_ / "frames/Camera.0001.exr");
   }
-  test::TemporaryFolder folder_;
+  TemporaryFolder folder_;
 };
 
 TEST_F(Report, BoxMatchesThePathTracerByRaysAndByHemicubes) {
@@ -48,4 +48,4 @@ INSTANTIATE_TEST_SUITE_P(All, Report, ::testing::Values("simple", "sphere", "spe
                          [](const auto& scene) { return std::string(scene.param); });
 
 }  // namespace
-}  // namespace patchlight
+}  // namespace patchlight::test

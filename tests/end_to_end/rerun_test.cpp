@@ -6,17 +6,10 @@
 #include "pipeline/files/image_file.h"
 #include "tests/end_to_end/program.h"
 
-namespace patchlight {
+namespace patchlight::test {
 namespace {
 
-using test::Outcome;
-using test::run_program;
-using test::small_job;
-using test::TemporaryFolder;
-using ::testing::HasSubstr;
-using ::testing::Not;
-
-class Rerun : public ::testing::Test {
+class Rerun : public ProgramTest {
  protected:
   void SetUp() override {
     small_job(folder_);
@@ -38,8 +31,6 @@ class Rerun : public ::testing::Test {
       names += (names.empty() ? "" : " ") + (*i)[1].str();
     return names;
   }
-
-  TemporaryFolder folder_;
 };
 
 TEST_F(Rerun, WritesAFrameAsExrAndPng) {
@@ -69,7 +60,7 @@ TEST_F(Rerun, RunsAllForAnotherPatchArea) {
 }
 
 TEST_F(Rerun, DoesNotSolveAgainWhenTheSceneOnlyMovedItsCamera) {
-  std::string glb = test::read_text(folder_ / "box.glb");
+  std::string glb = read_text(folder_ / "box.glb");
   const std::size_t at = glb.find("\"yfov\":0.6");
   ASSERT_NE(at, std::string::npos);
   glb[at + 9] = '7';  // keeps the length of the JSON
@@ -95,8 +86,8 @@ TEST_F(Rerun, CastsNoRayForAnotherColour) {
 }
 
 TEST_F(Rerun, DoesNothingForATouchedFileACommentAnotherSpellingOrAnUnrelatedKey) {
-  folder_.write("box.glb", test::read_text(folder_ / "box.glb"));
-  std::string job = "# a comment\n" + test::read_text(folder_ / "job.yaml");
+  folder_.write("box.glb", read_text(folder_ / "box.glb"));
+  std::string job = "# a comment\n" + read_text(folder_ / "job.yaml");
   folder_.write("job.yaml", job);
   EXPECT_EQ(stages(run({})), "");
   folder_.write("job.yaml",
@@ -109,7 +100,7 @@ TEST_F(Rerun, DoesNothingForATouchedFileACommentAnotherSpellingOrAnUnrelatedKey)
 TEST_F(Rerun, RebuildsADamagedFileWithAWarning) {
   for (const auto& [file, ran] : {std::pair("out/patches.h5", "import"), std::pair("out/energy.h5", "solve"),
                                   std::pair("out/frames/camera.0001.exr", "trace")}) {
-    const std::string whole = test::read_text(folder_ / file);
+    const std::string whole = read_text(folder_ / file);
     folder_.write(file, whole.substr(0, whole.size() / 2));
     const Outcome outcome = run({});
     EXPECT_EQ(outcome.code, 0) << outcome.err;
@@ -128,11 +119,11 @@ TEST_F(Rerun, RefusesWhatAFreshRunWouldRefuse) {
 }
 
 TEST_F(Rerun, TracesAgainForADamagedPngOrAnotherViewConfig) {
-  const std::string whole = test::read_text(folder_ / "out/frames/camera.0001.png");
+  const std::string whole = read_text(folder_ / "out/frames/camera.0001.png");
   folder_.write("out/frames/camera.0001.png", "");
   const Outcome outcome = run({});
   EXPECT_EQ(stages(outcome), "trace") << outcome.err;
-  EXPECT_EQ(test::read_text(folder_ / "out/frames/camera.0001.png"), whole);
+  EXPECT_EQ(read_text(folder_ / "out/frames/camera.0001.png"), whole);
   std::filesystem::copy_file(std::string(PATCHLIGHT_SOURCE) + "/configs/config.ocio", folder_ / "config.ocio");
   EXPECT_EQ(stages(run_program(folder_, "patchlight", {"run", "job.yaml"}, "OCIO=config.ocio")), "trace");
 }
@@ -154,7 +145,7 @@ TEST_F(Rerun, TakesAForeignImageInThePlaceOfAFrameForStale) {
 }
 
 TEST_F(Rerun, TakesJobsWithAnyName) {
-  folder_.write("-job.yaml", test::read_text(folder_ / "job.yaml"));
+  folder_.write("-job.yaml", read_text(folder_ / "job.yaml"));
   EXPECT_EQ(run_program(folder_, "patchlight", {"run", "--output", "dash", "--quiet", "--", "-job.yaml"}).code, 0);
 }
 
@@ -196,7 +187,7 @@ TEST_F(Rerun, DiffTellsWhatDiffersAndByHowMuch) {
 }
 
 TEST_F(Rerun, DiffComparesEveryDatasetOfPatches) {
-  std::string glb = test::read_text(folder_ / "box.glb");
+  std::string glb = read_text(folder_ / "box.glb");
   const std::size_t at = glb.find("\"yfov\":0.6");
   ASSERT_NE(at, std::string::npos);
   glb[at + 9] = '7';
@@ -221,4 +212,4 @@ TEST_F(Rerun, InfoShowsWhatIsInEveryKindOfFile) {
 }
 
 }  // namespace
-}  // namespace patchlight
+}  // namespace patchlight::test

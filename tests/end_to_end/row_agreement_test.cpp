@@ -7,7 +7,7 @@
 #include "solver/ray_form_factors.h"
 #include "tests/end_to_end/program.h"
 
-namespace patchlight {
+namespace patchlight::test {
 namespace {
 
 const std::string kScenes = PATCHLIGHT_SCENES;
@@ -18,9 +18,9 @@ class RowAgreement : public ::testing::TestWithParam<const char*> {};
 TEST_P(RowAgreement, HoldsPatchByPatch) {
   const std::string file = kScenes + "/blender/" + GetParam() + ".glb";
   if (!std::filesystem::exists(file)) GTEST_SKIP() << "no scene " << file;
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   folder.write("job.yaml", "scene: " + file + "\noutput: out\n");
-  ASSERT_EQ(test::run_program(folder, "patchlight-import", {"job.yaml"}).code, 0);
+  ASSERT_EQ(run_program(folder, "patchlight-import", {"job.yaml"}).code, 0);
   const PatchSet scene = read_patches(folder / "out/patches.h5");
   HemicubeFormFactors hemicubes(scene, 128, 1);
   RayFormFactors rays(scene, 1);
@@ -53,4 +53,4 @@ INSTANTIATE_TEST_SUITE_P(Scenes, RowAgreement, ::testing::Values("cornell", "gal
                          [](const auto& scene) { return std::string(scene.param); });
 
 }  // namespace
-}  // namespace patchlight
+}  // namespace patchlight::test

@@ -2,18 +2,10 @@
 
 #include "tests/end_to_end/program.h"
 
-namespace patchlight {
+namespace patchlight::test {
 namespace {
 
-using test::Outcome;
-using test::run_program;
-using test::small_job;
-using test::TemporaryFolder;
-using ::testing::ContainsRegex;
-using ::testing::HasSubstr;
-using ::testing::Not;
-
-class Status : public ::testing::Test {
+class Status : public ProgramTest {
  protected:
   void SetUp() override {
     small_job(folder_);
@@ -37,8 +29,6 @@ class Status : public ::testing::Test {
                                 : 1);
     return outcome.out;
   }
-
-  TemporaryFolder folder_;
 };
 
 constexpr const char* kAllFresh =
@@ -49,7 +39,7 @@ TEST_F(Status, SaysThatAllIsFresh) {
 }
 
 TEST_F(Status, IsTheSameAfterACommentAnotherSpellingAndAnUnrelatedKey) {
-  std::string job = "# a comment\n" + test::read_text(folder_ / "job.yaml");
+  std::string job = "# a comment\n" + read_text(folder_ / "job.yaml");
   job.replace(job.find("box.glb"), 7, "././box.glb");
   folder_.write("job.yaml", job + "bench: {repeats: 3}\n");
   EXPECT_EQ(status(), kAllFresh);
@@ -80,7 +70,7 @@ TEST_F(Status, NamesTheSettingThatChangedWithItsOldAndItsNewValue) {
 }
 
 TEST_F(Status, NamesTheSceneThatChangedAndThenItsCamera) {
-  std::string glb = test::read_text(folder_ / "box.glb");
+  std::string glb = read_text(folder_ / "box.glb");
   glb[glb.find("\"yfov\":0.6") + 9] = '7';
   folder_.write("box.glb", glb);
   EXPECT_THAT(status(), ContainsRegex("import  stale    patches.h5  box.glb [0-9a-f]{8} -> [0-9a-f]{8}\n"));
@@ -93,7 +83,7 @@ TEST_F(Status, NamesTheSceneThatChangedAndThenItsCamera) {
 
 TEST_F(Status, TellsWhatIsMissingAndWhatIsDamaged) {
   const auto damage = [&](const std::string& file) {
-    const std::string whole = test::read_text(folder_ / file);
+    const std::string whole = read_text(folder_ / file);
     folder_.write(file, whole.substr(0, whole.size() / 2));
   };
   damage("out/frames/camera.0001.png");
@@ -138,4 +128,4 @@ TEST_F(Status, IsSaidByRunToo) {
 }
 
 }  // namespace
-}  // namespace patchlight
+}  // namespace patchlight::test

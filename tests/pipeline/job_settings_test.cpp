@@ -1,0 +1,129 @@
+#include "tests/pipeline/job_file.h"
+
+namespace patchlight {
+namespace {
+
+using test::JobFile;
+using test::kMinimal;
+
+TEST_F(JobFile, ReadsEveryOverrideOfMaterialsAndNodes) {
+  const std::string overrides =
+      "{reflectance: [0.1, 0.2, 0.3], emission: [1, 2, 3], mirror: [0, 0, 0.5], light_group: a/b, patch_area: 0.01, "
+      "exclude: true}";
+  const std::string text = std::string(kMinimal) + "materials: {x: " + overrides + "}\nnodes: {y: " + overrides + "}\n";
+  const Job job = read(text);
+  for (const auto* list : {&job.materials, &job.nodes}) {
+    ASSERT_EQ(list->size(), 1u);
+    const MaterialOverride& change = list->front();
+    EXPECT_EQ(change.reflectance, Color(0.1f, 0.2f, 0.3f));
+    EXPECT_EQ(change.emission, Color(1, 2, 3));
+    EXPECT_EQ(change.mirror, Color(0, 0, 0.5f));
+    EXPECT_EQ(change.light_group, "a_b");
+    EXPECT_EQ(change.patch_area, 0.01);
+    EXPECT_EQ(change.exclude, true);
+  }
+  EXPECT_EQ(job.nodes[0].pattern, "y");
+  EXPECT_EQ(read(effective_job(job)).nodes[0].patch_area, 0.01);
+  EXPECT_EQ(read(kMinimal, {"nodes.lamp_*.exclude=true"}).nodes.at(0).exclude, true);
+  EXPECT_ERROR(read(std::string(kMinimal) + "nodes: {y: {patch_area: 0}}"), ExitCode::bad_config, "nodes.y.patch_area");
+  EXPECT_ERROR(read(std::string(kMinimal) + "nodes: {y: {light_group: ''}}"), ExitCode::bad_config, "1 to 1024 bytes");
+}
+
+TEST_F(JobFile, ReadsCamerasOfItsOwn) {
+  const Job job = read(std::string(kMinimal) + R"(
+cameras:
+  corner: {look_from: [1, 2, 3], look_at: [0, 1, 0], angle: 55}
+  plan: {look_from: [0, 9, 0], up: [0, 0, -1], height: 4}
+)",
+                       {"cameras.corner.turntable=48"});
+  ASSERT_EQ(job.cameras.size(), 2u);
+  const CameraConfig &corner = job.cameras.at("corner"), &plan = job.cameras.at("plan");
+  EXPECT_EQ(corner.look_from, Vec3d(1, 2, 3));
+  EXPECT_EQ(corner.look_at, Vec3d(0, 1, 0));
+  EXPECT_EQ(corner.up, Vec3d(0, 1, 0));
+  EXPECT_EQ(corner.angle, 55);
+  EXPECT_EQ(corner.turntable, 48);
+  EXPECT_EQ(plan.height, 4);
+  EXPECT_EQ(effective_job(read(effective_job(job))), effective_job(job));
+}
+
+TEST_F(JobFile, RefusesCamerasThatLookNowhere) {
+  const auto cameras = [&](const std::string& text) { return read(std::string(kMinimal) + "cameras:\n  " + text); };
+  EXPECT_ERROR(
+      cameras("a: {look_from: [0, 0, 1]}\n  b: {angle: 30}"), ExitCode::bad_config,
+      "`cameras.b` that do not go together (" + (folder_ / "job.yaml").string() + ", line 5): give `look_from`");
+  EXPECT_ERROR(cameras("a: {look_from: [0, 5, 0]}"), ExitCode::bad_config, "`up` across");
+  EXPECT_ERROR(cameras("a: {look_from: [0, 0, 5], up: [0, 0, 0]}"), ExitCode::bad_config, "`up` across");
+  EXPECT_ERROR(cameras("a: {look_from: [0, 0, 5], angle: 40, height: 2}"), ExitCode::bad_config, "parallel");
+  EXPECT_ERROR(cameras("a: {look_from: [0, 0, 5], angle: 180}"), ExitCode::bad_config, "0.01 to 179");
+  EXPECT_ERROR(cameras("a: {look_from: [0, 0, .nan]}"), ExitCode::bad_config, "`cameras.a.look_from`");
+  EXPECT_ERROR(cameras("a: {look_from: [0, 0]}"), ExitCode::bad_config, "[x, y, z]");
+  EXPECT_ERROR(cameras("a: {look_form: [0, 0, 1]}"), ExitCode::bad_config, "did you mean `cameras.a.look_from`?");
+  EXPECT_ERROR(cameras("'': {look_from: [0, 0, 1]}"), ExitCode::bad_config, "name");
+  EXPECT_ERROR(read(kMinimal, {"cameras.a.angle=30"}), ExitCode::bad_config, "--set");
+}
+
+TEST_F(JobFile, ReadsFramesAsTextOrList) {
+  EXPECT_EQ(read(kMinimal, {"trace.frames=1,5..9"}).trace.frames, "1,5..9");
+  EXPECT_EQ(read(kMinimal, {"trace.frames=7"}).trace.frames, "7");
+  EXPECT_EQ(read(kMinimal, {"trace.frames=[1, 5-9, 20..40:2]"}).trace.frames, "1, 5-9, 20..40:2");
+}
+
+TEST_F(JobFile, TakesLayersInAnyOrder) {
+  const Job job = read(std::string(kMinimal) + "trace: {layers: [depth, direct, depth]}");
+  EXPECT_EQ(job.trace.layers, (std::vector<std::string>{"direct", "depth"}));
+  EXPECT_EQ(read(kMinimal, {"trace.layers=[depth, direct]"}).trace.layers, job.trace.layers);
+  EXPECT_EQ(read(kMinimal, {"trace.layers=patch"}).trace.layers, std::vector<std::string>{"patch"});
+  EXPECT_TRUE(read(kMinimal).trace.layers.empty());
+}
+
+TEST_F(JobFile, ReadsSizesOfTheCache) {
+  EXPECT_EQ(read(kMinimal).cache, 10ull << 30);
+  for (const auto& [text, bytes] : {std::pair("0", 0ull),
+                                    {"12", 12ull},
+                                    {"1.5KiB", 1536ull},
+                                    {"2M", 2ull << 20},
+                                    {"3 GB", 3ull << 30},
+                                    {"1TiB", 1ull << 40}}) {
+    const Job job = read(std::string(kMinimal) + "cache: " + text + "\n");
+    EXPECT_EQ(job.cache, bytes) << text;
+    EXPECT_EQ(parse_effective_job(effective_job(job)).cache, bytes) << text;
+  }
+  for (const char* text : {"-1", "much", "1PiB", "[1]", "999999999999T"})
+    EXPECT_ERROR(read(std::string(kMinimal) + "cache: " + text + "\n"), ExitCode::bad_config, "expected a size");
+}
+
+TEST_F(JobFile, KnowsLightGroupsByTheNamesThatFilesGiveThem) {
+  const Job job = read(std::string(kMinimal) + "lights: {hall/lamp: {scale: 2}, .: {scale: 3}, ..: {scale: 4}}\n");
+  EXPECT_EQ(job.lights.at("hall_lamp").scale, 2);
+  EXPECT_EQ(job.lights.at("_").scale, 3);
+  EXPECT_EQ(job.lights.at("..").scale, 4);
+}
+
+TEST_F(JobFile, ReadsShaders) {
+  const Job job = read(std::string(kMinimal) + R"(
+shaders:
+  wall_*: {reflectance: ["(1+cos(4*pi*u))/2", v, 1]}
+  lamp: {emission: "u > 0.5 ? 5 : 0", reflectance: 0.5}
+)");
+  ASSERT_EQ(job.shaders.size(), 2u);
+  EXPECT_EQ(job.shaders[0].name, "wall_*");
+  EXPECT_EQ(job.shaders[0].reflectance, (ColorExpressions{"(1+cos(4*pi*u))/2", "v", "1"}));
+  EXPECT_FALSE(is_set(job.shaders[0].emission));
+  EXPECT_EQ(job.shaders[1].emission[2], "u > 0.5 ? 5 : 0");
+  EXPECT_EQ(job.shaders[1].reflectance[0], "0.5");
+  EXPECT_EQ(effective_job(read(effective_job(job))), effective_job(job));
+}
+
+TEST_F(JobFile, RefusesShadersOfAnotherShape) {
+  const auto shaders = [&](const std::string& text) { return read(kMinimal + ("shaders: " + text)); };
+  EXPECT_ERROR(shaders("{a: {reflectance: [u, v]}}"), ExitCode::bad_config, "three expressions");
+  EXPECT_ERROR(shaders("{a: {reflectance: [u, v, [1]]}}"), ExitCode::bad_config, "expected an expression");
+  EXPECT_ERROR(shaders("{a: {reflectance: ''}}"), ExitCode::bad_config, "expected an expression");
+  EXPECT_ERROR(shaders("{a: {mirror: u}}"), ExitCode::bad_config, "unknown key `mirror` of `a`");
+  EXPECT_ERROR(shaders("{a: u}"), ExitCode::bad_config, "map of settings");
+  EXPECT_ERROR(shaders("[u]"), ExitCode::bad_config, "`shaders`");
+}
+
+}  // namespace
+}  // namespace patchlight
