@@ -1,7 +1,7 @@
 #pragma once
 #include <filesystem>
-#include <optional>
 #include <string>
+#include <vector>
 
 #include "pipeline/stage/stage.h"
 
@@ -112,12 +112,14 @@ int show_info(const InfoCommand& command);
 struct DiffCommand {
   std::string a;
   std::string b;
-  std::optional<double> tolerance;  ///< Absent: none, or any beside `max`.
-  std::optional<double> max;
+  /// Each a number from 0 up, or such a number for datasets or layers of a name: GLOB=NUMBER; the last that fits
+  /// counts.
+  std::vector<std::string> tolerance;  ///< What none fits: no difference, or any beside a `max`.
+  std::vector<std::string> max;
 };
 
 /// Prints how two files of one kind differ. Returns 1 if by more than is allowed, else 0.
-/// Throws: Error (missing_input, bad_data).
+/// Throws: Error (usage) for a malformed limit, (missing_input, bad_data).
 int compare_files(const DiffCommand& command);
 
 }  // namespace patchlight

@@ -109,11 +109,13 @@ Command add_diff(CLI::App& app) {
       "diff", "Compare two patches.h5, energy.h5 or frames; exit code 1 if they differ by more than is allowed");
   sub->add_option("A", diff.a, "The reference")->required();
   sub->add_option("B", diff.b)->required();
-  sub->add_option("--tolerance", diff.tolerance, "Allowed RMS of differences over the RMS of A's values")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
-  sub->add_option("--max", diff.max, "Allowed largest difference over A's largest value; absent: any")
-      ->check(CLI::NonNegativeNumber);
+  sub->add_option(
+         "--tolerance", diff.tolerance,
+         "Allowed RMS of differences over the RMS of A's values, NUMBER or GLOB=NUMBER for datasets or layers of "
+         "a name; repeatable, the last that fits counts")
+      ->allow_extra_args(false);
+  sub->add_option("--max", diff.max, "Allowed largest difference over A's largest value, likewise; absent: any")
+      ->allow_extra_args(false);
   add_common_options(*sub, common);
   return {sub, &common, [](Progress&) { return compare_files(diff); }};
 }

@@ -268,6 +268,7 @@ H5Reader::Values H5Reader::values(const std::string& name) const {
       if (shape[i] == 0 || shape[i] > kWidest) refuse("wrong shape", name);
     const int columns = shape.size() > 1 ? int(shape.back()) : 0, planes = shape.size() > 2 ? int(shape[1]) : 1;
     const std::vector<T> all = dataset<T>(name, -1, columns, planes);
+    result.row = int(h5_values_per_row(columns, planes));
     result.numbers.assign(all.begin(), all.end());
   };
   if (kind == H5T_NATIVE_DOUBLE)

@@ -66,6 +66,7 @@ class H5Reader {
   /// Any dataset, for those who only look.
   struct Values {
     std::string shape;  ///< As in `4 x 3`.
+    int row = 1;        ///< Values of one row.
     std::vector<double> numbers;
     std::vector<std::string> texts;  ///< Instead of numbers.
   };

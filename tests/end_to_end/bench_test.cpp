@@ -74,7 +74,7 @@ TEST_F(Bench, FindsNoErrorAgainstTheSamePicture) {
 }
 
 TEST_F(Bench, RefusesAReferenceOfAnotherShape) {
-  std::filesystem::copy_file(std::string(PATCHLIGHT_SOURCE) + "/tests/end_to_end/golden/frame.direct.exr",
+  std::filesystem::copy_file(std::string(PATCHLIGHT_SOURCE) + "/tests/end_to_end/golden/mirror_room/frame.direct.exr",
                              folder_ / "a.exr");
   const Outcome outcome = bench("  sweep: {trace.resolution: [[31, 17]]}\n  reference: a.exr\n");
   EXPECT_EQ(outcome.code, 78) << outcome.err;

@@ -7,7 +7,7 @@
 namespace patchlight::test {
 namespace {
 
-const std::string kGolden = std::string(PATCHLIGHT_SOURCE) + "/tests/end_to_end/golden/";
+const std::string kGolden = std::string(PATCHLIGHT_SOURCE) + "/tests/end_to_end/golden/mirror_room/";
 
 /// Previews of the golden job against golden pictures.
 class Preview : public ::testing::TestWithParam<const char*> {
