@@ -92,7 +92,7 @@ void FrameWriter::write(const Frame& frame, Image image, double seconds, const s
       {"patchlight:job", effective_job(job)},
   };
   if (!relit_from.empty()) {
-    image.metadata["patchlight:key"] = KeyHasher().add("relight").add(key(frame)).add(relit_from).hex();
+    image.metadata["patchlight:key"] = relit_key(key(frame));
     image.metadata["patchlight:relit_from"] = relit_from;
   }
   if (frame.camera.projection == Camera::Projection::perspective)

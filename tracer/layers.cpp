@@ -2,13 +2,11 @@
 
 #include <algorithm>
 
-#include "pipeline/model/error.h"
+#include "pipeline/files/frame_layers.h"
 
 namespace patchlight {
 
 namespace {
-
-constexpr std::size_t kLongestGroup = 240;  // of the 255 bytes of a channel's name
 
 bool asks_for_any(const TraceConfig& config, std::initializer_list<std::string_view> names) {
   return std::any_of(names.begin(), names.end(), [&](std::string_view name) { return config.asks_for(name); });
@@ -34,26 +32,9 @@ void LayerSums::add_surface(std::uint32_t pixel, const Surface& surface, float o
 }
 
 std::vector<ImageLayer> LayerSums::blank(const TraceConfig& config, const PatchSet& scene, std::size_t pixels) {
-  std::vector<ImageLayer> layers;
-  const std::vector<Color> black(pixels, Color(0.0f));
-  for (const std::string& name : config.layers) {
-    if (name == "depth")
-      layers.push_back({name, "Z", std::vector<float>(pixels, 0.0f)});
-    else if (name == "patch")
-      layers.push_back({name, "X", std::vector<std::uint32_t>(pixels, kNoPatch)});
-    else if (name == "normal" || name == "position")
-      layers.push_back({name, "XYZ", black});
-    else if (name == "light_groups")
-      for (const std::string& group : scene.light_groups) {
-        if (group.size() > kLongestGroup)
-          throw Error(ExitCode::bad_config,
-                      "the light group `" + group.substr(0, 40) + "...` has a name too long for an EXR", "trace.layers",
-                      "leave out `light_groups`, or name it anew in the scene");
-        layers.push_back({kLightGroupLayer + group, "RGB", black});
-      }
-    else
-      layers.push_back({name, "RGB", black});
-  }
+  std::vector<ImageLayer> layers = frame_layers(config, scene);
+  for (ImageLayer& layer : layers)
+    std::visit([&]<class Value>(std::vector<Value>& values) { values.assign(pixels, Value(0)); }, layer.values);
   return layers;
 }
 

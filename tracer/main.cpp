@@ -11,16 +11,15 @@ int main(int argc, char** argv) {
   bool skip_fresh = false, relight = false;
   const auto body = [&](const Job& job, Progress& progress) {
     const PatchSet scene = read_patches(job.patch_file());
-    if (relight) return relight_frames(job, scene, progress);
+    if (relight) return relight_frames(job, scene, skip_fresh, progress);
     trace_frames(job, scene, read_energy(job.energy_file(), scene), skip_fresh, progress);
   };
   return run_stage("trace", argc, argv, body, [&](CLI::App& app) {
-    CLI::Option* skip = app.add_flag(
+    app.add_flag(
         "--skip-fresh", skip_fresh,
         "Leave frames that are there as the job makes them now, and share the others with whoever renders them");
     app.add_flag(
-           "--relight", relight,
-           "Trace nothing: make frames under other `lights` from the layers `light_groups` of those that are there")
-        ->excludes(skip);
+        "--relight", relight,
+        "Trace nothing: make frames under other `lights` from the layers `light_groups` of those that are there");
   });
 }

@@ -3,31 +3,23 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <iterator>
-#include <string_view>
 #include <utility>
 
+#include "pipeline/files/frame_check.h"
+#include "pipeline/files/frame_layers.h"
 #include "pipeline/files/job_changes.h"
 #include "pipeline/files/job_check.h"
 #include "pipeline/files/key.h"
 #include "pipeline/model/error.h"
 #include "tracer/frame_writer.h"
-#include "tracer/layers.h"
 
 namespace patchlight {
 
 namespace {
 
 constexpr const char* kMend = "render it by `patchlight run`";
-
-/// Of all groups together, so that no sum of single ones makes them.
-constexpr std::array<std::string_view, 4> kLightByItsWay{"direct", "indirect", "specular", "emission"};
-
-bool holds_light_by_its_way(const std::string& layer) {
-  return std::find(kLightByItsWay.begin(), kLightByItsWay.end(), layer) != kLightByItsWay.end();
-}
 
 /// Throws unless a frame was traced as the job says, whatever the lights and the view.
 void check_source(const Frame& frame, const Image& source, const Job& job, const PatchSet& scene) {
@@ -60,15 +52,11 @@ void check_source(const Frame& frame, const Image& source, const Job& job, const
 /// Those layers of a frame that it should have and that other lights leave as they are, or that are a group's.
 std::vector<ImageLayer> take_layers(const Frame& frame, Image& source, const Job& job, const PatchSet& scene) {
   std::vector<ImageLayer> layers;
-  for (const ImageLayer& wanted : LayerSums::blank(job.trace, scene, 0)) {
-    if (holds_light_by_its_way(wanted.name)) continue;
-    const auto found = std::find_if(source.layers.begin(), source.layers.end(), [&](const ImageLayer& layer) {
-      return layer.name == wanted.name && layer.channels == wanted.channels &&
-             layer.values.index() == wanted.values.index();
-    });
+  for (const ImageLayer& wanted : relit_layers(job.trace, scene)) {
+    const auto found = std::find_if(source.layers.begin(), source.layers.end(),
+                                    [&](const ImageLayer& layer) { return are_alike(layer, wanted); });
     if (found == source.layers.end())
-      throw Error(ExitCode::bad_data, "it lacks the layer `" + wanted.name + "`", frame.exr.string(),
-                  "remove it, and `patchlight run` the job");
+      throw Error(ExitCode::bad_data, "it lacks the layer `" + wanted.name + "`", frame.exr.string(), kMend);
     layers.push_back(std::move(*found));
   }
   return layers;
@@ -101,13 +89,20 @@ std::vector<Color> sum_of_groups(const std::vector<ImageLayer>& layers, const Pa
 
 }  // namespace
 
-void relight_frames(const Job& job, const PatchSet& scene, Progress& progress) {
+void relight_frames(const Job& job, const PatchSet& scene, bool skip_fresh, Progress& progress) {
   if (!job.trace.asks_for("light_groups"))
     throw Error(ExitCode::bad_config, "frames without the layers of their light groups cannot be relit",
                 job.file.string() + ", trace.layers", "add `light_groups` to it, and `patchlight run` the job once");
   const std::vector<Color> settings = light_settings(job, scene);
-  const std::vector<Frame> frames = job_frames(job, scene);
   const FrameWriter writer(job, scene, energy_key(scene.key, job.solve));
+  std::vector<Frame> frames = job_frames(job, scene);
+  if (skip_fresh) {
+    const std::size_t all = frames.size();
+    std::erase_if(frames, [&, layers = relit_layers(job.trace, scene)](const Frame& frame) {
+      return is_fresh(relit_frame(job, frame), relit_key(writer.key(frame)), layers);
+    });
+    if (frames.size() < all) progress.note(fmt::format("{} of {} frames are up to date", all - frames.size(), all));
+  }
   std::vector<std::string> lost;
   std::copy_if(job.trace.layers.begin(), job.trace.layers.end(), std::back_inserter(lost), holds_light_by_its_way);
   if (!lost.empty())
@@ -129,9 +124,7 @@ void relight_frames(const Job& job, const PatchSet& scene, Progress& progress) {
     }
     const std::string from = image.metadata["patchlight:key"];
     image.pixels = sum_of_groups(image.layers, scene, settings, image.pixels.size());
-    Frame relit = frames[i];
-    relit.exr = job.relit_folder() / relit.exr.filename();
-    relit.png = job.relit_folder() / relit.png.filename();
+    const Frame relit = relit_frame(job, frames[i]);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     writer.write(relit, std::move(image), seconds, from);
     progress.note(fmt::format("relit/{} in {:.2f} s", relit.exr.filename().string(), seconds));

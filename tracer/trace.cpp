@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "pipeline/files/frame_check.h"
+#include "pipeline/files/frame_layers.h"
 #include "tracer/frame_claims.h"
 #include "tracer/frame_writer.h"
 #include "tracer/integrator.h"
@@ -26,12 +27,14 @@ void keep_freed_memory() {
 
 /// Does `render` for those frames that are not there yet, but for what other processes are rendering, and waits for
 /// these.
-void share_frames(const std::vector<Frame>& frames, const FrameWriter& writer, const std::filesystem::path& folder,
-                  const std::function<void(const Frame&)>& render, Progress& progress) {
+void share_frames(const std::vector<Frame>& frames, const FrameWriter& writer, const std::vector<ImageLayer>& layers,
+                  const std::filesystem::path& folder, const std::function<void(const Frame&)>& render,
+                  Progress& progress) {
   FrameClaims claims(folder);
+  const auto is_there = [&](const Frame& frame) { return is_fresh(frame, writer.key(frame), layers); };
   std::vector<const Frame*> left;
   for (const Frame& frame : frames)
-    if (!is_fresh(frame, writer.key(frame))) left.push_back(&frame);
+    if (!is_there(frame)) left.push_back(&frame);
   if (left.size() < frames.size())
     progress.note(fmt::format("{} of {} frames are up to date", frames.size() - left.size(), frames.size()));
   for (const std::size_t all = left.size(); !left.empty();) {
@@ -39,14 +42,13 @@ void share_frames(const std::vector<Frame>& frames, const FrameWriter& writer, c
     for (std::size_t i = 0; i < left.size(); ++i) {
       Progress::check_interrupted();
       const Frame& frame = *left[i];
-      const std::string key = writer.key(frame);
-      if (is_fresh(frame, key)) continue;
-      if (!claims.take(key)) {
+      if (is_there(frame)) continue;
+      if (!claims.take(writer.key(frame))) {
         others.push_back(&frame);
         continue;
       }
       progress.set_part(all - left.size() + i - others.size(), all);
-      if (!is_fresh(frame, key)) render(frame);  // else it has just become so
+      if (!is_there(frame)) render(frame);  // else it has just become so
       claims.release();
     }
     if (others.size() == left.size()) {
@@ -73,7 +75,7 @@ void trace_frames(const Job& job, const PatchSet& scene, const EnergyField& ener
     writer.write(frame, image, seconds);
     progress.note(fmt::format("{} in {:.2f} s", frame.exr.filename().string(), seconds));
   };
-  if (skip_fresh) return share_frames(frames, writer, job.output, render, progress);
+  if (skip_fresh) return share_frames(frames, writer, frame_layers(job.trace, scene), job.output, render, progress);
   for (std::size_t i = 0; i < frames.size(); ++i) {
     progress.set_part(i, frames.size());
     render(frames[i]);

@@ -74,10 +74,13 @@ int draw_picture(const PreviewCommand& command, const std::filesystem::path& pic
 struct RelightCommand {
   std::string job_file;
   std::string variant;  ///< Glob; empty: all.
+  bool force = false;
+  bool explain = false;
   CommonOptions common;
 };
 
-/// Makes frames under other lights into <output>/relit/, from the layers of those that are there; nothing else is run.
+/// Makes those frames under other lights in <output>/relit/ that are not as the job makes them now, from the layers of
+/// traced ones that are there, and says why; nothing else is run.
 /// Goes on past a variant that fails. Returns the exit code of the first failure, else 0.
 /// Throws: Error (bad_config, missing_input) for the job.
 int relight_jobs(const RelightCommand& command, Progress& progress);

@@ -1,9 +1,13 @@
 #include "pipeline/driver/freshness.h"
 
+#include <fmt/format.h>
+
+#include <array>
 #include <filesystem>
 #include <functional>
 
 #include "pipeline/files/energy_file.h"
+#include "pipeline/files/frame_layers.h"
 #include "pipeline/files/image_file.h"
 #include "pipeline/files/job_changes.h"
 #include "pipeline/files/key.h"
@@ -62,7 +66,75 @@ void compare_keys(Freshness& state, const Job& job, const std::string& key, cons
   if (state.reasons.empty()) state.reasons.push_back("made by another version of Patchlight, or from something else");
 }
 
+/// Of a frame's files, whose key is made by `key_of_frame` of that which a traced frame would have.
+Freshness picture_freshness(const Job& job, const PatchSet& scene, const Frame& frame,
+                            std::string (*key_of_frame)(const std::string&), const std::vector<ImageLayer>& layers) {
+  const std::string view_config = view_config_key();
+  const auto key_of = [&](const Job& other) {
+    return key_of_frame(
+        frame_key(scene, energy_key(scene.key, other.solve), other, frame.camera, frame.number, view_config));
+  };
+  Image header;
+  Freshness state = try_reading(frame.exr, [&] { header = read_exr_header(frame.exr); });
+  state.key = key_of(job);
+  const auto refuse = [&](State fault, const std::string& reason) {
+    state.state = fault;
+    state.reasons = {reason};
+    return state;
+  };
+  if (state.state == State::missing) return refuse(State::missing, "missing");
+  if (!state.fresh()) return state;
+  std::vector<std::string> inputs;
+  for (const auto& [what, attribute, now] : {std::tuple("the patches", "patchlight:patches_key", scene.key),
+                                             {"textures and shaders", "patchlight:frames_key", scene.frames_key},
+                                             {"the camera", "patchlight:camera_key", camera_key(frame.camera)},
+                                             {"the OpenColorIO config", "patchlight:view_config", view_config}})
+    if (header.metadata[attribute] != now) inputs.push_back(change(what, header.metadata[attribute], now));
+  compare_keys(state, job, header.metadata["patchlight:key"], header.metadata["patchlight:job"], key_of, inputs);
+  if (!state.fresh()) return state;
+  if (header.width != job.trace.resolution[0] || header.height != job.trace.resolution[1])
+    return refuse(State::damaged, "it is of another size");
+  if (const std::string layer = lacking_layer(header, layers); !layer.empty())
+    return refuse(State::damaged, "it lacks the layer `" + layer + "`");
+  if (!is_file(frame.png)) return refuse(State::missing, "its PNG is missing");
+  if (header.metadata["patchlight:png"] != hash_file(frame.png)) return refuse(State::damaged, "its PNG is damaged");
+  const Freshness pixels = try_reading(frame.exr, [&] { read_exr(frame.exr); });
+  return pixels.fresh() ? state : refuse(pixels.state, pixels.reasons.front());
+}
+
+std::string traced_key(const std::string& frame_key) {
+  return frame_key;
+}
+
 }  // namespace
+
+const char* Freshness::name() const {
+  return std::array<const char*, 4>{"fresh", "stale", "missing", "damaged"}[std::size_t(state)];
+}
+
+std::string Freshness::reason(bool all) const {
+  if (all || reasons.size() <= 1) return fmt::format("{}", fmt::join(reasons, "; "));
+  return fmt::format("{}, and {} more (--explain lists them)", reasons.front(), reasons.size() - 1);
+}
+
+void JointFreshness::add(const std::string& name, const Freshness& one) {
+  keys_.push_back(one.key);
+  if (one.fresh()) return;
+  const bool damaged = one.state == State::damaged || state_ == State::damaged;
+  state_ = damaged ? State::damaged : State::stale;
+  const std::string reason = fmt::format("{}", fmt::join(one.reasons, ", "));
+  if (names_.empty() || names_.back().first != reason) names_.push_back({reason, {}});
+  names_.back().second.push_back(name);
+}
+
+Freshness JointFreshness::all() const {
+  KeyHasher key;
+  for (const std::string& one : keys_) key.add(one);
+  Freshness result{state_, {}, key.hex()};
+  for (const auto& [reason, names] : names_)
+    result.reasons.push_back(names.front() + (names.size() > 1 ? " to " + names.back() : "") + ": " + reason);
+  return result;
+}
 
 std::string import_key(const Job& job, const std::vector<SourceFile>& sources) {
   std::vector<SourceFile> now = sources;
@@ -120,34 +192,11 @@ Freshness energy_freshness(const Job& job, const PatchSet& scene) {
 }
 
 Freshness frame_freshness(const Job& job, const PatchSet& scene, const Frame& frame) {
-  const std::string view_config = view_config_key();
-  const auto key_of = [&](const Job& other) {
-    return frame_key(scene, energy_key(scene.key, other.solve), other, frame.camera, frame.number, view_config);
-  };
-  Image header;
-  Freshness state = try_reading(frame.exr, [&] { header = read_exr_header(frame.exr); });
-  state.key = key_of(job);
-  const auto refuse = [&](State fault, const std::string& reason) {
-    state.state = fault;
-    state.reasons = {reason};
-    return state;
-  };
-  if (state.state == State::missing) return refuse(State::missing, "missing");
-  if (!state.fresh()) return state;
-  std::vector<std::string> inputs;
-  for (const auto& [what, attribute, now] : {std::tuple("the patches", "patchlight:patches_key", scene.key),
-                                             {"textures and shaders", "patchlight:frames_key", scene.frames_key},
-                                             {"the camera", "patchlight:camera_key", camera_key(frame.camera)},
-                                             {"the OpenColorIO config", "patchlight:view_config", view_config}})
-    if (header.metadata[attribute] != now) inputs.push_back(change(what, header.metadata[attribute], now));
-  compare_keys(state, job, header.metadata["patchlight:key"], header.metadata["patchlight:job"], key_of, inputs);
-  if (!state.fresh()) return state;
-  if (header.width != job.trace.resolution[0] || header.height != job.trace.resolution[1])
-    return refuse(State::damaged, "it is of another size");
-  if (!is_file(frame.png)) return refuse(State::missing, "its PNG is missing");
-  if (header.metadata["patchlight:png"] != hash_file(frame.png)) return refuse(State::damaged, "its PNG is damaged");
-  const Freshness pixels = try_reading(frame.exr, [&] { read_exr(frame.exr); });
-  return pixels.fresh() ? state : refuse(pixels.state, pixels.reasons.front());
+  return picture_freshness(job, scene, frame, traced_key, frame_layers(job.trace, scene));
+}
+
+Freshness relit_freshness(const Job& job, const PatchSet& scene, const Frame& frame) {
+  return picture_freshness(job, scene, relit_frame(job, frame), relit_key, relit_layers(job.trace, scene));
 }
 
 }  // namespace patchlight

@@ -1,5 +1,6 @@
 #pragma once
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "pipeline/files/frame_list.h"
@@ -18,6 +19,22 @@ struct Freshness {
   std::string key;  ///< That the job wants of it; empty where it cannot be told yet.
 
   bool fresh() const { return state == State::fresh; }
+  const char* name() const;  ///< Of the state.
+  /// The reasons in a line: all, or the first and how many more.
+  std::string reason(bool all) const;
+};
+
+/// Several outputs as one; those with the same reasons in one line.
+class JointFreshness {
+ public:
+  void add(const std::string& name, const Freshness& one);
+  /// Damaged if any of them is, else stale if any is not fresh. Its key is made of theirs.
+  Freshness all() const;
+
+ private:
+  Freshness::State state_ = Freshness::State::fresh;
+  std::vector<std::string> keys_;
+  std::vector<std::pair<std::string, std::vector<std::string>>> names_;  ///< By reason.
 };
 
 /// The key that a job wants of a patches.h5 that is made from these files as they are now; empty if one is gone.
@@ -34,5 +51,8 @@ Freshness energy_freshness(const Job& job, const PatchSet& scene);
 
 /// Of one frame's EXR and PNG, by a solution of `scene` as the job wants it.
 Freshness frame_freshness(const Job& job, const PatchSet& scene, const Frame& frame);
+
+/// Of what `patchlight relight` makes of a frame.
+Freshness relit_freshness(const Job& job, const PatchSet& scene, const Frame& frame);
 
 }  // namespace patchlight

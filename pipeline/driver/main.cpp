@@ -67,6 +67,8 @@ Command add_relight(CLI::App& app) {
                                      "`light_groups` of those that are there");
   sub->add_option("JOB.yaml", relight.job_file, "The job file")->required();
   sub->add_option("--variant", relight.variant, "Only variants of the job's matrix with such a name (glob)");
+  sub->add_flag("--force", relight.force, "Make every frame, stale or not");
+  sub->add_flag("--explain", relight.explain, "Say all reasons for which frames are made");
   add_common_options(*sub, relight.common);
   sub->footer(job_key_help());
   return {sub, &relight.common, [](Progress& progress) { return relight_jobs(relight, progress); }};

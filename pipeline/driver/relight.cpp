@@ -5,6 +5,7 @@
 #include "pipeline/driver/job_variants.h"
 #include "pipeline/driver/output_lock.h"
 #include "pipeline/driver/stage_program.h"
+#include "pipeline/files/job_check.h"
 #include "pipeline/model/error.h"
 
 namespace patchlight {
@@ -12,10 +13,10 @@ namespace patchlight {
 namespace {
 
 /// Throws unless the patches are those of the job's scene as it is now.
-void check_patches(const Job& job) {
+PatchSet fresh_patches(const Job& job) {
   PatchSet scene;
   const Freshness patches = patches_freshness(job, scene);
-  if (patches.fresh()) return;
+  if (patches.fresh()) return scene;
   const bool missing = patches.state == Freshness::State::missing;
   throw Error(missing ? ExitCode::missing_input : ExitCode::bad_data,
               missing ? "there is nothing to relight yet"
@@ -23,13 +24,28 @@ void check_patches(const Job& job) {
               job.patch_file().string(), "`patchlight run` the job first");
 }
 
-int relight_job(const JobVariant& variant, Progress& progress) {
+int relight_job(const RelightCommand& command, const JobVariant& variant, Progress& progress) {
   const Job job = read_job(variant.job_file, variant.options.sets, variant.options.output);
-  check_patches(job);
+  const PatchSet scene = fresh_patches(job);
+  check_names(job, scene);
   const OutputLock lock(job, progress);
+  JointFreshness frames;
+  for (const Frame& frame : job_frames(job, scene))
+    frames.add(frame.exr.filename().string(), relit_freshness(job, scene, frame));
+  const Freshness state = frames.all();
+  if (state.fresh() && !command.force) {
+    progress.note("relight skipped: up to date");
+    progress.result({"relight", "fresh"});
+    return 0;
+  }
+  progress.note("relight runs: " + (state.fresh() ? "--force" : state.reason(command.explain)));
   std::vector<std::string> arguments = stage_arguments(variant.job_file, variant.options);
+  if (!command.force) arguments.insert(arguments.begin(), "--skip-fresh");
   arguments.insert(arguments.begin(), "--relight");
-  return run_stage_program("trace", arguments).exit_code;
+  const ProgramRun run = run_stage_program("trace", arguments);
+  progress.result({"relight", run.exit_code == 0 ? "done" : "failed", run.exit_code, run.wall_seconds, run.cpu_seconds,
+                   run.peak_bytes});
+  return run.exit_code;
 }
 
 }  // namespace
@@ -38,9 +54,10 @@ int relight_jobs(const RelightCommand& command, Progress& progress) {
   Progress::catch_signals();
   int first = 0;
   for (const JobVariant& variant : job_variants(command.job_file, command.common, command.variant)) {
+    progress.set_job(variant.job_file, variant.options.output);
     if (!variant.name.empty()) progress.note("job " + variant.label());
     int code = 0;
-    const int failure = report_errors("relight", progress, [&] { code = relight_job(variant, progress); });
+    const int failure = report_errors("relight", progress, [&] { code = relight_job(command, variant, progress); });
     if (failure != 0) code = failure;
     if (first == 0) first = code;
     if (code == int(ExitCode::interrupted)) return code;

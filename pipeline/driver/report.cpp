@@ -5,6 +5,7 @@
 
 #include "pipeline/driver/bench_report.h"
 #include "pipeline/driver/commands.h"
+#include "pipeline/driver/freshness.h"
 #include "pipeline/driver/html.h"
 #include "pipeline/driver/job_variants.h"
 #include "pipeline/files/energy_file.h"
@@ -55,17 +56,42 @@ std::string percent(double part) {
   return fmt::format("{:.2g}%", 100 * part);
 }
 
-std::string frame_pictures(const std::vector<FrameRecord>& frames) {
-  const std::size_t stride = (frames.size() + kMostFrames - 1) / kMostFrames;
+/// Some pictures of many: `picture` makes the one of frame i.
+template <class Picture>
+std::string frame_pictures(std::size_t frames, Picture picture) {
+  const std::size_t stride = (frames + kMostFrames - 1) / kMostFrames;
   std::string html;
-  for (std::size_t i = 0; i < frames.size(); i += stride) {
-    const FrameRecord& f = frames[i];
-    html += html_picture(f.frame.png, fmt::format("{}, {} x {}, {:.2f} s", f.frame.png.stem().string(), f.width,
-                                                  f.height, f.wall_seconds));
-  }
+  for (std::size_t i = 0; i < frames; i += stride) html += picture(i);
   html = "<div class=\"pictures\">\n" + html + "</div>\n";
-  if (stride > 1) html += fmt::format("<p>One of every {} of {} frames.</p>\n", stride, frames.size());
+  if (stride > 1) html += fmt::format("<p>One of every {} of {} frames.</p>\n", stride, frames);
   return html;
+}
+
+std::string traced_frames(const std::vector<FrameRecord>& frames) {
+  return "<h3>Frames</h3>\n" + frame_pictures(frames.size(), [&](std::size_t i) {
+           const FrameRecord& f = frames[i];
+           return html_picture(f.frame.png, fmt::format("{}, {} x {}, {:.2f} s", f.frame.png.stem().string(), f.width,
+                                                        f.height, f.wall_seconds));
+         });
+}
+
+/// What `relight` made, whether or not the job makes it so now; nothing where it was never asked for.
+std::string relit_frames(const Job& job, const PatchSet& scene, const std::vector<FrameRecord>& frames) {
+  if (std::error_code fault; !fs::exists(job.relit_folder(), fault)) return "";
+  JointFreshness all;
+  std::vector<std::string> states;
+  for (const FrameRecord& f : frames) {
+    const Freshness state = relit_freshness(job, scene, f.frame);
+    all.add(f.frame.exr.filename().string(), state);
+    states.push_back(state.name());
+  }
+  std::string html = "<h3>Relit frames</h3>\n";
+  for (const std::string& reason : all.all().reasons)
+    html += "<p class=\"warning\">Not as the job makes them now: " + html_text(reason) + "</p>\n";
+  return html + frame_pictures(frames.size(), [&](std::size_t i) {
+           const fs::path png = relit_frame(job, frames[i].frame).png;
+           return html_picture(png, png.stem().string() + ", " + states[i]);
+         });
 }
 
 std::string counts(const PatchSet& scene, const EnergyField& energy, std::size_t frames) {
@@ -166,7 +192,7 @@ std::string section(const JobVariant& variant, const Job& job) {
   html += "<h3>Warnings</h3>\n";
   if (warnings.empty()) html += "<p>None.</p>\n";
   for (const std::string& warning : warnings) html += "<p class=\"warning\">" + html_text(warning) + "</p>\n";
-  html += "<h3>Frames</h3>\n" + frame_pictures(frames);
+  html += traced_frames(frames) + relit_frames(job, scene, frames);
   html += "<h3>Counts</h3>\n" + counts(scene, energy, frames.size());
   html += "<h3>Time and memory</h3>\n" + stages(scene, energy, frames);
   html += "<h3>Convergence</h3>\n" + convergence(job, energy);

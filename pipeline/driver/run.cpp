@@ -14,10 +14,6 @@ namespace patchlight {
 
 namespace {
 
-std::string joined(const std::vector<std::string>& reasons, const char* by) {
-  return fmt::format("{}", fmt::join(reasons, by));
-}
-
 /// A stage's output as it is, and as it was before what was made earlier with the same settings was put back.
 struct StageState {
   Freshness now;
@@ -25,38 +21,12 @@ struct StageState {
   bool restored = false;
 };
 
-/// Several outputs as one; those with the same reasons in one line.
-class Several {
- public:
-  void add(const std::string& name, const Freshness& one) {
-    if (one.fresh()) return;
-    const bool damaged = one.state == Freshness::State::damaged || state_ == Freshness::State::damaged;
-    state_ = damaged ? Freshness::State::damaged : Freshness::State::stale;
-    const std::string reason = joined(one.reasons, ", ");
-    if (names_.empty() || names_.back().first != reason) names_.push_back({reason, {}});
-    names_.back().second.push_back(name);
-  }
-
-  Freshness all(const std::string& key) const {
-    Freshness result{state_, {}, key};
-    for (const auto& [reason, names] : names_)
-      result.reasons.push_back(names.front() + (names.size() > 1 ? " to " + names.back() : "") + ": " + reason);
-    return result;
-  }
-
- private:
-  Freshness::State state_ = Freshness::State::fresh;
-  std::vector<std::pair<std::string, std::vector<std::string>>> names_;  ///< By reason.
-};
-
 StageState frames_state(const Job& job, const PatchSet& scene, const OutputCache* cache) {
-  Several before, now;
-  KeyHasher key;
+  JointFreshness before, now;
   bool restored = false;
   for (const Frame& frame : job_frames(job, scene)) {
     const std::string name = frame.exr.filename().string();
     Freshness one = frame_freshness(job, scene, frame);
-    key.add(one.key);
     before.add(name, one);
     if (!one.fresh() && cache && cache->restore_frame(frame, one.key)) {
       one = frame_freshness(job, scene, frame);
@@ -64,7 +34,7 @@ StageState frames_state(const Job& job, const PatchSet& scene, const OutputCache
     }
     now.add(name, one);
   }
-  return {now.all(key.hex()), before.all(key.hex()), restored};
+  return {now.all(), before.all(), restored};
 }
 
 /// Where `freshness` says that the output is not fresh, tries to `restore` it.
@@ -120,9 +90,7 @@ class JobRun {
   }
 
   std::string reason(const Freshness& state) const {
-    if (state.fresh()) return "--force";
-    if (command_.explain || state.reasons.size() == 1) return joined(state.reasons, "; ");
-    return fmt::format("{}, and {} more (--explain lists them)", state.reasons.front(), state.reasons.size() - 1);
+    return state.fresh() ? "--force" : state.reason(command_.explain);
   }
 
   void tell(const Progress::StageResult& result) {

@@ -1,8 +1,5 @@
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
-
 #include "pipeline/driver/commands.h"
 #include "pipeline/driver/freshness.h"
 #include "pipeline/driver/job_variants.h"
@@ -18,14 +15,13 @@ void print_line(const char* stage, const std::string& state, const std::string& 
 
 /// Prints a line on one output. Returns whether it is fresh.
 bool report(const char* stage, const std::string& file, const Freshness& freshness) {
-  static constexpr std::array<const char*, 4> kNames{"fresh", "stale", "missing", "damaged"};
   std::string reason = fmt::format("{}", fmt::join(freshness.reasons, ", "));
   if (freshness.state == Freshness::State::missing && !reason.starts_with("its ")) reason.clear();  // it says no more
-  print_line(stage, kNames[std::size_t(freshness.state)], file, reason);
+  print_line(stage, freshness.name(), file, reason);
   return freshness.fresh();
 }
 
-/// Returns whether all of the job is fresh.
+/// Returns whether all that a run makes is fresh; relit frames are of a command of their own.
 bool report_job(const JobVariant& variant) {
   const Job job = read_job(variant.job_file, variant.options.sets, variant.options.output);
   check_available(job.solve);
@@ -39,6 +35,9 @@ bool report_job(const JobVariant& variant) {
   bool fresh = report("solve", "energy.h5", energy_freshness(job, scene));
   for (const Frame& frame : job_frames(job, scene))
     fresh &= report("trace", "frames/" + frame.exr.filename().string(), frame_freshness(job, scene, frame));
+  if (std::error_code fault; std::filesystem::exists(job.relit_folder(), fault))  // else nobody asked for them
+    for (const Frame& frame : job_frames(job, scene))
+      report("relight", "relit/" + frame.exr.filename().string(), relit_freshness(job, scene, frame));
   return fresh;
 }
 

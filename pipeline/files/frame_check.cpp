@@ -1,18 +1,19 @@
 #include "pipeline/files/frame_check.h"
 
-#include "pipeline/files/image_file.h"
+#include "pipeline/files/frame_layers.h"
 #include "pipeline/files/key.h"
 #include "pipeline/model/error.h"
 
 namespace patchlight {
 
-bool is_fresh(const Frame& frame, const std::string& frame_key) {
+bool is_fresh(const Frame& frame, const std::string& frame_key, const std::vector<ImageLayer>& layers) {
   std::error_code fault;
   if (!std::filesystem::is_regular_file(frame.exr, fault) || !std::filesystem::is_regular_file(frame.png, fault))
     return false;
   try {
     Image header = read_exr_header(frame.exr);
-    if (header.metadata["patchlight:key"] != frame_key || header.metadata["patchlight:png"] != hash_file(frame.png))
+    if (header.metadata["patchlight:key"] != frame_key || header.metadata["patchlight:png"] != hash_file(frame.png) ||
+        !lacking_layer(header, layers).empty())
       return false;
     read_exr(frame.exr);
     return true;

@@ -1,11 +1,13 @@
 #pragma once
 #include <string>
+#include <vector>
 
 #include "pipeline/files/frame_list.h"
+#include "pipeline/files/image_file.h"
 
 namespace patchlight {
 
-/// Whether a frame's EXR and PNG are whole and carry the key.
-bool is_fresh(const Frame& frame, const std::string& frame_key);
+/// Whether a frame's EXR and PNG are whole, carry the key, and hold `layers`.
+bool is_fresh(const Frame& frame, const std::string& frame_key, const std::vector<ImageLayer>& layers);
 
 }  // namespace patchlight

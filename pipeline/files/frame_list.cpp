@@ -90,4 +90,11 @@ std::vector<Frame> job_frames(const Job& job, const PatchSet& scene) {
   return frames;
 }
 
+Frame relit_frame(const Job& job, const Frame& frame) {
+  Frame relit = frame;
+  relit.exr = job.relit_folder() / frame.exr.filename();
+  relit.png = job.relit_folder() / frame.png.filename();
+  return relit;
+}
+
 }  // namespace patchlight

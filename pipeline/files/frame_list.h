@@ -20,4 +20,7 @@ struct Frame {
 /// for a frame at which a camera makes no picture.
 std::vector<Frame> job_frames(const Job& job, const PatchSet& scene);
 
+/// The same frame where it stands relit.
+Frame relit_frame(const Job& job, const Frame& frame);
+
 }  // namespace patchlight

@@ -140,26 +140,11 @@ std::vector<std::string> channel_names(const std::string& layer, const std::stri
   return names;
 }
 
-/// Sets up a layer of an open file and where its values go.
-template <typename Value>
-ImageLayer prepared(const Imf::InputFile& input, const std::string& name, const std::string& letters,
-                    Imf::FrameBuffer& buffer) {
-  const Imath::Box2i window = input.header().dataWindow();
-  const int width = window.max.x - window.min.x + 1, height = window.max.y - window.min.y + 1;
-  std::vector<Value> values(std::size_t(width) * std::size_t(height));
-  const auto type = std::is_same_v<Value, std::uint32_t> ? Imf::UINT : Imf::FLOAT;
-  for (std::size_t k = 0; k < letters.size(); ++k)
-    buffer.insert(channel_names(name, letters)[k],
-                  Imf::Slice::Make(type, reinterpret_cast<char*>(values.data()) + k * sizeof(float), window.min, width,
-                                   height, sizeof(Value), sizeof(Value) * std::size_t(width)));
-  return {name, letters, std::move(values)};
-}
-
-/// What write_exr() would write as layers, of a file's channels.
-std::vector<ImageLayer> prepared_layers(const Imf::InputFile& input, Imf::FrameBuffer& buffer) {
+/// What write_exr() would write as layers, of a file's channels; without values.
+std::vector<ImageLayer> layers_of(const Imf::ChannelList& channels) {
   std::map<std::string, std::string> letters;
   std::map<std::string, bool> are_numbers;
-  for (auto c = input.header().channels().begin(); c != input.header().channels().end(); ++c) {
+  for (auto c = channels.begin(); c != channels.end(); ++c) {
     const std::string name = c.name();
     const std::size_t dot = name.rfind('.');
     if (dot == std::string::npos || dot + 2 != name.size() || c.channel().xSampling != 1 || c.channel().ySampling != 1)
@@ -169,13 +154,29 @@ std::vector<ImageLayer> prepared_layers(const Imf::InputFile& input, Imf::FrameB
   }
   std::vector<ImageLayer> layers;
   for (const auto& [name, sorted] : letters) {
-    if (sorted == "BGR") layers.push_back(prepared<Color>(input, name, "RGB", buffer));
-    if (sorted == "XYZ") layers.push_back(prepared<Color>(input, name, "XYZ", buffer));
+    if (sorted == "BGR") layers.push_back({name, "RGB", std::vector<Color>()});
+    if (sorted == "XYZ") layers.push_back({name, "XYZ", std::vector<Color>()});
     if (sorted.size() != 1) continue;
-    layers.push_back(are_numbers[name] ? prepared<std::uint32_t>(input, name, sorted, buffer)
-                                       : prepared<float>(input, name, sorted, buffer));
+    if (are_numbers[name])
+      layers.push_back({name, sorted, std::vector<std::uint32_t>()});
+    else
+      layers.push_back({name, sorted, std::vector<float>()});
   }
   return layers;
+}
+
+/// Makes room for a layer's values and says that they go there.
+template <typename Value>
+void prepare(const Imf::InputFile& input, const ImageLayer& layer, std::vector<Value>& values,
+             Imf::FrameBuffer& buffer) {
+  const Imath::Box2i window = input.header().dataWindow();
+  const int width = window.max.x - window.min.x + 1, height = window.max.y - window.min.y + 1;
+  values.resize(std::size_t(width) * std::size_t(height));
+  const auto type = std::is_same_v<Value, std::uint32_t> ? Imf::UINT : Imf::FLOAT;
+  for (std::size_t k = 0; k < layer.channels.size(); ++k)
+    buffer.insert(channel_names(layer.name, layer.channels)[k],
+                  Imf::Slice::Make(type, reinterpret_cast<char*>(values.data()) + k * sizeof(float), window.min, width,
+                                   height, sizeof(Value), sizeof(Value) * std::size_t(width)));
 }
 
 Image read_pixels(const fs::path& file, bool with_layers) {
@@ -196,7 +197,9 @@ Image read_pixels(const fs::path& file, bool with_layers) {
       buffer.insert(name, Imf::Slice::Make(Imf::FLOAT, &image.pixels[0][k], first, image.width, image.height,
                                            sizeof(Color), sizeof(Color) * std::size_t(image.width)));
     }
-    if (with_layers) image.layers = prepared_layers(input, buffer);
+    if (with_layers) image.layers = layers_of(input.header().channels());
+    for (ImageLayer& layer : image.layers)
+      std::visit([&](auto& values) { prepare(input, layer, values, buffer); }, layer.values);
     input.setFrameBuffer(buffer);
     input.readPixels(first.y, first.y + image.height - 1);
     return image;
@@ -257,7 +260,11 @@ void write_png(const fs::path& file, const Image& image, const fs::path& tempora
 }
 
 Image read_exr_header(const fs::path& file) {
-  return with_exr(file, [&](Imf::InputFile& input) { return described(input.header(), file); });
+  return with_exr(file, [&](Imf::InputFile& input) {
+    Image image = described(input.header(), file);
+    image.layers = layers_of(input.header().channels());
+    return image;
+  });
 }
 
 Image read_exr(const fs::path& file) {

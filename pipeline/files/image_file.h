@@ -53,7 +53,7 @@ Image read_exr(const std::filesystem::path& file);
 /// The same with all layers of the kinds that write_exr() writes, by growing name.
 Image read_exr_layers(const std::filesystem::path& file);
 
-/// The same without pixels, and without the memory for them.
+/// The same without pixels and values, and without the memory for them.
 Image read_exr_header(const std::filesystem::path& file);
 
 }  // namespace patchlight

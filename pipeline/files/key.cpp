@@ -181,4 +181,8 @@ std::string frame_key(const PatchSet& scene, const std::string& energy_key, cons
   return hasher.hex();
 }
 
+std::string relit_key(const std::string& frame_key) {
+  return KeyHasher().add("relight").add(frame_key).hex();
+}
+
 }  // namespace patchlight

@@ -55,4 +55,8 @@ std::string camera_key(const Camera& camera);
 std::string frame_key(const PatchSet& scene, const std::string& energy_key, const Job& job, const Camera& camera,
                       int frame, const std::string& view_config);
 
+/// Key of a frame that was relit, which tells it from that of a `frame_key` that was traced. The lights under which the
+/// frame that it was made of was traced have no part in it: the layers of light groups do not depend on them.
+std::string relit_key(const std::string& frame_key);
+
 }  // namespace patchlight

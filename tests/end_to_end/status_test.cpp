@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 
+#include "pipeline/files/image_file.h"
 #include "tests/end_to_end/program.h"
 
 namespace patchlight::test {
@@ -98,6 +99,25 @@ TEST_F(Status, TellsWhatIsMissingAndWhatIsDamaged) {
   EXPECT_THAT(status(), HasSubstr("import  damaged  patches.h5"));
   std::filesystem::remove(folder_ / "out/patches.h5");
   EXPECT_THAT(status(), HasSubstr("import  missing  patches.h5\n"));
+}
+
+TEST_F(Status, TakesAFrameThatLacksALayerForDamaged) {
+  const std::vector<std::string> layers{"--set", "trace.layers=[albedo, depth, patch, light_groups]"};
+  const auto with_layers = [&](const std::string& command) { return run({command, layers[0], layers[1]}); };
+  ASSERT_EQ(with_layers("run").code, 0);
+  const auto frame = folder_ / "out/frames/camera.0001.exr";
+  const Image whole = read_exr_layers(frame);
+  for (const ImageLayer& lost : whole.layers) {
+    Image bare = whole;
+    std::erase_if(bare.layers, [&](const ImageLayer& layer) { return layer.name == lost.name; });
+    write_exr(frame, bare);
+    const std::string reason = "it lacks the layer `" + lost.name + "`\n";
+    EXPECT_THAT(with_layers("status").out, HasSubstr("trace   damaged  frames/camera.0001.exr  " + reason));
+    const Outcome outcome = run({"run", "--explain", "--set", "cache=0", layers[0], layers[1]});
+    EXPECT_THAT(outcome.err, HasSubstr("warning: trace runs again: camera.0001.exr: " + reason));
+    EXPECT_THAT(outcome.err, HasSubstr("camera.0001.exr in ")) << "the stage does not skip it either";
+    EXPECT_THAT(with_layers("status").out, HasSubstr("trace   fresh"));
+  }
 }
 
 TEST_F(Status, ChangesNothing) {
