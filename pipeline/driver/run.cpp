@@ -14,6 +14,8 @@ namespace patchlight {
 
 namespace {
 
+constexpr int kMostRounds = 20;  // as often as other runs may come between
+
 /// A stage's output as it is, and as it was before what was made earlier with the same settings was put back.
 struct StageState {
   Freshness now;
@@ -140,7 +142,11 @@ int run_job(const RunCommand& command, Progress& progress, std::string* account)
            (command.last_stage == "import" || energy_freshness(job, scene).fresh());
   };
   bool fresh = !command.force && is_fresh();
+  int rounds = 0;
   do {
+    if (rounds++ == kMostRounds)
+      throw Error(ExitCode::internal, "the stages do not make what the job asks for, however often they run",
+                  job.output.string(), "build all programs from one version; run jobs with other settings elsewhere");
     if (!fresh) lock.for_one();
     if (const int code = make_solution(command, job, cache, run, scene)) return code;
     if (command.last_stage != "trace") return 0;

@@ -138,6 +138,19 @@ TEST_F(ExitCode, Is75AfterASignalThatTheStageIgnored) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "solve_started"));
 }
 
+TEST_F(ExitCode, Is70WhereAStageIsOfAnotherVersion) {
+  small_job(folder_);
+  ASSERT_EQ(import({"job.yaml", "--set", "import.patch_area=0.02"}).code, 0);
+  fs::rename(folder_ / "out/patches.h5", folder_ / "patches.h5");
+  fs::create_directory(folder_ / "bin");
+  for (const char* program : {"patchlight", "patchlight-solve", "patchlight-trace"})
+    fs::copy(fs::path(PATCHLIGHT_PROGRAMS) / program, folder_ / "bin");
+  const auto file = folder_.write("bin/patchlight-import", "#!/bin/sh\ncp patches.h5 out/patches.h5\n");
+  fs::permissions(file, fs::perms::owner_all);
+  expect(70, run_program(folder_, (folder_ / "bin/patchlight").string(), {"run", "job.yaml"}),
+         "build all programs from one version");
+}
+
 TEST_F(ExitCode, Is77OverTheLimitOfPatches) {
   small_job(folder_);
   expect(77, import({"job.yaml", "--set", "import.max_patches=100"}), "import.max_patches");
