@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 
+#include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <tuple>
@@ -59,6 +60,31 @@ TEST_F(JobBatch, MakesEveryVariantOfAMatrixFromOneSolve) {
   EXPECT_EQ(run({"run", "job.yaml", "--variant", "noon"}).code, 78);
   EXPECT_EQ(run({"clean", "job.yaml", "--all"}).code, 0);
   EXPECT_FALSE(fs::exists(folder_ / "out"));
+}
+
+/// Cameras x moods x patch areas.
+TEST_F(JobBatch, SolvesOnceForEachPatchAreaOfAMatrix) {
+  folder_.write("job.yaml", read_text(folder_ / "job.yaml") +
+                                "cameras:\n  near: {look_from: [0, 0.28, 0.9], look_at: [0, 0.28, 0]}\n"
+                                "matrix:\n"
+                                "  trace.cameras: [camera, near]\n"
+                                "  mood: {day: {}, night: {lights.\"lights.ceiling\".scale: 0.1}}\n"
+                                "  import.patch_area: [0.02, 0.01]\n");
+  Outcome outcome = run({"run", "job.yaml", "--log-json", "log"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("8 of 8 done, 0 failed"));
+  std::map<std::string, int> states;
+  std::istringstream lines(read_text(folder_ / "log"));
+  for (std::string line; std::getline(lines, line);) {
+    const nlohmann::json entry = nlohmann::json::parse(line);
+    if (entry["level"] == "result")
+      ++states[entry["target"].get<std::string>() + " " + entry["message"].get<std::string>()];
+  }
+  EXPECT_EQ(
+      states,
+      (std::map<std::string, int>{
+          {"import done", 2}, {"import restored", 6}, {"solve done", 2}, {"solve restored", 6}, {"trace done", 8}}));
+  EXPECT_TRUE(fs::exists(folder_ / "out/near,night,0.01/frames/near.0001.exr"));
 }
 
 TEST_F(JobBatch, RefusesAMatrixOfWhatIsNoSetting) {

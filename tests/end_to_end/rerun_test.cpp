@@ -1,9 +1,14 @@
 #include <gmock/gmock.h>
 #include <sys/stat.h>
 
+#include <chrono>
 #include <regex>
 
+#include "pipeline/files/energy_file.h"
 #include "pipeline/files/image_file.h"
+#include "pipeline/files/key.h"
+#include "pipeline/files/patch_file.h"
+#include "pipeline/files/transport_file.h"
 #include "tests/end_to_end/program.h"
 
 namespace patchlight::test {
@@ -48,6 +53,10 @@ TEST_F(Rerun, SkipsEverythingWhenNothingChanged) {
 TEST_F(Rerun, TracesAloneForAnotherPictureOfTheSameLight) {
   EXPECT_EQ(stages(run({"--set", "trace.resolution=[16, 16]"})), "trace");
   EXPECT_EQ(stages(run({"--set", "lights.\"lights.ceiling\".scale=2"})), "trace");
+  EXPECT_EQ(stages(run({"--set", "lights.\"lights.ceiling\".color=[1, 0.5, 0.2]"})), "trace");
+  const std::string camera = "cameras.mine={look_from: [0, 0.28, 1.2], look_at: [0, 0.28, 0]}";
+  EXPECT_EQ(stages(run({"--set", camera})), "trace");
+  EXPECT_EQ(stages(run({"--set", camera, "--set", "cameras.mine.angle=50"})), "trace");
   EXPECT_EQ(stages(run({"--set", "trace.view=ACES"})), "trace");
 }
 
@@ -78,15 +87,23 @@ TEST_F(Rerun, SolvesAgainForAShaderThatChangesPatches) {
   EXPECT_EQ(stages(run({})), "import solve trace");
 }
 
-TEST_F(Rerun, CastsNoRayForAnotherColour) {
+TEST_F(Rerun, CastsNoRayForAnotherColourOrAStrongerLamp) {
   const auto cast = [&] { return run_program(folder_, "patchlight", {"info", "out/energy.h5"}).out; };
   EXPECT_THAT(cast(), Not(HasSubstr(" 0 rays")));
   EXPECT_EQ(stages(run({"--set", "materials.red.reflectance=[0.5, 0.1, 0.1]"})), "import solve trace");
   EXPECT_THAT(cast(), HasSubstr(" 0 rays"));
+  EXPECT_EQ(stages(run({"--set", "materials.light.emission=[30, 20, 10]"})), "import solve trace");
+  EXPECT_THAT(cast(), HasSubstr(" 0 rays"));
+  EXPECT_EQ(stages(run({"--set", "materials.red.mirror=[0.5, 0.5, 0.5]"})), "import solve trace");
+  EXPECT_THAT(cast(), Not(HasSubstr(" 0 rays"))) << "a mirror sends rays elsewhere";
 }
 
 TEST_F(Rerun, DoesNothingForATouchedFileACommentAnotherSpellingOrAnUnrelatedKey) {
   folder_.write("box.glb", read_text(folder_ / "box.glb"));
+  const auto later = std::filesystem::file_time_type::clock::now() + std::chrono::hours(1);
+  for (const char* file : {"job.yaml", "box.glb", "out/patches.h5", "out/energy.h5", "out/frames/camera.0001.exr"})
+    std::filesystem::last_write_time(folder_ / file, later);
+  EXPECT_EQ(stages(run({})), "");
   std::string job = "# a comment\n" + read_text(folder_ / "job.yaml");
   folder_.write("job.yaml", job);
   EXPECT_EQ(stages(run({})), "");
@@ -97,9 +114,31 @@ TEST_F(Rerun, DoesNothingForATouchedFileACommentAnotherSpellingOrAnUnrelatedKey)
             "");
 }
 
+TEST_F(Rerun, LeavesKeyAndWholeEffectiveJobInEveryOutput) {
+  const Job job = read_job(folder_ / "job.yaml");
+  const PatchSet scene = read_patches(folder_ / "out/patches.h5");
+  const EnergyField energy = read_energy(folder_ / "out/energy.h5");
+  Image frame = read_exr_header(folder_ / "out/frames/camera.0001.exr");
+  EXPECT_EQ(scene.inputs_key, import_inputs_key(scene.sources, job));
+  EXPECT_EQ(scene.sources.at(0).hash, hash_file(folder_ / "box.glb"));
+  EXPECT_EQ(energy.key, energy_key(scene.key, job.solve));
+  EXPECT_EQ(read_transport_key(folder_ / "out/transport.h5"), transport_key(scene.geometry_key, job.solve));
+  EXPECT_EQ(frame.metadata["patchlight:key"],
+            frame_key(scene, energy.key, job, scene.cameras.at(0), 1, view_config_key()));
+  for (const std::string& made_for : {scene.made.job, energy.made.job, frame.metadata["patchlight:job"]}) {
+    Job read = parse_effective_job(made_for);
+    EXPECT_EQ(read.scene, "box.glb");
+    read.file = job.file;
+    read.scene = job.scene;
+    read.output = job.output;
+    EXPECT_EQ(effective_job(read), effective_job(job));
+  }
+}
+
 TEST_F(Rerun, RebuildsADamagedFileWithAWarning) {
-  for (const auto& [file, ran] : {std::pair("out/patches.h5", "import"), std::pair("out/energy.h5", "solve"),
-                                  std::pair("out/frames/camera.0001.exr", "trace")}) {
+  for (const auto& [file, ran] :
+       {std::pair("out/patches.h5", "import"), std::pair("out/energy.h5", "solve"),
+        std::pair("out/transport.h5", "solve"), std::pair("out/frames/camera.0001.exr", "trace")}) {
     const std::string whole = read_text(folder_ / file);
     folder_.write(file, whole.substr(0, whole.size() / 2));
     const Outcome outcome = run({});
