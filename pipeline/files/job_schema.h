@@ -2,6 +2,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,17 @@ void check_setting(const std::string& key, const YAML::Node& value, const YAML::
 
 /// A value on one line, as an override takes it.
 std::string flow_text(const YAML::Node& value);
+
+// The list's parts that stand in files of their own.
+
+/// The key `materials` or `nodes`.
+JobKey overrides_key(const std::string& section, std::vector<MaterialOverride>& overrides, const std::string& help);
+
+/// The key `lights`.
+JobKey lights_key(std::map<std::string, LightSetting>& lights);
+
+/// Those of the section `trace`.
+std::vector<JobKey> trace_keys(TraceConfig& trace);
 
 /// The key `matrix`.
 JobKey matrix_key(std::vector<MatrixAxis>& matrix);

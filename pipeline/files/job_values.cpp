@@ -22,12 +22,32 @@ double parse_number(const Node& node, double low, double high) {
   return value;
 }
 
+std::int64_t parse_integer(const Node& node, std::int64_t low, std::int64_t high) {
+  const std::string expected = fmt::format("a whole number from {} to {}", low, high);
+  const std::int64_t value = parse<std::int64_t>(node, expected);
+  if (value < low || value > high) throw "expected " + expected;
+  return value;
+}
+
 Vec3d parse_vector(const Node& node) {
   if (!node.IsSequence() || node.size() != 3) throw std::string("expected three numbers [x, y, z]");
   constexpr double kFarthest = 1e9;
   Vec3d vector(0.0);
   for (int k = 0; k < 3; ++k) vector[k] = parse_number(node[std::size_t(k)], -kFarthest, kFarthest);
   return vector;
+}
+
+Color parse_color(const Node& node, double high) {
+  if (!node.IsSequence() || node.size() != 3) throw std::string("expected three numbers [red, green, blue]");
+  return Color(float(parse_number(node[0], 0, high)), float(parse_number(node[1], 0, high)),
+               float(parse_number(node[2], 0, high)));
+}
+
+std::string parse_choice(const Node& node, const std::vector<std::string>& choices) {
+  const std::string value = parse<std::string>(node, "a word");
+  for (const auto& choice : choices)
+    if (value == choice) return value;
+  throw fmt::format("expected {}", fmt::join(choices, " or "));
 }
 
 std::string quoted_if_dotted(const std::string& name) {

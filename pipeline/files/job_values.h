@@ -2,9 +2,11 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "pipeline/model/math.h"
 
@@ -24,8 +26,15 @@ T parse(const YAML::Node& node, const std::string& expected) {
 /// Finite; `high` may be infinity.
 double parse_number(const YAML::Node& node, double low, double high);
 
+std::int64_t parse_integer(const YAML::Node& node, std::int64_t low, std::int64_t high);
+
 /// A point or a direction, [x, y, z].
 Vec3d parse_vector(const YAML::Node& node);
+
+/// [red, green, blue], each from 0 to `high`.
+Color parse_color(const YAML::Node& node, double high);
+
+std::string parse_choice(const YAML::Node& node, const std::vector<std::string>& choices);
 
 /// In the fewest digits that read as the same value.
 template <class Number>
