@@ -11,7 +11,7 @@ namespace patchlight {
 /// least a quarter, since less cannot be told well; 1 for what is not exposed at all.
 /// By up to `rays`, a multiple of 16; fewer than the least do not tell it well. Adds how many to `cast`.
 constexpr int kLeastForExposedPart = 1024;
-float exposed_part(const PatchSet& scene, const RayScene& ray_scene, const Patch& patch, int rays,
-                   std::uint64_t random, std::int64_t& cast);
+float exposed_part(const PatchSet& scene, const RayScene& ray_scene, const Patch& patch, int rays, std::uint64_t random,
+                   std::int64_t& cast);
 
 }  // namespace patchlight
