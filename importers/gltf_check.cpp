@@ -8,6 +8,7 @@
 
 #include "importers/gltf_accessor_check.h"
 #include "importers/gltf_deform_check.h"
+#include "importers/gltf_light_check.h"
 #include "importers/gltf_lists.h"
 #include "importers/gltf_mesh_check.h"
 #include "importers/gltf_reduce.h"
@@ -20,7 +21,7 @@ namespace {
 constexpr std::array kSupportedExtensions{
     "KHR_materials_emissive_strength", "KHR_materials_specular",     "KHR_materials_ior",       "KHR_materials_unlit",
     "KHR_mesh_quantization",           "KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_texture_transform",
-    "KHR_materials_transmission",      "KHR_materials_variants",     "EXT_mesh_gpu_instancing"};
+    "KHR_materials_transmission",      "KHR_materials_variants",     "EXT_mesh_gpu_instancing", "KHR_lights_punctual"};
 
 constexpr std::size_t kMostTexcoords = 1000;  // sets of them that a mesh may have
 
@@ -41,11 +42,7 @@ void check_extensions(GltfLists& gltf) {
         throw Error(ExitCode::bad_data, fmt::format("required extension {} is not supported", name), gltf.file,
                     "export the scene without it");
       }
-      if (name == "KHR_lights_punctual") {
-        gltf.ignored.insert("lights of KHR_lights_punctual are not read: light comes from emissive materials");
-      } else {
-        unknown += (unknown.empty() ? "" : ", ") + name;
-      }
+      unknown += (unknown.empty() ? "" : ", ") + name;
     }
   }
   if (!unknown.empty()) gltf.ignored.insert("extensions that are not read: " + unknown);
@@ -183,6 +180,8 @@ CheckedGltf check_gltf(std::string_view json, const std::string& file, const Glt
   result.instances = checked_instances(gltf);
   result.draco_primitives = checked_draco_primitives(gltf);
   result.parents = check_nodes(gltf);
+  result.lights = checked_lights(gltf);
+  result.node_lights = checked_node_lights(gltf, result.lights);
   std::set<std::string> at_rest;
   result.camera_channels = checked_camera_channels(gltf, result.parents, at_rest);
   if (wanted.animations) {

@@ -6,6 +6,7 @@
 
 #include "importers/gltf_packing.h"
 #include "importers/gltf_pose.h"
+#include "pipeline/model/light.h"
 
 namespace patchlight {
 
@@ -29,6 +30,14 @@ struct GltfInstances {
   std::size_t count = 0;
 };
 
+/// A light as KHR_lights_punctual has it.
+struct GltfLight {
+  Light light;  ///< Without a place; its strength in the file's unit.
+  std::string name;
+  std::string light_group;  ///< As its extras name it.
+  bool known = true;        ///< Of a type that is.
+};
+
 /// A glTF file that is safe to parse.
 struct CheckedGltf {
   std::string json;               ///< What the importer reads of it, without buffers and images, for tinygltf.
@@ -40,6 +49,8 @@ struct CheckedGltf {
   std::map<int, GltfInstances> instances;  ///< By node, of those that have some.
   std::vector<int> parents;                ///< By node; -1: a root.
   std::vector<NodeChannel> camera_channels;
+  std::vector<GltfLight> lights;
+  std::map<int, int> node_lights;    ///< Indices into `lights`, by node, of those that have one.
   std::vector<std::string> ignored;  ///< What the scene holds beyond what is read, one warning each.
 };
 

@@ -12,6 +12,8 @@ namespace patchlight {
 /// Sets of four joints, of which each is checked and read, that a skin's vertices may hang on.
 constexpr int kMostBones = 64;
 
+constexpr const char* kLightList = "KHR_lights_punctual.lights";  ///< As messages name it.
+
 /// A glTF file while it is checked: its lists at the root, whose elements are objects.
 struct GltfLists {
   /// Throws: Error (bad_data) for a list that is none.

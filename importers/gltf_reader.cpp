@@ -8,6 +8,7 @@
 
 #include "importers/gltf_cameras.h"
 #include "importers/gltf_instances.h"
+#include "importers/gltf_lights.h"
 #include "importers/gltf_materials.h"
 #include "importers/gltf_model.h"
 #include "importers/gltf_motion.h"
@@ -22,6 +23,7 @@ namespace {
 
 /// Triangles that instances may make, for each patch that is allowed: spheres take many triangles and few patches.
 constexpr std::int64_t kTrianglesPerPatch = 20;
+constexpr std::size_t kMostLights = 1000;             // each is looked at by every patch and every pixel
 constexpr std::int64_t kMostTriangles = 600'000'000;  // their corners are counted in 32 bits
 
 struct PlacedNode {
@@ -112,21 +114,49 @@ std::string light_group(const tinygltf::Node& node, const SurfaceMaterial& mater
   return light_group_name(name.empty() ? material.name : name);
 }
 
-void assign_light_groups(const GltfModel& model, GltfScene& scene) {
-  std::map<std::string, int> numbers;
+/// The light groups of a scene in the making.
+class LightGroups {
+ public:
+  LightGroups(const GltfModel& model, GltfScene& scene) : model_(model), scene_(scene) {}
+
+  /// `source`: what of it names a group that nothing else does.
+  int number(const std::string& name, const std::string& node, const char* source) {
+    if (name.size() > kLongestLightGroup) {
+      throw Error(ExitCode::bad_data, fmt::format("a light group's name of {} bytes", name.size()),
+                  fmt::format("{}, node {}", model_.file.name, node),
+                  fmt::format("shorten it to {}; the {}'s name counts too", kLongestLightGroup, source));
+    }
+    const auto [entry, is_new] = numbers_.emplace(name, static_cast<int>(scene_.light_groups.size()));
+    if (is_new) scene_.light_groups.push_back(name);
+    return entry->second;
+  }
+
+ private:
+  const GltfModel& model_;
+  GltfScene& scene_;
+  std::map<std::string, int> numbers_;
+};
+
+void assign_light_groups(const GltfModel& model, LightGroups& groups, GltfScene& scene) {
   for (Surface& surface : scene.surfaces) {
     const SurfaceMaterial& material = scene.materials[surface.material];
     const bool shader_emits = surface.shader >= 0 && is_set(scene.shaders[surface.shader].emission);
     if (!material.emits() && !shader_emits) continue;
     const std::string name = light_group(model.gltf.nodes[surface.node], material);
-    if (name.size() > kLongestLightGroup) {
-      throw Error(ExitCode::bad_data, fmt::format("a light group's name of {} bytes", name.size()),
-                  fmt::format("{}, node {}", model.file.name, scene.nodes[surface.node]),
-                  fmt::format("shorten it to {}; the emitting material's name counts too", kLongestLightGroup));
-    }
-    const auto [entry, is_new] = numbers.emplace(name, static_cast<int>(scene.light_groups.size()));
-    if (is_new) scene.light_groups.push_back(name);
-    surface.light_group = entry->second;
+    surface.light_group = groups.number(name, scene.nodes[surface.node], "emitting material");
+  }
+}
+
+void place_lights(const GltfModel& model, const Job& job, const std::vector<PlacedNode>& nodes, LightGroups& groups,
+                  GltfScene& scene, Progress& progress) {
+  for (const PlacedNode& node : nodes) {
+    auto placed = placed_light(model, job, scene.nodes, node.node, node.to_world, progress);
+    if (!placed) continue;
+    if (scene.lights.size() == kMostLights)
+      throw Error(ExitCode::over_limit, fmt::format("the scene has more than {} lights", kMostLights), model.file.name,
+                  "exclude some by the job's `nodes`, or make them emissive surfaces; this limit is fixed");
+    placed->light.light_group = groups.number(placed->group, placed->light.name, "light");
+    scene.lights.push_back(std::move(placed->light));
   }
 }
 
@@ -189,7 +219,9 @@ GltfScene read_gltf_scene(const Job& job, Progress& progress) {
   for (Surface& surface : scene.surfaces) surface.reads_uv = scene.materials[surface.material].texture >= 0;
   assign_shaders(job, reads_uv, scene, progress);
   assign_vertex_colors(*model, scene, progress);
-  assign_light_groups(*model, scene);
+  LightGroups groups(*model, scene);
+  assign_light_groups(*model, groups, scene);
+  place_lights(*model, job, nodes, groups, scene, progress);
   scene.cameras = placed_cameras(*model, nodes, scene.nodes, progress);
   scene.sources = model->file.sources;
   scene.model = model;

@@ -36,7 +36,8 @@ struct GltfScene {
   std::vector<Texture> textures;
   std::vector<Surface> surfaces;
   std::vector<Matrix4> node_to_world;  ///< By node; what is not in the scene stands at the origin.
-  std::vector<Camera> cameras;         ///< None is made up here.
+  std::vector<Light> lights;
+  std::vector<Camera> cameras;  ///< None is made up here.
   std::vector<SourceFile> sources;
   std::int64_t triangles = 0;  ///< Over all surfaces.
   std::shared_ptr<const GltfModel> model;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "importers/environment.h"
 #include "importers/gltf_cameras.h"
 #include "importers/gltf_reader.h"
 #include "importers/patch_builder.h"
@@ -71,13 +72,15 @@ std::string summary(const GltfScene& scene, const PrimitiveList& list, const Pat
                                     [](const Camera& camera) { return !camera.motion.empty(); });
   return fmt::format(
       "{} triangles read as {} quads, {} triangles, {} spheres{}; {} patches; modelled: {} metallic materials, "
-      "{} light groups, {} cameras{}{}{}",
+      "{} light groups, {} cameras{}{}{}{}{}",
       scene.triangles, list.quads, list.triangles, list.spheres,
       list.merged_facets == 0
           ? ""
           : fmt::format(" ({} of them from {} coplanar triangles)", list.merged_facets, list.merged_triangles),
       set.patches.size(), mirrors, set.light_groups.size(), set.cameras.size(),
       moving > 0 ? fmt::format(" ({} animated)", moving) : "",
+      set.lights.empty() ? "" : fmt::format(", {} point lights, spots and suns", set.lights.size()),
+      set.environment ? ", an environment" : "",
       set.textures.empty() ? "" : fmt::format(", {} textures", set.textures.size()),
       set.shaders.empty() ? "" : fmt::format(", {} shaders", set.shaders.size()));
 }
@@ -98,11 +101,13 @@ PatchSet import_scene(const Job& job, Progress& progress) {
   set.materials = lasting_materials(scene.materials);
   set.nodes = scene.nodes;
   set.light_groups = scene.light_groups;
+  set.lights = std::move(scene.lights);
   set.cameras = scene.cameras;
   if (set.cameras.empty()) set.cameras.push_back(camera_for(set.primitives));
   set.sources = scene.sources;
   apply_vertex_colors(list.colors, set);
   if (!set.shaders.empty() || !set.textures.empty()) average_colors(job, set, progress);
+  add_environment(job, set, progress);
   set.inputs_key = import_inputs_key(set.sources, job);
   progress.note(summary(scene, list, set));
   return set;

@@ -11,9 +11,7 @@
 #include "importers/name_pattern.h"
 
 namespace patchlight {
-namespace {
 
-/// Whether the job leaves out what has this name; the last pattern that says so or not counts.
 bool is_excluded(const std::vector<MaterialOverride>& overrides, const std::string& name) {
   bool excluded = false;
   for (const MaterialOverride& change : overrides) {
@@ -21,8 +19,6 @@ bool is_excluded(const std::vector<MaterialOverride>& overrides, const std::stri
   }
   return excluded;
 }
-
-}  // namespace
 
 void leave_out_excluded(const GltfModel& model, const Job& job, GltfScene& scene) {
   const auto& materials = model.gltf.materials;

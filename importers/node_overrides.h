@@ -5,6 +5,9 @@
 
 namespace patchlight {
 
+/// Whether the job leaves out what has this name; the last pattern that says so or not counts.
+bool is_excluded(const std::vector<MaterialOverride>& overrides, const std::string& name);
+
 /// Takes the surfaces out of the scene whose material or node the job excludes.
 void leave_out_excluded(const GltfModel& model, const Job& job, GltfScene& scene);
 

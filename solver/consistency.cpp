@@ -32,9 +32,11 @@ double reciprocity_error(const Transport& transport, const FormFactorRows& rows,
     const std::uint64_t begin = transport.starts[k], end = transport.starts[k + 1];
     const double share = 0.5 * areas[k / 2] * (transport.rays > 0 ? double(transport.shares[k]) : 1.0);
     for (std::uint64_t at = begin; at < end; ++at)
-      seen_of[transport.ends[at]] += share * (transport.rays > 0 ? 1.0 : double(transport.weights[at]));
+      if (std::size_t(transport.ends[at]) < n)
+        seen_of[transport.ends[at]] += share * (transport.rays > 0 ? 1.0 : double(transport.weights[at]));
   }
-  for (const auto& m : transport.mirrored) seen_of[m.patch] += 0.5 * areas[m.row] * Spectrum(m.weight).sum() / 3;
+  for (const auto& m : transport.mirrored)
+    if (std::size_t(m.patch) < n) seen_of[m.patch] += 0.5 * areas[m.row] * Spectrum(m.weight).sum() / 3;
   const SpectrumField seen = seen_by(n, rows);
   double square = 0, norm = 0;
   for (std::size_t j = 0; j < n; ++j) {
@@ -46,13 +48,14 @@ double reciprocity_error(const Transport& transport, const FormFactorRows& rows,
 }
 
 double balance_error(const FormFactorRows& rows, const std::vector<double>& areas, const SpectrumField& reflectance,
-                     const SpectrumField& emission, const SpectrumField& irradiance) {
+                     const SpectrumField& emission, const SpectrumField& from_outside,
+                     const SpectrumField& irradiance) {
   const SpectrumField seen = seen_by(areas.size(), rows);
   Spectrum emitted, left;
   for (std::size_t i = 0; i < areas.size(); ++i) {
     const Spectrum area(areas[i]), reflected = reflectance[i] * irradiance[i];
-    emitted += emission[i] * area;
-    left += ((emission[i] + reflected) * seen[i] - irradiance[i]) * area;
+    emitted += (emission[i] + from_outside[i]) * area;
+    left += ((emission[i] + reflected) * seen[i] + from_outside[i] - irradiance[i]) * area;
   }
   double worst = 0;
   for (int k = 0; k < 3; ++k)

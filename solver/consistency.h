@@ -11,9 +11,10 @@ std::vector<double> exposed_areas(const PatchSet& scene, const Transport& transp
 double reciprocity_error(const Transport& transport, const FormFactorRows& rows, const std::vector<double>& areas);
 
 /// Emitted power that is neither absorbed by patches nor gone to where nothing is, by the rows of what it leaves, over
-/// all emitted power; of the worst channel. 0 for exact form factors; 0 without emission.
-/// `emission` and `irradiance` in W/m2, [n] and of all light groups.
+/// all emitted power; of the worst channel. 0 for exact form factors; 0 without emission. Of light that no patch sends,
+/// what arrives counts as emitted.
+/// `emission`, `from_outside` and `irradiance`, which holds that too, in W/m2, [n] and of all light groups.
 double balance_error(const FormFactorRows& rows, const std::vector<double>& areas, const SpectrumField& reflectance,
-                     const SpectrumField& emission, const SpectrumField& irradiance);
+                     const SpectrumField& emission, const SpectrumField& from_outside, const SpectrumField& irradiance);
 
 }  // namespace patchlight

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <span>
 
+#include "pipeline/optics/direct_light.h"
 #include "pipeline/optics/elements.h"
 #include "pipeline/optics/material_shader.h"
 #include "pipeline/optics/patch_sampling.h"
@@ -83,6 +84,7 @@ class Gather {
         patches_(scene.patches.size()),
         sent_(patches_ + mesh_.elements) {
     emit();
+    send_sky();
     interpolate_photons();
   }
 
@@ -124,13 +126,27 @@ class Gather {
     direct_.resize(mesh_.elements);
     for (std::size_t i = 0; i < patches_; ++i)
       if (is_of_group(i)) others_[i] = Spectrum(scene_.patches[i].emission);
-    for (const auto& emitter : transport_.emitters) {
-      const Spectrum exitance = others_[emitter.first_patch];
+    const std::vector<Emitter> emitters = emitters_apart(scene_);
+    for (std::size_t e = 0; e < emitters.size(); ++e) {
+      const Transport::Emitter& emitter = transport_.emitters[e];
+      const Spectrum exitance =
+          emitters[e].light >= 0 ? strength_of(scene_.lights[emitters[e].light]) : others_[emitter.first_patch];
       std::fill_n(others_.begin() + emitter.first_patch, emitter.patches, Spectrum());
       if (exitance.sum() == 0) continue;
       for (std::int32_t k = 0; k < mesh_.elements; ++k)
         direct_[k] += exitance * Spectrum(0.5 * (emitter.display[2 * k] + emitter.display[2 * k + 1]));
     }
+  }
+
+  Spectrum strength_of(const Light& light) const {
+    return scene_.light_groups[light.light_group] == group_.name ? Spectrum(light.strength) : Spectrum();
+  }
+
+  void send_sky() {
+    if (!scene_.environment) return;
+    const Environment& sky = *scene_.environment;
+    const bool own = scene_.light_groups[sky.light_group] == group_.name;
+    for (const Color& cell : sky.cells) sent_.push_back(own ? Spectrum(cell) * Spectrum(kPi) : Spectrum());
   }
 
   /// What patches and their elements emit that are sampled apart.
@@ -180,7 +196,7 @@ class Gather {
   const SpectrumField& leaf_reflectance_;
   EnergyField::Group& group_;
   const std::size_t patches_;
-  SpectrumField sent_;         ///< [elements]: radiosity.
+  SpectrumField sent_;         ///< [elements]: radiosity; behind them, that of the environment's cells.
   SpectrumField others_;       ///< [patches], emitted by those that are not sampled apart.
   SpectrumField by_photons_;   ///< [gathered], of emitters apart; empty: rows tell it.
   SpectrumField direct_;       ///< [mesh elements], of emitters apart.

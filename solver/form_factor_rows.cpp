@@ -38,7 +38,7 @@ VECTOR_CODE void add_weighted(std::span<const std::int32_t> places, const float*
 
 }  // namespace
 
-FormFactorRows::FormFactorRows(const TransportRows& rows) : transport_(rows) {
+FormFactorRows::FormFactorRows(const TransportRows& rows, int sky) : transport_(rows), sky_(sky) {
   if (rows.mirrored.empty()) return;
   mirrored_starts_.assign(rows.starts.size(), 0);
   for (const auto& m : rows.mirrored) ++mirrored_starts_[2 * m.row + m.half + 1];
@@ -47,14 +47,16 @@ FormFactorRows::FormFactorRows(const TransportRows& rows) : transport_(rows) {
 
 template <class Number, int kWidth>
 void FormFactorRows::receive_packed(std::span<const Exchange> fields, const SpectrumField* factor) const {
-  const std::size_t elements = fields[0].radiosity->size();
+  const std::size_t given = fields[0].radiosity->size();
+  const std::size_t elements = sky_ > 0 ? std::size_t(transport_.rows()) + std::size_t(sky_) : given;
   struct alignas(64) Line {
     Number values[std::max(kWidth, int(64 / sizeof(Number)))];
   };
   constexpr std::size_t kPerLine = sizeof(Line) / sizeof(Number) / kWidth;
   const auto lines = std::make_unique_for_overwrite<Line[]>(elements / kPerLine + 1);
   Number* const table = lines[0].values;
-  for_each_row(elements, [&](std::size_t i) {
+  std::fill(table + given * kWidth, table + elements * kWidth, Number(0));
+  for_each_row(given, [&](std::size_t i) {
     Number* const to = table + i * kWidth;
     for (std::size_t f = 0; f < fields.size(); ++f) {
       const Spectrum value = factor ? (*fields[f].radiosity)[i] * (*factor)[i] : (*fields[f].radiosity)[i];
@@ -121,6 +123,7 @@ void FormFactorRows::receive_mirrored(const SpectrumField& radiosity, SpectrumFi
   std::fill(irradiance.begin(), irradiance.end(), Spectrum());
   std::fill(deviation.begin(), deviation.end(), Spectrum());
   for (const auto& m : transport_.mirrored) {
+    if (std::size_t(m.patch) >= radiosity.size()) continue;  // the environment, left out
     const Spectrum received = radiosity[m.patch] * Spectrum(m.weight) * Spectrum(0.5);
     irradiance[m.row] += received;
     m.half == 0 ? deviation[m.row] += received : deviation[m.row] -= received;
@@ -132,13 +135,18 @@ SpectrumField FormFactorRows::seen() const {
   for (std::size_t k = 0; k + 1 < transport_.starts.size(); ++k) {
     const std::uint64_t begin = transport_.starts[k], end = transport_.starts[k + 1];
     double sum = 0;
+    const auto places = std::span(transport_.ends).subspan(begin, end - begin);
+    const auto is_sky = [&](std::int32_t place) { return place >= transport_.rows(); };
     if (transport_.rays > 0)
-      sum = double(end - begin) * double(transport_.shares[k]);
+      sum = double(std::int64_t(end - begin) - (sky_ > 0 ? std::count_if(places.begin(), places.end(), is_sky) : 0)) *
+            double(transport_.shares[k]);
     else
-      for (std::uint64_t at = begin; at < end; ++at) sum += double(transport_.weights[at]);
+      for (std::uint64_t at = begin; at < end; ++at)
+        if (sky_ == 0 || !is_sky(transport_.ends[at])) sum += double(transport_.weights[at]);
     seen[k / 2] += Spectrum(0.5 * sum);
   }
-  for (const auto& m : transport_.mirrored) seen[m.row] += Spectrum(m.weight) * Spectrum(0.5);
+  for (const auto& m : transport_.mirrored)
+    if (sky_ == 0 || m.patch < transport_.rows()) seen[m.row] += Spectrum(m.weight) * Spectrum(0.5);
   return seen;
 }
 

@@ -27,9 +27,12 @@ class FormFactorRows {
   /// Fields that one pass over the rows can gather: what a pass costs is to come by an element at all.
   static constexpr int kSideBySide = 5;
 
-  explicit FormFactorRows(const TransportRows& rows);
+  /// `sky`: cells of the environment, behind as many elements as there are rows, that rows may end on; 0: rows end on
+  /// what fields have alone.
+  explicit FormFactorRows(const TransportRows& rows, int sky = 0);
 
-  /// What rows receive of up to kSideBySide fields, each of them times `factor` [elements] if there is one.
+  /// What rows receive of up to kSideBySide fields, each of them times `factor` [elements] if there is one. Fields may
+  /// leave out the environment, which is black then.
   void receive(std::span<const Exchange> fields, const SpectrumField* factor, Precision precision) const;
 
   /// What rows receive of `radiosity`, in full precision.
@@ -38,7 +41,8 @@ class FormFactorRows {
   /// What comes by mirrors alone.
   void receive_mirrored(const SpectrumField& radiosity, SpectrumField& irradiance, SpectrumField& deviation) const;
 
-  /// What each row sees of all elements, mirrored ones by what mirrors reflect: 1 in a closed scene without mirrors.
+  /// What each row sees of all elements but the environment, mirrored ones by what mirrors reflect: 1 in a closed scene
+  /// without mirrors.
   SpectrumField seen() const;
 
  private:
@@ -49,6 +53,7 @@ class FormFactorRows {
   void receive_stored(std::span<const Exchange> fields, const SpectrumField* factor) const;
 
   const TransportRows& transport_;
+  const int sky_;
   std::vector<std::uint64_t> mirrored_starts_;  ///< [2 n + 1]; empty without mirrors.
 };
 

@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <span>
 
 #include "pipeline/model/error.h"
+#include "pipeline/optics/direct_light.h"
 #include "solver/consistency.h"
 #include "solver/error_estimate.h"
 #include "solver/irradiance_filter.h"
@@ -26,10 +28,12 @@ struct System {
   const PatchSet& scene;
   const Transport& transport;
   const FormFactorRows rows;
+  const std::vector<Emitter> emitters;  ///< Those of `transport`.
   std::vector<double> areas;
   SpectrumField reflectance;
 
-  System(const PatchSet& patches, const Transport& from) : scene(patches), transport(from), rows(from) {
+  System(const PatchSet& patches, const Transport& from)
+      : scene(patches), transport(from), rows(from, patches.sky_cells()), emitters(emitters_apart(patches)) {
     for (const Patch& patch : scene.patches) {
       areas.push_back(patch.area);
       reflectance.emplace_back(patch.reflectance);
@@ -44,23 +48,42 @@ struct GroupSolution {
   SpectrumField by_photons;      ///< The part of it that photons brought, of emitters sampled apart; empty: none.
   SpectrumField reflected;       ///< From what patches reflect.
   SpectrumField apart_deviation, by_rows_deviation, by_mirrors_deviation, reflected_deviation;
+  SpectrumField from_outside;  ///< What no patch sends: of lights and the environment; empty: none.
+  bool sky = false;            ///< Whether it holds the light of the environment, by the rows.
   LinearSolve linear;
+
+  /// `factors`: of both halves of each patch.
+  template <class Factor>
+  void add_from_outside(const Spectrum& strength, const std::vector<Factor>& factors) {
+    from_outside.resize(factors.size() / 2);
+    for (std::size_t i = 0; i < from_outside.size(); ++i)
+      from_outside[i] += strength * (Spectrum(factors[2 * i]) + Spectrum(factors[2 * i + 1])) * Spectrum(0.5);
+  }
 };
 
-/// Emission of a group: of emitters that are sampled apart, and of the others. Shape: [n].
+/// Emission of a group: of emitters that are sampled apart, one by one, and of all else that rows end on.
 struct Emission {
-  SpectrumField apart, others;
+  std::vector<Spectrum> apart;
+  SpectrumField others;  ///< [n], and behind that the environment's cells if it is of the group.
 };
 
 Emission emission_of(const System& system, std::int32_t group) {
   const std::size_t n = system.areas.size();
-  Emission emission{SpectrumField(n), SpectrumField(n)};
+  Emission emission{{}, SpectrumField(n)};
   for (std::size_t i = 0; i < n; ++i)
     if (const Patch& patch = system.scene.patches[i]; system.scene.primitives[patch.primitive].light_group == group)
       emission.others[i] = Spectrum(patch.emission);
-  for (const auto& emitter : system.transport.emitters)
-    for (std::int32_t j = emitter.first_patch; j < emitter.first_patch + emitter.patches; ++j)
-      std::swap(emission.apart[j], emission.others[j]);
+  for (const Emitter& emitter : system.emitters) {
+    if (emitter.light >= 0) {
+      const Light& light = system.scene.lights[emitter.light];
+      emission.apart.push_back(light.light_group == group ? Spectrum(light.strength) : Spectrum());
+      continue;
+    }
+    emission.apart.push_back(emission.others[emitter.first_patch]);
+    std::fill_n(emission.others.begin() + emitter.first_patch, emitter.patches, Spectrum());
+  }
+  if (const auto& sky = system.scene.environment; sky && sky->light_group == group)
+    for (const Color& cell : sky->cells) emission.others.push_back(Spectrum(cell) * Spectrum(kPi));
   return emission;
 }
 
@@ -70,14 +93,16 @@ bool is_black(const SpectrumField& field) {
 
 void add_emitters(const System& system, const Emission& emission, GroupSolution& solution) {
   const std::size_t n = system.areas.size();
-  for (const auto& emitter : system.transport.emitters) {
-    const Spectrum exitance = emission.apart[emitter.first_patch];
+  for (std::size_t k = 0; k < system.emitters.size(); ++k) {
+    const Transport::Emitter& emitter = system.transport.emitters[k];
+    const Spectrum exitance = emission.apart[k];
     if (exitance.sum() == 0) continue;
     for (std::size_t i = 0; i < n; ++i) {
       const double a = emitter.factors[2 * i], b = emitter.factors[2 * i + 1];
       solution.apart[i] += exitance * Spectrum(0.5 * (a + b));
       solution.apart_deviation[i] += exitance * Spectrum(0.5 * (a - b));
     }
+    if (system.emitters[k].light >= 0) solution.add_from_outside(exitance, emitter.factors);
   }
 }
 
@@ -93,13 +118,21 @@ void add_rows(const System& system, const Emission& emission, GroupSolution& sol
     solution.by_rows[i] -= solution.by_mirrors[i];
     solution.by_rows_deviation[i] -= solution.by_mirrors_deviation[i];
   }
+  if (emission.others.size() == n) return;
+  solution.sky = true;
+  SpectrumField sky = emission.others, received(n);
+  std::fill_n(sky.begin(), n, Spectrum());
+  system.rows.receive(sky, received);
+  solution.from_outside.resize(n);
+  for (std::size_t i = 0; i < n; ++i) solution.from_outside[i] += received[i];
 }
 
 /// Light of emitters sampled apart that comes by way of mirrors.
 void add_photons(const System& system, const Emission& emission, GroupSolution& solution) {
   const std::size_t n = system.areas.size();
-  for (const auto& emitter : system.transport.emitters) {
-    const Spectrum exitance = emission.apart[emitter.first_patch];
+  for (std::size_t k = 0; k < system.emitters.size(); ++k) {
+    const Transport::Emitter& emitter = system.transport.emitters[k];
+    const Spectrum exitance = emission.apart[k];
     if (emitter.mirrored.empty() || exitance.sum() == 0) continue;
     solution.by_photons.resize(n);
     for (std::size_t i = 0; i < n; ++i) {
@@ -109,6 +142,7 @@ void add_photons(const System& system, const Emission& emission, GroupSolution& 
       solution.by_mirrors[i] += received;
       solution.by_mirrors_deviation[i] += exitance * (a - b) * Spectrum(0.5);
     }
+    if (system.emitters[k].light >= 0) solution.add_from_outside(exitance, emitter.mirrored);
   }
 }
 
@@ -181,6 +215,7 @@ EnergyField solve_matrix(const PatchSet& scene, const SolveConfig& config, int r
         std::span(groups).subspan(g).first(std::min<std::size_t>(groups.size() - g, FormFactorRows::kSideBySide)),
         config.tolerance, progress);
   SpectrumField reflected(n), reflected_deviation(n), by_mirrors(n), by_mirrors_deviation(n);
+  SpectrumField by_sky(n), by_sky_deviation(n), from_outside(n);
   for (std::size_t g = 0; g < groups.size(); ++g) {
     const GroupSolution& group = groups[g];
     energy.iterations += group.linear.iterations;
@@ -194,6 +229,10 @@ EnergyField solve_matrix(const PatchSet& scene, const SolveConfig& config, int r
       by_mirrors[i] += group.by_mirrors[i];
       by_mirrors_deviation[i] += group.by_mirrors_deviation[i];
     }
+    for (std::size_t i = 0; i < group.from_outside.size(); ++i) from_outside[i] += group.from_outside[i];
+    if (!group.sky) continue;
+    by_sky = group.by_rows;
+    by_sky_deviation = group.by_rows_deviation;
   }
 
   const PatchLookup lookup(scene);
@@ -203,8 +242,17 @@ EnergyField solve_matrix(const PatchSet& scene, const SolveConfig& config, int r
                                        system.reflectance, reflected);
   SampledSolution all{SpectrumField(n), SpectrumField(n), {{&filter, reflected_deviation}}, energy.residual};
   if (!is_black(by_mirrors)) all.filtered.push_back({&mirror_filter, by_mirrors_deviation});
+  std::optional<IrradianceFilter> sky_filter;
+  if (scene.environment) {
+    sky_filter.emplace(lookup, scene.primitives.size(), by_sky, by_sky_deviation, system.reflectance, by_sky);
+    all.filtered.push_back({&*sky_filter, by_sky_deviation});
+  }
   for (std::size_t g = 0; g < groups.size(); ++g) {
-    const GroupSolution& solution = groups[g];
+    GroupSolution& solution = groups[g];
+    if (solution.sky) {
+      solution.by_rows = sky_filter->apply(solution.by_rows);
+      solution.by_rows_deviation.assign(n, Spectrum());
+    }
     SpectrumField direct = solution.apart, indirect = filter.apply(solution.reflected);
     by_mirrors = mirror_filter.apply(solution.by_mirrors);
     for (std::size_t i = 0; i < n; ++i) {
@@ -224,7 +272,8 @@ EnergyField solve_matrix(const PatchSet& scene, const SolveConfig& config, int r
   energy.estimate->reciprocity = reciprocity_error(transport, system.rows, exposed);
   SpectrumField emission;
   for (const Patch& patch : scene.patches) emission.emplace_back(patch.emission);
-  energy.estimate->balance = balance_error(system.rows, exposed, system.reflectance, emission, all.irradiance);
+  energy.estimate->balance =
+      balance_error(system.rows, exposed, system.reflectance, emission, from_outside, all.irradiance);
   return energy;
 }
 

@@ -74,4 +74,23 @@ PhotonTargets::Aim PhotonTargets::aim(int target, const SurfacePoint& from, floa
   return {sample.direction, sample.weight};
 }
 
+PhotonTargets::Aim PhotonTargets::aim(int target, const Vec3d& from, float x, float y) const {
+  const auto& [light, ball] = targets_[target];
+  if (ball && light.distance(from) <= 0) {
+    const float z = 1 - 2 * x, radius = std::sqrt(std::max(0.0f, 1 - z * z)), turn = float(2 * kPi) * y;
+    return {Vec3f(radius * std::cos(turn), radius * std::sin(turn), z), float(4 * kPi)};
+  }
+  // One of two opposite hemispheres holds the sample.
+  for (const float up : {1.0f, -1.0f}) {
+    const Vec3f axis(0.0f, up, 0.0f);
+    const DirectLight::Sample sample = light.sample(from, axis, x, y);
+    if (sample.weight > 0) return {sample.direction, float(kPi) * sample.weight / (sample.direction ^ axis)};
+  }
+  return {Vec3f(0.0f, 1.0f, 0.0f), 0.0f};
+}
+
+PhotonTargets::Ball PhotonTargets::ball(int target) const {
+  return {targets_[target].light.center(), targets_[target].light.radius()};
+}
+
 }  // namespace patchlight

@@ -27,6 +27,16 @@ class PhotonTargets {
   /// From a point of an emitter towards a target, for (x,y) of the unit square.
   Aim aim(int target, const SurfacePoint& from, float x, float y) const;
 
+  /// The same from a point that shines all around; the weight's mean is a solid angle.
+  Aim aim(int target, const Vec3d& from, float x, float y) const;
+
+  /// A ball about a target.
+  struct Ball {
+    Vec3d center;
+    double radius;
+  };
+  Ball ball(int target) const;
+
  private:
   struct Target {
     DirectLight light;

@@ -5,6 +5,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
 
 #include "pipeline/optics/elements.h"
 #include "pipeline/optics/mirror_path.h"
@@ -27,29 +30,68 @@ constexpr std::size_t kBatchesAtOnce = 64;
 class Photons::Source {
  public:
   Source(const PatchSet& scene, const RayScene& ray_scene, const Emitter& emitter, std::uint64_t seed)
-      : random(scramble(seed ^ scramble(std::uint64_t(emitter.first_patch)))),
-        area(emitter.area),
-        offset(ray_scene.offset(emitter.primitive)),
-        whole_(whole(scene, emitter)),
-        sampler_(scene.primitives[emitter.primitive], whole_) {}
+      : random(scramble(seed ^ scramble(std::uint64_t(emitter.first_patch + emitter.light + 1)))),
+        area(emitter.light < 0 ? emitter.area : 1.0),
+        ray_scene_(ray_scene),
+        surface_(emitter.light < 0),
+        offset_(surface_ ? ray_scene.offset(emitter.primitive) : 0.0f) {
+    if (surface_) {
+      const Patch& first = scene.patches[emitter.first_patch];
+      const Patch& last = scene.patches[emitter.first_patch + emitter.patches - 1];
+      whole_ = part_of(scene, first, first.u0, first.v0, last.u1, last.v1);
+      sampler_.emplace(scene.primitives[emitter.primitive], whole_);
+      return;
+    }
+    light_ = scene.lights[emitter.light];
+    shine_.emplace(light_);
+    for (const Patch& patch : scene.patches)
+      behind_ = std::min(behind_, (patch.center ^ light_.direction) - std::sqrt(patch.area) * kBehind);
+  }
   Source(const Source&) = delete;
   Source& operator=(const Source&) = delete;
 
-  SurfacePoint point(float x, float y) const { return sampler_(x, y); }
+  struct Start {
+    Vec3f origin{0.0f};  ///< In the local frame.
+    Vec3f direction{0.0f};
+    float weight = 0.0f;  ///< Flux, for an exitance over the area of 1, or a strength of 1.
+  };
+
+  /// For (x,y) of the unit square; `from`: of another, that surfaces and suns take.
+  Start start(const PhotonTargets& targets, int target, const Vec2f& from, float x, float y) const {
+    if (surface_) {
+      const SurfacePoint point = (*sampler_)(from.x, from.y);
+      const PhotonTargets::Aim aim = targets.aim(target, point, x, y);
+      return {ray_scene_.to_local(point.position) + point.normal * offset_, aim.direction, aim.weight};
+    }
+    if (light_.kind == Light::Kind::sun) {
+      // From a disk as large as the target, behind all of the scene.
+      const auto [center, radius] = targets.ball(target);
+      Vec3f tangent, bitangent;
+      orthonormal_frame(Vec3f(light_.direction), tangent, bitangent);
+      const double r = radius * std::sqrt(from.x), turn = 2 * kPi * from.y;
+      Vec3d origin = center + Vec3d(tangent) * (r * std::cos(turn)) + Vec3d(bitangent) * (r * std::sin(turn));
+      origin += light_.direction * (behind_ - (origin ^ light_.direction));
+      return {ray_scene_.to_local(origin), Vec3f(light_.direction), float(kPi * radius * radius)};
+    }
+    const PhotonTargets::Aim aim = targets.aim(target, light_.position, x, y);
+    const double strength = shine_->perpendicular_factor(light_.position + Vec3d(aim.direction));
+    return {ray_scene_.to_local(light_.position), aim.direction, float(aim.weight * strength)};
+  }
 
   const std::uint64_t random;
   const double area;
-  const float offset;
 
  private:
-  static Patch whole(const PatchSet& scene, const Emitter& emitter) {
-    const Patch& first = scene.patches[emitter.first_patch];
-    const Patch& last = scene.patches[emitter.first_patch + emitter.patches - 1];
-    return part_of(scene, first, first.u0, first.v0, last.u1, last.v1);
-  }
+  static constexpr double kBehind = 1e3;  // sizes of a patch: even slivers lie before that
 
-  const Patch whole_;
-  const PatchSampler sampler_;
+  const RayScene& ray_scene_;
+  const bool surface_;
+  const float offset_;
+  Patch whole_;
+  std::optional<PatchSampler> sampler_;
+  Light light_;
+  std::optional<DirectLight> shine_;
+  double behind_ = std::numeric_limits<double>::max();  ///< Along a sun's direction, m.
 };
 
 /// Photons `first` and following of those that half 0 or 1 of the samples aims at a target.
@@ -76,11 +118,10 @@ void Photons::start(const Source& source, const Batch& batch, std::uint32_t firs
     const Vec2f from = kronecker2(k, batch.random);
     const float x = shifted((float(k) + 0.5f) / float(batch.all), to_unit(scramble(batch.random + 1)));
     const float y = shifted(radical_inverse(k), to_unit(scramble(batch.random + 2)));
-    const SurfacePoint point = source.point(from.x, from.y);
-    const PhotonTargets::Aim aim = targets_.aim(batch.target, point, x, y);
-    if (!(aim.weight > 0)) continue;
-    carried[lane] = Color(aim.weight);
-    packet.set(lane, ray_scene_.to_local(point.position) + point.normal * source.offset, aim.direction);
+    const Source::Start begin = source.start(targets_, batch.target, from, x, y);
+    if (!(begin.weight > 0)) continue;
+    carried[lane] = Color(begin.weight);
+    packet.set(lane, begin.origin, begin.direction);
   }
   ray_scene_.intersect(packet, false);
 }

@@ -21,9 +21,9 @@ class Photons {
   /// Without metals there is nothing to shoot.
   bool has_metals() const { return targets_.count() > 0; }
 
-  /// Irradiance of each patch by way of metals over the emitter's exitance; dimensionless, of two independent halves of
-  /// the photons, `photons` in all and somewhat more. The same for any number of threads.
-  /// Shape: [2 patches], half by half of each patch. Adds the number of rays to `cast`. Throws: Error (interrupted).
+  /// Irradiance of each patch by way of metals over the emitter's exitance, or a light's strength; of two independent
+  /// halves of the photons, `photons` in all and somewhat more. The same for any number of threads. Shape: [2 patches],
+  /// half by half of each patch. Adds the number of rays to `cast`. Throws: Error (interrupted).
   std::vector<Color> shoot(const Emitter& emitter, std::int64_t photons, std::int64_t& cast) const;
 
  private:

@@ -8,13 +8,17 @@
 
 #include "pipeline/model/error.h"
 #include "pipeline/optics/direct_light.h"
+#include "solver/direct_factors.h"
+#include "solver/irradiance_filter.h"
+#include "solver/sky_rows.h"
 
 namespace patchlight {
 
 namespace {
 
-constexpr std::uint32_t kPacket = 16;     // rays are cast by sixteens
-constexpr double kMostRays = 1 << 22;     // of one shot
+constexpr std::uint32_t kPacket = 16;      // rays are cast by sixteens
+constexpr double kMostRays = 1 << 22;      // of one shot
+constexpr int kRaysBesideHemicubes = 256;  // for each patch, by which lights without extent are looked at
 constexpr double kOvershootUntil = 1e-2;  // of the residual: it saves a fifth of the shots until here, and costs beyond
 
 double channel_sum(const Vec3d& c) {
@@ -39,7 +43,7 @@ struct Group {
   std::vector<Vec3d> by_rows;   ///< Irradiance of the other emitters, W/m2.
   std::vector<Vec3d> indirect;  ///< Irradiance, W/m2.
   std::vector<Vec3d> unshot;    ///< Reflected and not passed on yet, W/m2.
-  double emitted = 0.0;         ///< W, sum of channels.
+  double emitted = 0.0;         ///< W, sum of channels; of lights without extent, what arrives.
   double source_norm = 0.0;     ///< Of rho D.
   double unshot_norm = 0.0;
   Vec3d ambient{0.0};  ///< Irradiance that the unshot light is going to cause on average, W/m2.
@@ -66,6 +70,8 @@ class Refinement {
     reflectance_ /= area_;
   }
 
+  void add_lights();
+  void add_sky(Progress& progress);
   void shoot_emitters(Progress& progress);
   void shoot_reflections(Progress& progress);
   EnergyField result() const;
@@ -144,7 +150,54 @@ class Refinement {
   std::vector<double> residuals_;  ///< Of what is unshot, before the first batch and after each.
 };
 
+/// What lights without extent bring straight: nothing shoots there, so patches look at them.
+void Refinement::add_lights() {
+  const RayScene ray_scene(scene_);
+  const PatchLookup lookup(scene_);
+  const DirectFactors factors(scene_, ray_scene, scene_.patches, grid_neighbours(scene_, lookup),
+                              std::uint64_t(config_.seed));
+  for (const Emitter& emitter : emitters_apart(scene_)) {
+    if (emitter.light < 0) continue;
+    const Light& light = scene_.lights[emitter.light];
+    Group& group = groups_[light.light_group];
+    const int rays = by_rays_ ? config_.rays : kRaysBesideHemicubes;
+    const std::vector<float> of_halves = factors.sample(emitter, scene_.lights.size(), rays, rays_).factors;
+    for (std::size_t i = 0; i < power_.size(); ++i) {
+      const Patch& patch = scene_.patches[i];
+      const Vec3d added = positive(Vec3d(light.strength) * (0.5 * (double(of_halves[2 * i]) + of_halves[2 * i + 1])));
+      group.direct[i] += added;
+      group.unshot[i] += added * Vec3d(patch.reflectance);
+      group.emitted += patch.area * channel_sum(added);
+    }
+  }
+}
+
+/// The same of the environment.
+void Refinement::add_sky(Progress& progress) {
+  const Environment& sky = *scene_.environment;
+  Group& group = groups_[sky.light_group];
+  const RayScene ray_scene(scene_);
+  const TransportRows seen = sky_rows(scene_, ray_scene, by_rays_ ? config_.rays : kRaysBesideHemicubes,
+                                      std::uint64_t(config_.seed), rays_, progress);
+  SpectrumField sent(power_.size() + sky.cells.size()), received(power_.size()), deviation(power_.size()), reflectance;
+  for (std::size_t k = 0; k < sky.cells.size(); ++k) sent[power_.size() + k] = Spectrum(sky.cells[k]) * Spectrum(kPi);
+  const FormFactorRows::Exchange field{&sent, &received, &deviation};
+  FormFactorRows(seen).receive({&field, 1}, nullptr, FormFactorRows::Precision::full);
+  for (const Patch& patch : scene_.patches) reflectance.emplace_back(patch.reflectance);
+  received = IrradianceFilter(PatchLookup(scene_), scene_.primitives.size(), received, deviation, reflectance, received)
+                 .apply(received);
+  for (std::size_t i = 0; i < power_.size(); ++i) {
+    const Patch& patch = scene_.patches[i];
+    const Vec3d added = positive(Vec3d(received[i].c[0], received[i].c[1], received[i].c[2]));
+    group.by_rows[i] += added;
+    group.unshot[i] += added * Vec3d(patch.reflectance);
+    group.emitted += patch.area * channel_sum(added);
+  }
+}
+
 void Refinement::shoot_emitters(Progress& progress) {
+  if (!scene_.lights.empty()) add_lights();
+  if (scene_.environment) add_sky(progress);
   // An emitter's light is seen directly: its hemicubes stand on many points, one for every 32 patches of the scene.
   const double points = double(power_.size()) / 32;
   std::vector<Shot> shots;

@@ -272,8 +272,10 @@ void RayRows::cast_block(Half& half, const DirectionTable& table, int block) con
       const SurfaceHit hit = ray_scene_.hit(packet, lane);
       if (hit.front)
         half.ends.push_back(elements_.at(hit.primitive, hit.u, hit.v));
-      else
-        half.backs += hit.primitive >= 0;
+      else if (hit.primitive >= 0)
+        ++half.backs;
+      else if (scene_.environment)
+        half.ends.push_back(elements_.sky(packet.direction(lane)));
     }
     if (has_metals_) follow_mirrors(half, first, packet);
   }
@@ -288,6 +290,8 @@ void RayRows::follow_mirrors(Half& half, int first, RayPacket& packet) const {
       if (packet.valid[lane] == 0) continue;
       const SurfaceHit hit = ray_scene_.hit(packet, lane);
       packet.valid[lane] = 0;
+      if (bounce > 0 && hit.primitive < 0 && scene_.environment)
+        half.mirrored.push_back({half.row, half.half, elements_.sky(packet.direction(lane)), throughput[lane]});
       if (!hit.front) continue;
       Color& kept = throughput[lane];
       if (bounce > 0) half.mirrored.push_back({half.row, half.half, elements_.at(hit.primitive, hit.u, hit.v), kept});

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
+#include <utility>
 
 #include "pipeline/files/key.h"
 #include "pipeline/optics/random.h"
@@ -13,6 +15,7 @@
 #include "solver/hemicube.h"
 #include "solver/photons.h"
 #include "solver/ray_rows.h"
+#include "solver/sky_rows.h"
 #include "solver/surroundings.h"
 
 namespace patchlight {
@@ -64,24 +67,52 @@ std::int64_t find_exposed(const PatchSet& scene, const RayScene& ray_scene, std:
   return cast;
 }
 
+/// Lets rows end on what others, of the same patches, end on too.
+void add_rows(const TransportRows& more, TransportRows& rows) {
+  TransportRows sum;
+  sum.starts.push_back(0);
+  for (std::size_t k = 0; k + 1 < rows.starts.size(); ++k) {
+    for (const TransportRows* from : {&std::as_const(rows), &more}) {
+      const auto begin = std::ptrdiff_t(from->starts[k]), end = std::ptrdiff_t(from->starts[k + 1]);
+      sum.ends.insert(sum.ends.end(), from->ends.begin() + begin, from->ends.begin() + end);
+      sum.weights.insert(sum.weights.end(), from->weights.begin() + begin, from->weights.begin() + end);
+    }
+    sum.starts.push_back(sum.ends.size());
+  }
+  rows.starts = std::move(sum.starts);
+  rows.ends = std::move(sum.ends);
+  rows.weights = std::move(sum.weights);
+}
+
+/// See Transport::Emitter::light.
+std::int64_t light_number(const PatchSet& scene, const Emitter& emitter) {
+  if (emitter.light < 0) return 0;
+  const Light& light = scene.lights[emitter.light];
+  std::uint64_t number = scramble(std::uint64_t(light.kind) + 1);
+  const auto add = [&](double x) { number = scramble(number ^ std::bit_cast<std::uint64_t>(x + 0.0)); };
+  for (const Vec3d& v : {light.position, light.direction})
+    for (int k = 0; k < 3; ++k) add(v[k]);
+  add(light.inner);
+  add(light.outer);
+  return std::max<std::int64_t>(std::int64_t(number >> 1), 1);
+}
+
 }  // namespace
 
 std::int64_t complete_transport(const PatchSet& scene, const SolveConfig& config, int rays, Transport& transport,
                                 Progress& progress) {
   if (scene.light_groups.empty()) return 0;
   const std::string key = transport_key(scene.geometry_key, config);
-  std::vector<Emitter> wanted = emitters_apart(scene);
-  std::sort(wanted.begin(), wanted.end(),
-            [](const Emitter& a, const Emitter& b) { return a.first_patch < b.first_patch; });
-  const auto kept = [&](const Emitter& emitter) {
-    return std::find_if(transport.emitters.begin(), transport.emitters.end(), [&](const Transport::Emitter& e) {
-      return e.first_patch == emitter.first_patch && e.patches == emitter.patches;
-    });
+  const std::vector<Emitter> wanted = emitters_apart(scene);
+  const auto is_of = [&](const Transport::Emitter& kept, const Emitter& emitter) {
+    return kept.first_patch == emitter.first_patch && kept.patches == emitter.patches &&
+           kept.light == light_number(scene, emitter);
   };
   const bool hemicubes = config.form_factors == "hemicube";
-  const bool same_rows = transport.key == key && (hemicubes || transport.rays >= rays);
-  if (same_rows && wanted.size() == transport.emitters.size() &&
-      std::all_of(wanted.begin(), wanted.end(), [&](const Emitter& e) { return kept(e) != transport.emitters.end(); }))
+  const bool same_rows =
+      transport.key == key && transport.sky == scene.sky_cells() && (hemicubes || transport.rays >= rays);
+  if (same_rows &&
+      std::equal(transport.emitters.begin(), transport.emitters.end(), wanted.begin(), wanted.end(), is_of))
     return 0;
 
   const std::uint64_t seed = std::uint64_t(config.seed);
@@ -93,21 +124,26 @@ std::int64_t complete_transport(const PatchSet& scene, const SolveConfig& config
     if (hemicubes) {
       draw_rows(scene, config, transport, progress);
       cast += find_exposed(scene, ray_scene, seed, transport);
+      if (scene.environment) add_rows(sky_rows(scene, ray_scene, rays, seed, cast, progress), transport);
     } else {
       const Elements elements(scene);
       const RayRows rows(scene, ray_scene, scene.patches, elements, seed, RayRows::Halves::apart, true);
       cast += rows.cast(rays, transport, progress);
     }
     transport.key = key;
+    transport.sky = scene.sky_cells();
   }
   std::vector<Transport::Emitter> emitters;
   const DirectFactors direct(scene, ray_scene, scene.patches, grid_neighbours(scene, lookup), seed);
   const Photons photons(scene, ray_scene, seed);
   for (const Emitter& emitter : wanted) {
-    if (const auto at = kept(emitter); at != transport.emitters.end()) {
+    const auto at = std::find_if(transport.emitters.begin(), transport.emitters.end(),
+                                 [&](const Transport::Emitter& e) { return is_of(e, emitter) && !e.factors.empty(); });
+    if (at != transport.emitters.end()) {
       emitters.push_back(std::move(*at));
     } else {
       Transport::Emitter& added = emitters.emplace_back(direct.sample(emitter, wanted.size(), rays, cast));
+      added.light = light_number(scene, emitter);
       const double share = kPhotons * rays * double(scene.patches.size()) / double(wanted.size());
       if (!hemicubes && photons.has_metals()) added.mirrored = photons.shoot(emitter, std::int64_t(share), cast);
       for (std::size_t k = 0; k < added.factors.size() && !transport.exposed.empty(); ++k) {

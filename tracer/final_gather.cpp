@@ -3,6 +3,7 @@
 #include "pipeline/optics/mirror_path.h"
 #include "pipeline/optics/patch_sampling.h"
 #include "pipeline/optics/random.h"
+#include "pipeline/optics/sky.h"
 #include "tracer/pixel_samples.h"
 
 namespace patchlight {
@@ -96,6 +97,7 @@ void FinalGather::trace(RayPacket& packet, std::array<Lane, RayPacket::kSize>& l
       Lane& lane = lanes[k];
       const SurfaceHit hit = ray_scene_.hit(packet, k);
       packet.valid[k] = 0;
+      if (hit.primitive < 0 && scene_.environment) look_up_sky(packet.direction(k), lane, arrived[lane.point]);
       if (!hit.front) continue;
       look_up(hit, lane, arrived[lane.point]);
       if (bounce >= kMostMirrors || scene_.materials[scene_.primitives[hit.primitive].material].specular == Color(0.0f))
@@ -105,6 +107,15 @@ void FinalGather::trace(RayPacket& packet, std::array<Lane, RayPacket::kSize>& l
       going = go_on(scene_, ray_scene_, hit, lane.random, k, packet, lane.throughput) || going;
     }
   }
+}
+
+/// What of the environment is not a sun, times pi.
+void FinalGather::look_up_sky(const Vec3f& direction, const Lane& lane, Arrived& arrived) const {
+  const Environment& sky = *scene_.environment;
+  const Color light = lane.throughput * sky.cells[sky_cell(sky, direction)] * float(kPi);
+  const auto group = std::size_t(sky.light_group);
+  (lane.mirrored ? arrived.indirect : arrived.direct) += light * mixes_.all[0][group];
+  if (!arrived.of_group.empty()) arrived.of_group[group] += light;
 }
 
 /// What the surface at a hit sends back along the ray, times pi.

@@ -33,6 +33,7 @@ class FinalGather {
 
   std::vector<Arrived> gather(std::span<const GatherPoint> points, const TileLight::Window& window) const;
   void trace(RayPacket& packet, std::array<Lane, RayPacket::kSize>& lanes, std::vector<Arrived>& arrived) const;
+  void look_up_sky(const Vec3f& direction, const Lane& lane, Arrived& arrived) const;
   void look_up(const SurfaceHit& hit, const Lane& lane, Arrived& arrived) const;
 
   const PatchSet& scene_;

@@ -42,8 +42,12 @@ MetalLight::Sample MetalLight::sample(const Place& place, float choice, const Ve
   const DirectLight::View view = lamp.light.view(place.position, place.normal);
   const DirectLight::Sample ray = view.sample(at.x, at.y);
   if (ray.weight <= 0) return {};
-  const float density = float(view.density(ray.direction)) * of_lamps[l] / sum;
   const MetalLobe lobe = metal_lobe(place.roughness, place.normal, place.direction, ray.direction);
+  if (lamp.emitter.light >= 0) {  // no path meets it
+    const auto arriving = float(kPi * lamp.light.perpendicular_factor(place.position));
+    return {ray.direction, ray.distance, lobe.value * arriving * sum / of_lamps[l], &lamp};
+  }
+  const float density = float(view.density(ray.direction)) * of_lamps[l] / sum;
   if (density <= 0 || lobe.value <= 0) return {};
   return {ray.direction, ray.distance, lobe.value / (density + lobe.density), &lamp};
 }

@@ -6,6 +6,7 @@
 #include "pipeline/optics/mirror.h"
 #include "pipeline/optics/patch_sampling.h"
 #include "pipeline/optics/random.h"
+#include "pipeline/optics/sky.h"
 #include "tracer/pixel_samples.h"
 
 namespace patchlight {
@@ -60,6 +61,7 @@ bool PathTracer::shade(RayPacket& packet, int lane, Path& path, const CameraRays
   const bool in_layers = layers && layers->surface() && std::isinf(view.depth);
   if (hit.primitive < 0) {
     if (in_layers) layers->add_surface(path.pixel, {}, path.off);
+    if (scene_.environment) show_sky(packet.direction(lane), path, sums);
     return false;
   }
   const SurfacePoint point = point_of(hit);
@@ -111,6 +113,20 @@ bool PathTracer::shade(RayPacket& packet, int lane, Path& path, const CameraRays
     return false;
   packet.set(lane, ray_scene_.to_local(off), direction);
   return true;
+}
+
+/// What a path comes to that meets nothing. Suns that rough metals show are not met but looked at.
+void PathTracer::show_sky(const Vec3f& direction, Path& path, PathSums& sums) const {
+  const Environment& sky = *scene_.environment;
+  const bool apart = path.density > 0;
+  const Color own = path.throughput * (apart ? clipped_radiance(sky, direction) : sky_radiance(sky, direction));
+  const auto group = std::size_t(sky.light_group);
+  const Color shown = own * mixes_.all[0][group];
+  sums.pixels[path.pixel] += shown;
+  path.view.light += own;
+  if (!sums.layers) return;
+  if (sums.layers->light()) sums.layers->add_emission(path.pixel, path.mirrored, shown);
+  if (sums.layers->groups()) sums.layers->add_of_group(group, path.pixel, own);
 }
 
 bool PathTracer::turn(const Material& material, const Vec3d& off, const Vec3f& normal, const Vec3f& flat, int lane,

@@ -68,6 +68,7 @@ class PathTracer {
  private:
   /// Adds what a hit shows and turns the lane towards what a metal there shows; false when the path ends.
   bool shade(RayPacket& packet, int lane, Path& path, const CameraRays& camera, PathSums& sums) const;
+  void show_sky(const Vec3f& direction, Path& path, PathSums& sums) const;
   void add_layers(const SurfaceHit& hit, const SolvedSurfaces::Colors& colors, const DisplayLookup::Blend& blend,
                   const Path& path, LayerSums& layers) const;
   /// Turns `direction` as the metal at a hit does; `normal`: smooth. False: it reflects nothing.

@@ -26,7 +26,7 @@ class PixelLight {
     DirectLight light;
     Emitter emitter;
     std::int32_t group;
-    Color own;       ///< Exitance at the scene's own strength, W/m2.
+    Color own;       ///< Exitance, W/m2, or a light's strength, as the scene has it.
     Color exitance;  ///< The same under the lights' settings.
 
     float brightness() const { return own.x + own.y + own.z; }

@@ -9,13 +9,14 @@ namespace patchlight {
 
 namespace {
 
-constexpr float kPartial = 8;     // rays for each of a pixel's samples where the one lamp is half hidden
-constexpr int kLeast = 4;         // rays where a lamp is partly hidden
-constexpr float kLittle = 0.03f;  // part of a spot's light below which a lamp takes no more than a look
-constexpr float kSharp = 0.3f;    // part of a spot's light above which a lamp's sharp shadows take more points
-constexpr double kFar = 2.0;      // radii of a lamp from where its area is as good as its solid angle
-constexpr float kAlike = 0.95f;   // cosine between the normals of a spot and of a point that gets as much light
-constexpr int kEnough = 9;        // looks from one surface that need no others
+constexpr float kPartial = 8;          // rays for each of a pixel's samples where the one lamp is half hidden
+constexpr int kLeast = 4;              // rays where a lamp is partly hidden
+constexpr float kLittle = 0.03f;       // part of a spot's light below which a lamp takes no more than a look
+constexpr float kSharp = 0.3f;         // part of a spot's light above which a lamp's sharp shadows take more points
+constexpr float kSharpOfPoint = 0.1f;  // the same of a light without extent, whose shadows all are
+constexpr double kFar = 2.0;           // radii of a lamp from where its area is as good as its solid angle
+constexpr float kAlike = 0.95f;        // cosine between the normals of a spot and of a point that gets as much light
+constexpr int kEnough = 9;             // looks from one surface that need no others
 
 /// Rays of a look at a lamp that brings this part of a spot's light.
 int looks(float share) {
@@ -134,7 +135,7 @@ void TileLight::add_to_seen(std::size_t l, const Factors& factors, std::span<con
     if (!takes_part(s)) continue;
     around[s] = about(l, s);
     const float share = factors.share(lamp, l, s);
-    if (around[s].sharp && share > kSharp)
+    if (around[s].sharp && share > (lamp.light.is_point() ? kSharpOfPoint : kSharp))
       sharp_[spots_[s].pixel] = 1;
     else if (around[s].samples.partial() && share >= kLittle && is_needed(lamp))
       sample(lamp, spots_[s], rays_for(share, samples_, around[s].samples), 0,

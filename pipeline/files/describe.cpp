@@ -94,6 +94,16 @@ std::string describe(const PatchSet& scene) {
   text += describe_materials(scene);
   if (!scene.shaders.empty()) text += describe_shaders(scene);
   text += describe_names("light groups", scene.light_groups, [](const std::string& name) { return name; });
+  if (!scene.lights.empty())
+    text += describe_names("lights", scene.lights, [&](const Light& light) {
+      const char* const kinds[] = {"point", "spot", "sun"};
+      return fmt::format("{:<24}{}, {} {}, light group {}", light.name, kinds[int(light.kind)],
+                         triple(Vec3d(light.strength)), light.kind == Light::Kind::sun ? "W/m2" : "W/sr",
+                         scene.light_groups[light.light_group]);
+    });
+  if (scene.environment)
+    text += fmt::format("environment\n  {} x {} texels, light group {}\n", scene.environment->width,
+                        scene.environment->height, scene.light_groups[scene.environment->light_group]);
   text += describe_names("cameras", scene.cameras, [](const Camera& c) {
     const bool perspective = c.projection == Camera::Projection::perspective;
     return fmt::format("{:<24}{}, {:.4g} {} high{}", c.name, perspective ? "perspective" : "orthographic",

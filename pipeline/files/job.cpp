@@ -91,7 +91,7 @@ class JobReader {
       merges_ = true;
     }
     read_section(root, "");
-    for (fs::path* path : {&job_.scene, &job_.output, &job_.bench.reference})
+    for (fs::path* path : {&job_.scene, &job_.output, &job_.environment.image, &job_.bench.reference})
       if (!path->empty()) *path = folder / *path;  // as they stand: `link/..` is not the folder that holds the link
   }
 
@@ -187,7 +187,8 @@ Job read_job(const fs::path& file, const std::vector<std::string>& sets, const f
   const fs::path folder = fs::absolute(file).parent_path();
   job.scene = folder / job.scene;
   job.output = folder / job.output;
-  if (!job.bench.reference.empty()) job.bench.reference = folder / job.bench.reference;
+  for (fs::path* path : {&job.environment.image, &job.bench.reference})
+    if (!path->empty()) *path = folder / *path;
   if (std::int64_t(job.trace.resolution[0]) * job.trace.resolution[1] > kMaxPixels)
     throw Error(ExitCode::over_limit, fmt::format("a frame of more than {} pixels", kMaxPixels),
                 file.string() + ", trace.resolution", "lower it");
@@ -197,7 +198,7 @@ Job read_job(const fs::path& file, const std::vector<std::string>& sets, const f
 std::string effective_job(const Job& job) {
   const fs::path folder = fs::absolute(job.file).parent_path();
   Job copy = job;
-  for (fs::path* path : {&copy.scene, &copy.output, &copy.bench.reference})
+  for (fs::path* path : {&copy.scene, &copy.output, &copy.environment.image, &copy.bench.reference})
     if (path->string().starts_with(folder.string() + "/")) *path = path->string().substr(folder.string().size() + 1);
   YAML::Node root(YAML::NodeType::Map);
   for (const JobKey& key : job_keys(copy)) {

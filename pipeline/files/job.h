@@ -29,7 +29,19 @@ struct MaterialOverride {
 struct ImportConfig {
   std::optional<double> patch_area;  ///< m2; absent: chosen from the scene's area.
   std::int64_t max_patches = 5'000'000;
-  std::optional<double> time;  ///< s, in the file's animations; absent: nodes stand in their rest state.
+  std::optional<double> time;              ///< s, in the file's animations; absent: nodes stand in their rest state.
+  std::string punctual_units = "blender";  ///< Of KHR_lights_punctual: blender, si or raw.
+};
+
+/// Light from all around; by a colour or an image.
+struct EnvironmentConfig {
+  std::optional<Color> color{};             ///< Radiance, W/m2/sr.
+  std::filesystem::path image;              ///< Equirectangular; empty: none.
+  double strength = 1.0;                    ///< What either is multiplied by.
+  double rotation = 0.0;                    ///< Degrees about the vertical axis, counter-clockwise from above.
+  std::string light_group = "environment";  ///< As files name it.
+
+  bool is_set() const { return color.has_value() || !image.empty(); }
 };
 
 struct SolveConfig {
@@ -121,6 +133,7 @@ struct Job {
   std::vector<MaterialOverride> materials;
   std::vector<MaterialOverride> nodes;  ///< Applied after those of materials.
   std::vector<Shader> shaders;
+  EnvironmentConfig environment;
   SolveConfig solve;
   std::map<std::string, LightSetting> lights;   ///< By light group, as files name it.
   std::map<std::string, CameraConfig> cameras;  ///< By name.

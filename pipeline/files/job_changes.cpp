@@ -19,6 +19,7 @@ bool is_setting(const JobKey& key) {
 /// A copy of `base` with the setting at `index` as in `other`.
 Job mixed(Job base, std::size_t index, Job other) {
   Job result;
+  result.scene = base.scene;  // paths are named as they lie from there
   std::vector<JobKey> to = job_keys(result), from = job_keys(base), changed = job_keys(other);
   for (std::size_t i = 0; i < to.size(); ++i) {
     const YAML::Node value = (i == index ? changed : from)[i].write();
@@ -49,6 +50,8 @@ Job with_settings_of(const Job& job, const std::string& made_for) {
     Job result = parse_effective_job(made_for);
     result.scene = job.scene;
     result.output = job.output;
+    if (!result.environment.image.empty())
+      result.environment.image = std::filesystem::absolute(job.file).parent_path() / result.environment.image;
     return result;
   } catch (const Error&) {
     return job;

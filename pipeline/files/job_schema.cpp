@@ -36,6 +36,8 @@ std::vector<JobKey> import_keys(ImportConfig& config) {
       patch_area_key(config.patch_area),
       integer_key("import.max_patches", config.max_patches, 1, 1'000'000'000, "more patches than this are refused"),
       time_key(config.time),
+      choice_key("import.punctual_units", config.punctual_units, {"blender", "si", "raw"},
+                 "of point lights, spots and suns: as Blender exports watts; candela and lux; or W/sr and W/m2"),
   };
 }
 
@@ -98,6 +100,7 @@ std::vector<JobKey> job_keys(Job& job) {
   };
   add(import_keys(job.import));
   add(scene_keys(job));
+  add(environment_keys(job.environment));
   add(solve_keys(job.solve));
   keys.push_back(lights_key(job.lights));
   keys.push_back(cameras_key(job.cameras));

@@ -42,6 +42,9 @@ std::string flow_text(const YAML::Node& value);
 /// The key `materials` or `nodes`.
 JobKey overrides_key(const std::string& section, std::vector<MaterialOverride>& overrides, const std::string& help);
 
+/// Those of the section `environment`.
+std::vector<JobKey> environment_keys(EnvironmentConfig& sky);
+
 /// The key `lights`.
 JobKey lights_key(std::map<std::string, LightSetting>& lights);
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pipeline/files/job_schema.h"
+#include "pipeline/files/light_group_name.h"
 #include "pipeline/files/nearest_word.h"
 
 namespace patchlight {
@@ -48,6 +49,13 @@ std::string parse_choice(const Node& node, const std::vector<std::string>& choic
   for (const auto& choice : choices)
     if (value == choice) return value;
   throw fmt::format("expected {}", fmt::join(choices, " or "));
+}
+
+std::string parse_group(const Node& node) {
+  const std::string name = parse<std::string>(node, "the name of a light group");
+  if (name.empty() || name.size() > kLongestLightGroup)
+    throw fmt::format("expected a name of 1 to {} bytes", kLongestLightGroup);
+  return light_group_name(name);
 }
 
 std::string quoted_if_dotted(const std::string& name) {

@@ -36,6 +36,9 @@ Color parse_color(const YAML::Node& node, double high);
 
 std::string parse_choice(const YAML::Node& node, const std::vector<std::string>& choices);
 
+/// A light group, as files name it.
+std::string parse_group(const YAML::Node& node);
+
 /// In the fewest digits that read as the same value.
 template <class Number>
 YAML::Node number_node(Number value) {

@@ -86,12 +86,20 @@ std::string hash_file(const std::filesystem::path& file, std::uintmax_t size) {
   return to_hex(XXH3_128bits_digest(state.get()));
 }
 
+std::string path_beside_scene(const std::filesystem::path& file, const Job& job) {
+  if (file.empty()) return "";
+  const auto normal = [](const std::filesystem::path& path) {
+    return std::filesystem::absolute(path).lexically_normal();
+  };
+  return normal(file).lexically_relative(normal(job.scene).parent_path()).string();
+}
+
 std::string import_inputs_key(const std::vector<SourceFile>& sources, const Job& job) {
   KeyHasher hasher;
   hasher.add("import").add(kImportVersion);
   // The scene itself comes first and may be spelled or placed anywhere: its content counts.
   for (std::size_t i = 0; i < sources.size(); ++i) hasher.add(i == 0 ? "" : sources[i].path).add(sources[i].hash);
-  hasher.add(job.import.patch_area.value_or(0.0)).add(job.import.time.value_or(-1.0));
+  hasher.add(job.import.patch_area.value_or(0.0)).add(job.import.time.value_or(-1.0)).add(job.import.punctual_units);
   for (const auto* overrides : {&job.materials, &job.nodes}) {
     hasher.add("overrides");
     for (const auto& change : *overrides) {
@@ -102,6 +110,11 @@ std::string import_inputs_key(const std::vector<SourceFile>& sources, const Job&
       hasher.add(change.light_group.value_or("")).add(change.patch_area.value_or(0.0));
       hasher.add(change.exclude.value_or(false));
     }
+  }
+  if (const EnvironmentConfig& sky = job.environment; sky.is_set()) {
+    hasher.add("environment");
+    add_color(hasher, sky.color);
+    hasher.add(path_beside_scene(sky.image, job)).add(sky.strength).add(sky.rotation).add(sky.light_group);
   }
   for (const auto& shader : job.shaders) {
     hasher.add("shader").add(shader.name);

@@ -34,6 +34,9 @@ std::string hash_bytes(const void* data, std::size_t size);
 /// Hash of a file's content, or of its first `size` bytes. Throws: Error (missing_input, io_error).
 std::string hash_file(const std::filesystem::path& file, std::uintmax_t size = UINTMAX_MAX);
 
+/// A file as SourceFile::path has it; empty for none.
+std::string path_beside_scene(const std::filesystem::path& file, const Job& job);
+
 /// Key of what an import reads: the source files' content and the settings that can change patches.h5.
 std::string import_inputs_key(const std::vector<SourceFile>& sources, const Job& job);
 

@@ -1,23 +1,13 @@
-#include <fmt/format.h>
-
 #include <limits>
 
 #include "pipeline/files/job_schema.h"
 #include "pipeline/files/job_values.h"
-#include "pipeline/files/light_group_name.h"
 
 namespace patchlight {
 
 namespace {
 
 using Node = YAML::Node;
-
-std::string parse_group(const Node& node) {
-  const std::string name = parse<std::string>(node, "the name of a light group");
-  if (name.empty() || name.size() > kLongestLightGroup)
-    throw fmt::format("expected a name of 1 to {} bytes", kLongestLightGroup);
-  return light_group_name(name);
-}
 
 /// `section` is materials or nodes.
 void read_overrides(const std::string& section, const Node& map, std::vector<MaterialOverride>& overrides) {

@@ -5,6 +5,8 @@
 
 #include "pipeline/files/h5_store.h"
 #include "pipeline/files/patch_check.h"
+#include "pipeline/files/patch_environment.h"
+#include "pipeline/files/patch_lights.h"
 #include "pipeline/files/patch_motions.h"
 #include "pipeline/files/patch_shaders.h"
 #include "pipeline/files/patch_textures.h"
@@ -193,17 +195,22 @@ void write_patches(const std::filesystem::path& file, PatchSet& scene) {
   write_motion_datasets(writer, scene);
   write_sources(writer, scene.sources);
   writer.strings("/light_groups/name", scene.light_groups);
+  write_light_datasets(writer, scene);
+  write_environment_datasets(writer, scene);
   write_shader_datasets(writer, scene);
   write_texture_datasets(writer, scene);
 
   scene.key = writer.key_of({"/patches/", "/primitives/type", "/primitives/corners", "/primitives/sphere",
                              "/primitives/back", "/primitives/light_group", "/light_groups/", "/primitives/material",
-                             "/materials/specular", "/materials/roughness"});
-  scene.geometry_key = writer.key_of({"/patches/center", "/patches/primitive", "/patches/uv", "/primitives/type",
-                                      "/primitives/corners", "/primitives/sphere", "/primitives/back",
-                                      "/primitives/material", "/materials/specular", "/materials/roughness"});
+                             "/materials/specular", "/materials/roughness", "/lights/kind", "/lights/light_group",
+                             "/lights/strength", "/lights/shape", "/environment/cells", "/environment/light_group"});
+  scene.geometry_key =
+      writer.key_of({"/patches/center", "/patches/primitive", "/patches/uv", "/primitives/type", "/primitives/corners",
+                     "/primitives/sphere", "/primitives/back", "/primitives/material", "/materials/specular",
+                     "/materials/roughness", "/environment/rows"});
   scene.frames_key = writer.key_of({"/primitives/smooth_vertices", "/shaders/", "/primitives/shader",
-                                    "/primitives/texcoord", "/textures/", "/primitives/texture", "/materials/tint"});
+                                    "/primitives/texcoord", "/textures/", "/primitives/texture", "/materials/tint",
+                                    "/environment/size", "/environment/texels", "/environment/view"});
   writer.attribute("format", kPatchFormat);
   writer.attribute("version", std::int64_t(kPatchVersion));
   writer.attribute("key", scene.key);
@@ -228,6 +235,8 @@ PatchSet read_patches(const std::filesystem::path& file) {
   read_cameras(reader, scene.cameras);
   read_motion_datasets(reader, scene);
   scene.light_groups = reader.strings("/light_groups/name", -1);
+  read_light_datasets(reader, scene);
+  read_environment_datasets(reader, scene);
   read_shader_datasets(reader, scene);
   read_texture_datasets(reader, scene);
   const std::vector<std::string> paths = reader.strings("/sources/path", -1);

@@ -12,6 +12,8 @@ namespace patchlight {
 namespace {
 
 constexpr std::int64_t kMostRays = 1 << 24;
+constexpr std::int64_t kMostCells = 1 << 20;
+const char* const kLights = "/emitters/light";
 
 void write_rows(H5Writer& writer, const std::string& folder, const TransportRows& rows) {
   const std::vector<std::int64_t> starts(rows.starts.begin(), rows.starts.end());
@@ -59,8 +61,8 @@ void read_mirrored(const H5Reader& reader, const std::string& folder, std::int64
   }
 }
 
-/// `elements` that rows may end on; -1: as many as there are rows. `rays` of a row; 0: not by rays.
-void read_rows(const H5Reader& reader, const std::string& folder, std::int64_t elements, std::int64_t rays,
+/// `elements` that rows may end on, beside as many as there are rows if `own`. `rays` of a row; 0: not by rays.
+void read_rows(const H5Reader& reader, const std::string& folder, std::int64_t elements, bool own, std::int64_t rays,
                TransportRows& rows) {
   if (rays < 0 || rays > kMostRays) reader.refuse("a number of rays out of bounds", folder + "/rows/share");
   const std::vector<std::int64_t> starts = reader.dataset<std::int64_t>(folder + "/rows/start", -1);
@@ -69,7 +71,7 @@ void read_rows(const H5Reader& reader, const std::string& folder, std::int64_t e
       !std::is_sorted(starts.begin(), starts.end()))
     reader.refuse("rows that do not follow each other", folder + "/rows/start");
   rows.starts.assign(starts.begin(), starts.end());
-  if (elements < 0) elements = rows.rows();
+  if (own) elements += rows.rows();
   check_all(reader, folder + "/rows/patch", rows.ends, [&](std::int32_t j) { return j >= 0 && j < elements; });
   if (rays == 0) {
     rows.weights = reader.dataset<float>(folder + "/rows/weight", std::int64_t(rows.ends.size()));
@@ -83,8 +85,8 @@ void read_rows(const H5Reader& reader, const std::string& folder, std::int64_t e
 }
 
 /// What an emitter sends by way of mirrors; empty where it says nothing of it.
-std::vector<Color> read_photons(const H5Reader& reader, std::int32_t first_patch, std::int64_t patches) {
-  const std::string name = "/emitters/mirrored/" + std::to_string(first_patch);
+std::vector<Color> read_photons(const H5Reader& reader, const std::string& emitter, std::int64_t patches) {
+  const std::string name = "/emitters/mirrored/" + emitter;
   std::vector<Color> photons;
   if (!reader.has(name)) return photons;
   const std::vector<float> values = reader.dataset<float>(name, 2 * patches, 3);
@@ -93,25 +95,36 @@ std::vector<Color> read_photons(const H5Reader& reader, std::int32_t first_patch
   return photons;
 }
 
+/// The `number`th emitter of the file as its datasets are named.
+std::string emitter_name(const Transport::Emitter& emitter, std::size_t number) {
+  return emitter.light == 0 ? std::to_string(emitter.first_patch) : "light_" + std::to_string(number);
+}
+
 void read_emitters(const H5Reader& reader, std::int64_t patches, Transport& transport) {
   const std::vector<std::int32_t> ranges = reader.dataset<std::int32_t>("/emitters/patches", -1, 2);
+  std::vector<std::int64_t> lights;
+  if (reader.has(kLights)) lights = reader.dataset<std::int64_t>(kLights, -1);
+  check_all(reader, kLights, lights, [](std::int64_t light) { return light != 0; });
   std::int64_t last = 0;
   for (std::size_t k = 0; k < ranges.size(); k += 2) {
     if (ranges[k] < last || ranges[k + 1] < 1 || std::int64_t(ranges[k]) + ranges[k + 1] > patches)
       reader.refuse("a range out of bounds or order", "/emitters/patches");
     last = std::int64_t(ranges[k]) + ranges[k + 1];
+    transport.emitters.push_back({ranges[k], ranges[k + 1], {}});
+  }
+  for (const std::int64_t light : lights) transport.emitters.push_back({std::int32_t(patches), 0, {}, {}, {}, light});
+  for (std::size_t k = 0; k < transport.emitters.size(); ++k) {
+    Transport::Emitter& emitter = transport.emitters[k];
+    const std::string own = emitter_name(emitter, k);
     const auto factors = [&](const std::string& folder, std::int64_t rows) {
-      const std::string name = folder + "/" + std::to_string(ranges[k]);
+      const std::string name = folder + "/" + own;
       std::vector<float> values = reader.dataset<float>(name, rows, 2);
       check_all(reader, name, values, is_factor);
       return values;
     };
-    auto& emitter = transport.emitters.emplace_back();
-    emitter.first_patch = ranges[k];
-    emitter.patches = ranges[k + 1];
     emitter.factors = factors("/emitters/factor", patches);
     if (transport.display) emitter.display = factors("/display/factor", transport.display->mesh.elements);
-    emitter.mirrored = read_photons(reader, ranges[k], patches);
+    emitter.mirrored = read_photons(reader, own, patches);
     if (emitter.mirrored.empty() != transport.emitters.front().mirrored.empty())
       reader.refuse("photons of some emitters alone", "/emitters/patches");
   }
@@ -121,7 +134,8 @@ void read_display(const H5Reader& reader, std::int64_t patches, Transport& trans
   if (!reader.has("/display/rows/start")) return;
   auto& display = transport.display.emplace();
   display.mesh = read_display_mesh(reader, patches);
-  read_rows(reader, "/display", patches + display.mesh.elements, reader.integer("display_rays"), display.rows);
+  read_rows(reader, "/display", patches + display.mesh.elements + transport.sky, false, reader.integer("display_rays"),
+            display.rows);
   if (display.rows.rows() != display.mesh.gathered)
     reader.refuse("another number of rows than of vertices", "/display/rows/start");
 }
@@ -129,7 +143,12 @@ void read_display(const H5Reader& reader, std::int64_t patches, Transport& trans
 Transport read_all(const H5Reader& reader) {
   Transport transport;
   transport.key = reader.text("key");
-  read_rows(reader, "", -1, reader.integer("rays"), transport);
+  if (reader.has_attribute("sky")) {
+    const std::int64_t sky = reader.integer("sky");
+    if (sky < 1 || sky > kMostCells) reader.refuse("a number of cells out of bounds", "sky");
+    transport.sky = int(sky);
+  }
+  read_rows(reader, "", transport.sky, true, reader.integer("rays"), transport);
   if (reader.has("/exposed")) {
     transport.exposed = reader.dataset<float>("/exposed", transport.rows(), 2);
     check_all(reader, "/exposed", transport.exposed, [](float part) { return part > 0 && part <= 1; });
@@ -150,9 +169,14 @@ void write_transport(const std::filesystem::path& file, const Transport& transpo
     write_rows(writer, "/display", transport.display->rows);
   }
   std::vector<std::int32_t> ranges;
-  for (const auto& emitter : transport.emitters) {
-    ranges.insert(ranges.end(), {emitter.first_patch, emitter.patches});
-    const std::string name = "/" + std::to_string(emitter.first_patch);
+  std::vector<std::int64_t> lights;
+  for (std::size_t k = 0; k < transport.emitters.size(); ++k) {
+    const Transport::Emitter& emitter = transport.emitters[k];
+    if (emitter.light == 0)
+      ranges.insert(ranges.end(), {emitter.first_patch, emitter.patches});
+    else
+      lights.push_back(emitter.light);
+    const std::string name = "/" + emitter_name(emitter, k);
     writer.dataset<float>("/emitters/factor" + name, emitter.factors, 2);
     if (transport.display) writer.dataset<float>("/display/factor" + name, emitter.display, 2);
     if (emitter.mirrored.empty()) continue;
@@ -161,11 +185,13 @@ void write_transport(const std::filesystem::path& file, const Transport& transpo
     writer.dataset<float>("/emitters/mirrored" + name, photons, 3);
   }
   writer.dataset<std::int32_t>("/emitters/patches", ranges, 2);
+  if (!lights.empty()) writer.dataset<std::int64_t>(kLights, lights);
   writer.attribute("format", kTransportFormat);
   writer.attribute("version", std::int64_t(kTransportVersion));
   writer.attribute("key", transport.key);
   write_provenance(writer, transport.made);
   writer.attribute("rays", std::int64_t(transport.rays));
+  if (transport.sky > 0) writer.attribute("sky", std::int64_t(transport.sky));
   if (transport.display) writer.attribute("display_rays", std::int64_t(transport.display->rows.rays));
   writer.commit();
 }

@@ -1,10 +1,13 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "pipeline/model/camera.h"
+#include "pipeline/model/environment.h"
+#include "pipeline/model/light.h"
 #include "pipeline/model/math.h"
 #include "pipeline/model/provenance.h"
 #include "pipeline/model/shader.h"
@@ -68,11 +71,16 @@ struct SourceFile {
 /// The content of patches.h5. Patches of one primitive are contiguous, in rows of growing v, growing u within a row;
 /// every row spans u from 0 to 1. Primitives stand in the order of their patches.
 struct PatchSet {
+  /// Cells of the environment; 0 without one.
+  int sky_cells() const { return environment ? int(environment->cells.size()) : 0; }
+
   std::vector<Patch> patches;
   std::vector<Primitive> primitives;
   std::vector<Material> materials;
   std::vector<std::string> nodes;
   std::vector<std::string> light_groups;
+  std::vector<Light> lights;
+  std::optional<Environment> environment;
   std::vector<Camera> cameras;
   std::vector<SourceFile> sources;
   std::vector<Shader> shaders;

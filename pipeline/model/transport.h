@@ -23,7 +23,7 @@ struct TransportRows {
   };
 
   std::vector<std::uint64_t> starts;  ///< [2 rows + 1]: where each row's halves begin in `ends`.
-  std::vector<std::int32_t> ends;     ///< The elements that a row sees.
+  std::vector<std::int32_t> ends;     ///< The elements that a row sees; behind them, the environment's cells.
   std::vector<float> weights;         ///< Form factor of each of `ends` within its half; empty: rows by rays.
   std::vector<float> shares;          ///< [2 rows], by rays: form factor of each of a half's `ends`.
   std::vector<Mirrored> mirrored;     ///< By growing row, and half.
@@ -44,6 +44,7 @@ struct Transport : TransportRows {
     std::vector<float> display{};  ///< [2 mesh elements]: of the display mesh's; empty without one.
     /// [2 n]: as `factors`, what comes by way of mirrors, times what they reflect; empty where rows follow none.
     std::vector<Color> mirrored{};
+    std::int64_t light = 0;  ///< A number for where a light without extent stands and shines; 0: a surface.
   };
 
   /// See Elements.
@@ -52,8 +53,9 @@ struct Transport : TransportRows {
     TransportRows rows;  ///< Of the mesh's gathered vertices, to elements.
   };
 
-  std::vector<Emitter> emitters;  ///< By growing first patch.
+  std::vector<Emitter> emitters;  ///< By growing first patch, lights without extent last.
   std::optional<Display> display;
+  int sky = 0;  ///< Cells of the environment.
   std::string key;
   Provenance made;
   bool changed = false;  ///< Since it was read from a file.

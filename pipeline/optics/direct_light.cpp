@@ -10,10 +10,19 @@ namespace patchlight {
 namespace {
 
 constexpr int kMostApart = 64;
-constexpr double kLeastSolidAngle = 1e-3;  ///< sr; below it spherical triangles lose their precision.
+constexpr double kNearest = 1e-6;  ///< m; nothing is lit from nearer by a light without extent.
 
 bool lit_outside(const Primitive& p) {
   return p.shape == Primitive::Shape::quad || p.sphere_radius > 0;
+}
+
+/// Of a ball in a direction of this cosine to the normal; `ratio`: the squared sine of its angular radius.
+double ball_form_factor(double cosine, double ratio) {
+  if (cosine * cosine >= ratio) return ratio * std::max(cosine, 0.0);
+  const double sine = std::sqrt(1 - cosine * cosine);
+  const double x = std::sqrt(1 / ratio - 1), y = -x * cosine / sine;
+  const double z = sine * std::sqrt(std::max(0.0, 1 - y * y));
+  return std::max(0.0, ((cosine * std::acos(std::clamp(y, -1.0, 1.0)) - x * z) * ratio + std::atan(z / x)) / kPi);
 }
 
 double signed_area(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& normal) {
@@ -55,14 +64,21 @@ std::vector<Emitter> emitters_apart(const PatchSet& scene) {
   }
   std::sort(emitters.begin(), emitters.end(),
             [](const Emitter& a, const Emitter& b) { return a.first_patch < b.first_patch; });
+  for (std::size_t k = 0; k < scene.lights.size(); ++k)
+    emitters.push_back({-1, std::int32_t(scene.patches.size()), 0, 0.0, std::int32_t(k)});
   return emitters;
 }
 
 DirectLight::DirectLight(const PatchSet& scene, const RayScene& ray_scene, const Emitter& emitter)
-    : sphere_(scene.primitives[emitter.primitive].shape == Primitive::Shape::sphere),
-      gap_(2.0 * ray_scene.offset(emitter.primitive)) {
+    : DirectLight(Vec3d(0.0), 0.0) {
+  if (emitter.light >= 0) {
+    *this = DirectLight(scene.lights[emitter.light]);
+    return;
+  }
   const Primitive& p = scene.primitives[emitter.primitive];
-  if (sphere_) {
+  kind_ = p.shape == Primitive::Shape::sphere ? Kind::sphere : Kind::polygon;
+  gap_ = 2.0 * ray_scene.offset(emitter.primitive);
+  if (kind_ == Kind::sphere) {
     center_ = p.sphere_center;
     radius_ = p.sphere_radius;
     return;
@@ -85,13 +101,47 @@ DirectLight::DirectLight(const PatchSet& scene, const RayScene& ray_scene, const
   for (int k = 2; k < count_; ++k) areas_[k - 2] = signed_area(corners_[0], corners_[k - 1], corners_[k], normal_);
 }
 
+DirectLight::DirectLight(const Light& light) : kind_(Kind::point), center_(light.position), normal_(light.direction) {
+  if (light.kind == Light::Kind::sun) {
+    kind_ = light.outer > 0 ? Kind::disk : Kind::sun;
+    radius_ = std::sin(light.outer);
+  }
+  if (light.kind != Light::Kind::spot) return;
+  least_cosine_ = std::cos(light.outer);
+  per_cosine_ = 1 / std::max(0.001, std::cos(light.inner) - least_cosine_);
+}
+
 double DirectLight::form_factor(const Vec3d& point, const Vec3f& normal) const {
-  return sphere_ ? sphere_form_factor(point, Vec3d(normal)) : polygon_form_factor(point, Vec3d(normal));
+  switch (kind_) {
+    case Kind::polygon:
+      return polygon_form_factor(point, Vec3d(normal));
+    case Kind::sphere:
+      return sphere_form_factor(point, Vec3d(normal));
+    case Kind::disk:
+      return ball_form_factor(towards(point) ^ Vec3d(normal), radius_ * radius_) / (radius_ * radius_);
+    default:
+      return perpendicular_factor(point) * std::max(0.0, towards(point) ^ Vec3d(normal));
+  }
+}
+
+/// The middle of a light that no surface is; a unit vector.
+Vec3d DirectLight::towards(const Vec3d& point) const {
+  return is_far() ? -normal_ : (center_ - point).normalized();
+}
+
+double DirectLight::perpendicular_factor(const Vec3d& point) const {
+  if (is_far()) return 1.0;
+  const Vec3d from = point - center_;
+  const double squared = from.length2();
+  if (squared < kNearest * kNearest) return 0.0;
+  const double part = std::clamp(((from ^ normal_) / std::sqrt(squared) - least_cosine_) * per_cosine_, 0.0, 1.0);
+  return part * part / squared;
 }
 
 bool DirectLight::is_behind(std::span<const Vec3d> points, const Vec3f& normal) const {
   const Vec3d up(normal);
-  if (sphere_) return ((center_ - points[0]) ^ up) <= -radius_;
+  if (is_far()) return (normal_ ^ up) >= radius_;
+  if (kind_ != Kind::polygon) return ((center_ - points[0]) ^ up) <= -radius_;
   const auto lit = [&](const Vec3d& point) { return ((point - center_) ^ normal_) > 0; };
   if (std::none_of(points.begin(), points.end(), lit)) return true;
   const auto above = [&](const Vec3d& corner) { return ((corner - points[0]) ^ up) > 0; };
@@ -133,126 +183,7 @@ double DirectLight::sphere_form_factor(const Vec3d& point, const Vec3d& normal) 
   const double squared = to.length2();
   if (squared <= radius_ * radius_) return 0.0;
   const double ratio = radius_ * radius_ / squared;
-  const double cosine = std::clamp((to ^ normal) / std::sqrt(squared), -1.0, 1.0);
-  if (cosine * cosine >= ratio) return ratio * std::max(cosine, 0.0);
-  const double sine = std::sqrt(1 - cosine * cosine);
-  const double x = std::sqrt(1 / ratio - 1), y = -x * cosine / sine;
-  const double z = sine * std::sqrt(std::max(0.0, 1 - y * y));
-  return std::max(0.0, ((cosine * std::acos(std::clamp(y, -1.0, 1.0)) - x * z) * ratio + std::atan(z / x)) / kPi);
-}
-
-/// A spherical triangle (Arvo 1995): its corners as unit vectors, the angle at the first, and its area.
-DirectLight::View::Triangle::Triangle(const Vec3d& p, const Vec3d& q, const Vec3d& r)
-    : a(p.normalized()), b(q.normalized()), c(r.normalized()) {
-  const Vec3d ab = (a % b).normalized(), bc = (b % c).normalized(), ca = (c % a).normalized();
-  const auto between = [](const Vec3d& s, const Vec3d& t) { return std::acos(std::clamp(-(s ^ t), -1.0, 1.0)); };
-  angle = between(ab, ca);
-  area = std::max(0.0, angle + between(ab, bc) + between(bc, ca) - kPi);
-  sine = std::sin(angle);
-  cosine = std::cos(angle);
-  toward_c = (c - a * (c ^ a)).normalized();
-}
-
-Vec3d DirectLight::View::Triangle::direction(double x, double y) const {
-  const double s = std::sin(x * area - angle), t = std::cos(x * area - angle);
-  const double k1 = t - cosine, k2 = s + sine * (a ^ b);
-  const double below = (k2 * s + k1 * t) * sine;
-  const double q = below != 0 ? std::clamp(((k2 * t - k1 * s) * cosine - k2) / below, -1.0, 1.0) : 1.0;
-  const Vec3d edge = a * q + toward_c * std::sqrt(1 - q * q);
-  const double along = edge ^ b, z = 1 - y * (1 - along);
-  return b * z + (edge - b * along).normalized() * std::sqrt(std::max(0.0, 1 - z * z));
-}
-
-DirectLight::View DirectLight::view(const Vec3d& point, const Vec3f& normal, double far) const {
-  View view;
-  view.light_ = this;
-  view.point_ = point;
-  view.normal_ = Vec3d(normal);
-  if (sphere_) return view;
-  view.height_ = (point - center_) ^ normal_;
-  if (view.height_ <= 0 || (point - center_).length2() >= far * far * radius_ * radius_) return view;
-  double all = 0;
-  for (int k = 0; k + 2 < count_; ++k) {
-    view.halves_[k] = View::Triangle(corners_[0] - point, corners_[k + 1] - point, corners_[k + 2] - point);
-    all += view.halves_[k].area;
-  }
-  if (all > kLeastSolidAngle) view.solid_angle_ = all;
-  return view;
-}
-
-DirectLight::Sample DirectLight::View::sample(float x, float y) const {
-  return light_->sphere_ ? of_sphere(x, y) : of_polygon(x, y);
-}
-
-double DirectLight::View::density(const Vec3f& direction) const {
-  if (light_->sphere_) {
-    const double sine2 = light_->radius_ * light_->radius_ / (light_->center_ - point_).length2();
-    return sine2 < 1 ? (1 + std::sqrt(1 - sine2)) / (2 * kPi * sine2) : 0.0;
-  }
-  if (solid_angle_ > 0) return 1 / solid_angle_;
-  const double slope = -(Vec3d(direction) ^ light_->normal_);
-  if (slope <= 0 || height_ <= 0) return 0.0;
-  const double distance = height_ / slope;
-  return distance * distance / ((light_->areas_[0] + light_->areas_[1]) * slope);
-}
-
-DirectLight::Sample DirectLight::View::of_polygon(double x, double y) const {
-  if (height_ <= 0) return {};
-  Vec3d direction;
-  double pdf = 0;  // per solid angle
-  double distance = 0;
-  if (solid_angle_ > 0) {
-    const double share = halves_[0].area / solid_angle_;
-    direction = x < share || light_->count_ == 3 ? halves_[0].direction(std::min(x / share, 1.0), y)
-                                                 : halves_[1].direction((x - share) / (1 - share), y);
-    const double slope = -(direction ^ light_->normal_);
-    if (slope <= 0) return {};
-    distance = height_ / slope;
-    pdf = 1 / solid_angle_;
-  } else {
-    const auto& areas = light_->areas_;
-    const auto& corners = light_->corners_;
-    const double all = areas[0] + areas[1], share = areas[0] / all;
-    const int k = x < share ? 0 : 1;
-    double s = k == 0 ? x / share : (x - share) / (1 - share), t = y;
-    if (t > s) {  // Heitz 2019: the unit square onto a triangle
-      s *= 0.5;
-      t -= s;
-    } else {
-      t *= 0.5;
-      s -= t;
-    }
-    direction = corners[0] * (1 - s - t) + corners[k + 1] * s + corners[k + 2] * t - point_;
-    distance = direction.length();
-    direction /= distance;
-    const double slope = -(direction ^ light_->normal_);
-    if (!(slope > 0)) return {};
-    pdf = distance * distance / (all * slope);
-  }
-  const double cosine = direction ^ normal_;
-  if (cosine <= 0) return {};
-  const double end = std::max(0.0, distance - light_->gap_ * distance / height_);
-  return {Vec3f(direction), float(end), float(cosine / (kPi * pdf))};
-}
-
-DirectLight::Sample DirectLight::View::of_sphere(double x, double y) const {
-  const Vec3d to = light_->center_ - point_;
-  const double radius = light_->radius_, squared = to.length2(), r2 = radius * radius;
-  if (squared <= r2) return {};
-  const double sine2 = r2 / squared, most = sine2 / (1 + std::sqrt(1 - sine2));  // 1 - cosine, without cancellation
-  const double off = y * most, sine = std::sqrt(off * (2 - off));
-  const Vec3d axis = to / std::sqrt(squared);
-  Vec3f tangent, bitangent;
-  orthonormal_frame(Vec3f(axis), tangent, bitangent);
-  const double turn = 2 * kPi * x;
-  const Vec3d direction =
-      (axis * (1 - off) + (Vec3d(tangent) * std::cos(turn) + Vec3d(bitangent) * std::sin(turn)) * sine).normalized();
-  const double cosine = direction ^ normal_;
-  if (cosine <= 0) return {};
-  const double half = to ^ direction, inside = r2 - (to - direction * half).length2();
-  const double chord = std::sqrt(std::max(inside, 0.0));
-  const double slope = std::max(chord / radius, 1e-3);
-  return {Vec3f(direction), float(std::max(0.0, half - chord - light_->gap_ / slope)), float(2 * cosine * most)};
+  return ball_form_factor(std::clamp((to ^ normal) / std::sqrt(squared), -1.0, 1.0), ratio);
 }
 
 }  // namespace patchlight

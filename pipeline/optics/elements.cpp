@@ -11,7 +11,11 @@
 namespace patchlight {
 
 Elements::Elements(const PatchSet& scene, const RayScene& ray_scene, const DisplayMesh& mesh)
-    : scene_(scene), lookup_(scene), mesh_(&mesh), cut_(mesh.cells.size(), -1) {
+    : scene_(scene),
+      lookup_(scene),
+      mesh_(&mesh),
+      first_sky_(std::int32_t(scene.patches.size()) + mesh.elements),
+      cut_(mesh.cells.size(), -1) {
   struct Cell {
     std::int32_t index, primitive;
     float u0, v0, u1, v1;

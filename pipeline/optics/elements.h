@@ -8,15 +8,18 @@
 #include "pipeline/model/display_mesh.h"
 #include "pipeline/optics/patch_lookup.h"
 #include "pipeline/optics/ray_scene.h"
+#include "pipeline/optics/sky.h"
 
 namespace patchlight {
 
 /// What rays may end on, by number: the patches, and behind them what stands for those that a display mesh cuts: its
 /// leaves, and of leaves that something stands on, the corner that is nearest among those which a place sees, to an
-/// eighth of the leaf. A hidden corner stands for nothing that another could: what rays end on is not covered.
+/// eighth of the leaf. A hidden corner stands for nothing that another could: what rays end on is not covered. Behind
+/// all these, the cells of the environment.
 class Elements {
  public:
-  explicit Elements(const PatchSet& scene) : scene_(scene), lookup_(scene) {}
+  explicit Elements(const PatchSet& scene)
+      : scene_(scene), lookup_(scene), first_sky_(std::int32_t(scene.patches.size())) {}
   Elements(const PatchSet& scene, const RayScene& ray_scene, const DisplayMesh& mesh);
 
   /// The element at (u,v) of primitive `i`.
@@ -26,6 +29,11 @@ class Elements {
     const DisplayMesh::Place place = mesh_->find(patch, scene_.patches[patch], u, v);
     const std::int32_t first = std::int32_t(scene_.patches.size()) + place.leaf->leaf;
     return place.leaf->cut ? first + nearest_corner(place) : first;
+  }
+
+  /// What a ray in this direction ends on that meets nothing; -1 without an environment.
+  std::int32_t sky(const Vec3f& direction) const {
+    return scene_.environment ? first_sky_ + sky_cell(*scene_.environment, direction) : -1;
   }
 
  private:
@@ -40,6 +48,7 @@ class Elements {
   const PatchSet& scene_;
   const PatchLookup lookup_;
   const DisplayMesh* const mesh_ = nullptr;
+  const std::int32_t first_sky_;
   std::vector<std::int32_t> cut_;  ///< [cells]: of leaves that something stands on, their place in `nearest_`.
   std::vector<Nearest> nearest_;
 };

@@ -79,6 +79,8 @@ TEST_F(ExitCode, Is66ForAMissingInput) {
   expect(66, import({"job.yaml"}), "box.glb");
   expect(66, run_program(folder_, "patchlight", {"run", "job.yaml"}), "box.glb");
   expect(66, run_program(folder_, "patchlight", {"info", "none.h5"}), "none.h5");
+  small_job(folder_);
+  expect(66, import({"job.yaml", "--set", "environment.image=none.hdr"}), "none.hdr");
 }
 
 TEST_F(ExitCode, Is69WithoutOpenGl) {

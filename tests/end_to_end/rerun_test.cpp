@@ -98,6 +98,27 @@ TEST_F(Rerun, CastsNoRayForAnotherColourOrAStrongerLamp) {
   EXPECT_THAT(cast(), Not(HasSubstr(" 0 rays"))) << "a mirror sends rays elsewhere";
 }
 
+TEST_F(Rerun, LooksAtTheSkyAndCastsNoRayForAnother) {
+  const auto cast = [&] { return run_program(folder_, "patchlight", {"info", "out/energy.h5"}).out; };
+  const auto write_sky = [&](float left) { write_exr(folder_ / "sky.exr", {2, 1, {Color(left), Color(1.0f)}, {}}); };
+  const std::string image = "environment.image=sky.exr";
+  write_sky(0.5f);
+  EXPECT_EQ(stages(run({"--set", image})), "import solve trace");
+  EXPECT_THAT(cast(), Not(HasSubstr(" 0 rays")));
+  EXPECT_THAT(cast(), HasSubstr("environment"));
+  EXPECT_EQ(stages(run({"--set", "environment.image=./sky.exr"})), "");
+  write_sky(2.0f);
+  EXPECT_THAT(run_program(folder_, "patchlight", {"status", "job.yaml", "--set", image}).out, HasSubstr("sky.exr"));
+  EXPECT_EQ(stages(run({"--set", image})), "import solve trace");
+  EXPECT_THAT(cast(), HasSubstr(" 0 rays"));
+  const std::string turned = "environment.rotation=90";
+  const Outcome status = run_program(folder_, "patchlight", {"status", "job.yaml", "--set", image, "--set", turned});
+  EXPECT_THAT(status.out, HasSubstr("patches.h5  environment.rotation 0 -> 90\n"));
+  EXPECT_EQ(stages(run({"--set", image, "--set", turned})), "import solve trace");
+  EXPECT_THAT(cast(), HasSubstr(" 0 rays"));
+  EXPECT_EQ(stages(run({})), "import solve trace") << "as it was";
+}
+
 TEST_F(Rerun, DoesNothingForATouchedFileACommentAnotherSpellingOrAnUnrelatedKey) {
   folder_.write("box.glb", read_text(folder_ / "box.glb"));
   const auto later = std::filesystem::file_time_type::clock::now() + std::chrono::hours(1);

@@ -102,6 +102,80 @@ TEST(DirectLight, DoesNotDependOnWhereTheSceneStands) {
   EXPECT_NEAR(light_of(there.get()).form_factor(point + far, {0, 1, 0}) / a, 1.0, 1e-10);
 }
 
+Light light_at(const Vec3d& position, Light::Kind kind = Light::Kind::point) {
+  Light light;
+  light.kind = kind;
+  light.position = position;
+  light.direction = {0, -1, 0};
+  return light;
+}
+
+TEST(DirectLight, OfAPointFallsWithTheSquareOfTheDistance) {
+  const DirectLight light(light_at({3, 4, 0}));
+  EXPECT_NEAR(light.form_factor({0, 0, 0}, {0, 1, 0}), 0.8 / 25, 1e-12);
+  EXPECT_NEAR(light.form_factor({0, 0, 0}, {1, 0, 0}), 0.6 / 25, 1e-12);
+  EXPECT_EQ(light.form_factor({0, 0, 0}, {0, -1, 0}), 0);
+  EXPECT_EQ(light.form_factor({3, 4, 0}, {0, 1, 0}), 0) << "at the light itself";
+  const DirectLight::Sample sample = light.sample({0, 0, 0}, {0, 1, 0}, 0.3f, 0.8f);
+  EXPECT_NEAR(sample.weight, 0.8 / 25, 1e-7);
+  EXPECT_LT(sample.distance, 5);
+  EXPECT_GT(sample.distance, 4.999);
+  EXPECT_TRUE(light.is_behind(std::array{Vec3d(0, 5, 0)}, {0, 1, 0}));
+  EXPECT_FALSE(light.is_behind(std::array{Vec3d(0, 3, 0)}, {0, 1, 0}));
+}
+
+TEST(DirectLight, OfASpotFallsOffBetweenItsCones) {
+  Light spot = light_at({0, 2, 0}, Light::Kind::spot);
+  spot.inner = 0.3;
+  spot.outer = 0.6;
+  const DirectLight light(spot);
+  for (const double angle : {0.0, 0.29, 0.4, 0.5, 0.59, 0.61, 2.0}) {
+    const Vec3d place = Vec3d(0, 2, 0) + Vec3d(std::sin(angle), -std::cos(angle), 0) * 2;
+    const Vec3f normal(Vec3d(0, 2, 0) - place);
+    // KHR_lights_punctual, "Inner and Outer Cone Angles".
+    const double scale = 1 / std::max(0.001, std::cos(0.3) - std::cos(0.6)), offset = -std::cos(0.6) * scale;
+    const double part = std::clamp(std::cos(angle) * scale + offset, 0.0, 1.0);
+    EXPECT_NEAR(light.form_factor(place, normal.normalized()), part * part / 4, 1e-7) << angle;
+  }
+  spot.inner = spot.outer;
+  const DirectLight sharp(spot);
+  EXPECT_NEAR(sharp.form_factor({2 * std::tan(0.59), 0, 0}, {0, 1, 0}), std::pow(std::cos(0.59), 3) / 4, 1e-12);
+  EXPECT_EQ(sharp.form_factor({2 * std::tan(0.61), 0, 0}, {0, 1, 0}), 0);
+}
+
+TEST(DirectLight, OfASunDependsOnTheNormalAlone) {
+  Light sun = light_at({0, 0, 0}, Light::Kind::sun);
+  sun.direction = Vec3d(0.6, -0.8, 0);
+  const DirectLight light(sun);
+  for (const Vec3d& place : {Vec3d(0.0), Vec3d(1e6, 5, -3)}) {
+    EXPECT_NEAR(light.form_factor(place, {0, 1, 0}), 0.8, 1e-12);
+    EXPECT_TRUE(std::isinf(light.sample(place, {0, 1, 0}, 0.5f, 0.5f).distance));
+  }
+  EXPECT_EQ(light.form_factor({0, 0, 0}, {0.6f, -0.8f, 0}), 0);
+}
+
+TEST(DirectLight, OfASunWithARadiusIsThatOfItsDisk) {
+  Light sun = light_at({0, 0, 0}, Light::Kind::sun);
+  sun.direction = Vec3d(0.6, -0.8, 0);
+  sun.outer = 0.2;
+  const DirectLight light(sun);
+  EXPECT_NEAR(light.form_factor({0, 0, 0}, {0, 1, 0}), 0.8, 1e-12);
+  for (const double tilt : {0.0, 0.9, 1.5, 1.6, 1.7})  // the horizon cuts the last
+    expect_samples_to_agree(light, {5, 6, 7}, Vec3f(float(-std::cos(tilt)), float(std::sin(tilt)), 0), 2e-3);
+  EXPECT_EQ(light.form_factor({0, 0, 0}, {0.6f, -0.8f, 0}), 0);
+}
+
+TEST(EmittersApart, HoldEveryLightBehindTheSurfaces) {
+  PatchScene builder;
+  builder.quad(kSquareAbove, 2, 2, {0.5f, 1.0f});
+  builder.get().lights.assign(100, light_at({0, 5, 0}));
+  const std::vector<Emitter> emitters = emitters_apart(builder.get());
+  ASSERT_EQ(emitters.size(), 101u);
+  EXPECT_EQ(emitters[0].light, -1);
+  EXPECT_EQ(emitters[100].light, 99);
+  EXPECT_EQ(emitters[100].patches, 0);
+}
+
 TEST(EmittersApart, AreWholeWhereTheyEmitAlikeAndPatchByPatchWhereNot) {
   PatchScene builder;
   builder.quad(kSquareAbove, 2, 2, {0.5f, 1.0f});

@@ -29,6 +29,28 @@ TEST_F(JobFile, ReadsEveryOverrideOfMaterialsAndNodes) {
   EXPECT_ERROR(read(std::string(kMinimal) + "nodes: {y: {light_group: ''}}"), ExitCode::bad_config, "1 to 1024 bytes");
 }
 
+TEST_F(JobFile, ReadsTheEnvironmentAndTheUnitsOfLights) {
+  const std::string text = std::string(kMinimal) +
+                           "import: {punctual_units: raw}\n"
+                           "environment: {image: skies/dawn.hdr, color: [1, 2, 3], strength: 2, rotation: -90, "
+                           "light_group: a/b}\n";
+  const Job job = read(text);
+  EXPECT_EQ(job.import.punctual_units, "raw");
+  EXPECT_EQ(job.environment.image, folder_.path() / "skies/dawn.hdr");
+  EXPECT_EQ(job.environment.color, Color(1.0f, 2.0f, 3.0f));
+  EXPECT_EQ(job.environment.strength, 2);
+  EXPECT_EQ(job.environment.rotation, -90);
+  EXPECT_EQ(job.environment.light_group, "a_b");
+  EXPECT_NE(effective_job(job).find("image: skies/dawn.hdr"), std::string::npos);
+  EXPECT_EQ(effective_job(read(effective_job(job))), effective_job(job));
+  EXPECT_FALSE(read(kMinimal).environment.is_set());
+  for (const char* fault : {"color: [1, 2]", "color: [1, 2, -3]", "strength: -1", "rotation: 400", "image: ''",
+                            "light_group: ''", "sun: 1"})
+    EXPECT_ERROR(read(std::string(kMinimal) + "environment: {" + fault + "}\n"), ExitCode::bad_config, "environment");
+  EXPECT_ERROR(read(std::string(kMinimal) + "import: {punctual_units: watts}\n"), ExitCode::bad_config,
+               "blender or si");
+}
+
 TEST_F(JobFile, ReadsCamerasOfItsOwn) {
   const Job job = read(std::string(kMinimal) + R"(
 cameras:

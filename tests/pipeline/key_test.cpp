@@ -72,6 +72,25 @@ TEST(Key, OfAnImportHoldsEveryOverrideAndTheTime) {
   EXPECT_EQ(keys.size(), jobs.size());
 }
 
+TEST(Key, OfAnImportHoldsTheEnvironmentAndTheUnitsOfLights) {
+  std::vector<Job> jobs(8);
+  for (Job& job : jobs) job.scene = "/scenes/a.glb";
+  jobs[1].import.punctual_units = "raw";
+  for (std::size_t i = 2; i < 8; ++i) jobs[i].environment.color = Color(1.0f);
+  jobs[3].environment.color = Color(2.0f);
+  jobs[4].environment.image = "/skies/b.hdr";
+  jobs[5].environment.strength = 2;
+  jobs[6].environment.rotation = 2;
+  jobs[7].environment.light_group = "sky";
+  std::set<std::string> keys;
+  for (const Job& job : jobs) keys.insert(import_inputs_key({{"a.glb", "hash"}}, job));
+  EXPECT_EQ(keys.size(), jobs.size());
+  Job elsewhere = jobs[4];
+  elsewhere.scene = "/new/scenes/a.glb";
+  elsewhere.environment.image = "/new/skies/./b.hdr";
+  EXPECT_TRUE(keys.contains(import_inputs_key({{"a.glb", "hash"}}, elsewhere)));
+}
+
 TEST(Key, OfAnImportHoldsEveryExpression) {
   Job plain, reflecting, emitting;
   reflecting.shaders = {{"wall", {"u", "v", "1"}, {}}};

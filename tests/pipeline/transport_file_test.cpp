@@ -164,6 +164,40 @@ TEST(TransportFile, HoldsScenesWithoutMirrorsOrEmitters) {
   EXPECT_EQ(read.rows(), 2);
 }
 
+TEST(TransportFile, HoldsLightsAndWhatRowsSeeOfTheSky) {
+  const TemporaryFolder folder;
+  Transport written = sample_with_display();
+  for (const std::int64_t light : {5, 7}) {
+    Transport::Emitter& emitter = written.emitters.emplace_back(written.emitters[0]);
+    emitter.first_patch = 2;
+    emitter.patches = 0;
+    emitter.light = light;
+    emitter.factors[0] = float(light);
+  }
+  written.sky = 3;
+  written.ends[0] = 4;                 // 2 patches, 3 cells
+  written.display->rows.ends[0] = 11;  // behind 7 elements
+  write_transport(folder / "transport.h5", written);
+  const Transport read = read_transport(folder / "transport.h5");
+  ASSERT_EQ(read.emitters.size(), 4u);
+  for (std::size_t k = 0; k < 4; ++k) {
+    EXPECT_EQ(read.emitters[k].first_patch, written.emitters[k].first_patch);
+    EXPECT_EQ(read.emitters[k].patches, written.emitters[k].patches);
+    EXPECT_EQ(read.emitters[k].light, written.emitters[k].light);
+    EXPECT_EQ(read.emitters[k].factors, written.emitters[k].factors);
+    EXPECT_EQ(read.emitters[k].display, written.emitters[k].display);
+    EXPECT_EQ(read.emitters[k].mirrored, written.emitters[k].mirrored);
+  }
+  EXPECT_EQ(read.sky, 3);
+  EXPECT_EQ(read.ends, written.ends);
+  for (const bool display : {false, true}) {
+    Transport broken = written;
+    ++(display ? broken.display->rows.ends[0] : broken.ends[0]);
+    write_transport(folder / "transport.h5", broken);
+    EXPECT_ERROR(read_transport(folder / "transport.h5"), ExitCode::bad_data, "rows/patch");
+  }
+}
+
 TEST(TransportFile, RefusesWhatIsOutOfBounds) {
   const std::vector<std::function<void(Transport&)>> faults{
       [](Transport& t) { t.starts[0] = 1; },
