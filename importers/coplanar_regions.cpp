@@ -56,13 +56,18 @@ class Seed {
   /// Whether a corner at `a` and `b` along the first triangle's edges has what that one's maps say.
   bool maps(double a, double b, std::size_t corner) const {
     if (!topology_.colors.empty()) {
-      const Vec3f* c = &topology_.colors[first_];
-      const Vec3d expected = Vec3d(c[0]) + Vec3d(c[1] - c[0]) * a + Vec3d(c[2] - c[0]) * b;
-      if (!((Vec3d(topology_.colors[corner]) - expected).length() <= kColorStep)) return false;
+      using Imath::V4d;
+      const Vec4f* c = &topology_.colors[first_];
+      const V4d expected = V4d(c[0]) + V4d(c[1] - c[0]) * a + V4d(c[2] - c[0]) * b;
+      if (!((V4d(topology_.colors[corner]) - expected).length() <= kColorStep)) return false;
     }
-    if (topology_.texcoords.empty()) return true;
-    const Vec2f* t = &topology_.texcoords[first_];
-    const Vec2f& found = topology_.texcoords[corner];
+    return std::all_of(topology_.texcoords.begin(), topology_.texcoords.end(),
+                       [&](const auto& texcoords) { return maps(texcoords, a, b, corner); });
+  }
+
+  bool maps(const std::vector<Vec2f>& texcoords, double a, double b, std::size_t corner) const {
+    const Vec2f* t = &texcoords[first_];
+    const Vec2f& found = texcoords[corner];
     if (std::isnan(t[0].x) || std::isnan(found.x)) return std::isnan(t[0].x) == std::isnan(found.x);
     const Imath::V2d start(t[0]);
     const Imath::V2d expected = start + (Imath::V2d(t[1]) - start) * a + (Imath::V2d(t[2]) - start) * b;

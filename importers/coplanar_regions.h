@@ -15,7 +15,7 @@ struct CoplanarRegion {
     int index = 0;
     bool kept = false;  ///< A smooth surface bends away from here: it needs this vertex.
 
-    std::size_t number() const { return 3 * static_cast<std::size_t>(triangle) + static_cast<std::size_t>(index); }
+    std::int32_t number() const { return 3 * triangle + index; }
   };
 
   std::vector<std::int32_t> triangles;     ///< Growing numbers.

@@ -43,9 +43,8 @@ AccessorReader::AccessorReader(const GltfModel& model, int accessor) {
   count = source.count;
   component_type_ = source.componentType;
   normalized_ = source.normalized;
-  const std::size_t size =
-      size_of(component_type_) *
-      static_cast<std::size_t>(tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(source.type)));
+  components = tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(source.type));
+  const std::size_t size = size_of(component_type_) * static_cast<std::size_t>(components);
   stride_ = size;
   const bool quantized = component_type_ != TINYGLTF_COMPONENT_TYPE_FLOAT;
   if (quantized) rounding = normalized_ ? 0.5 / largest_of(component_type_) : 0.5;

@@ -12,6 +12,7 @@ struct AccessorReader {
   AccessorReader(const GltfModel& model, int accessor);
 
   std::size_t count = 0;
+  int components = 1;                   ///< Of an element.
   const unsigned char* data = nullptr;  ///< Null: all elements are zeros.
 
   double rounding = 0.0;  ///< How far off a quantized number may be.

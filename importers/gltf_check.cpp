@@ -95,7 +95,11 @@ void check_materials(GltfLists& gltf) {
     check_texture_info(gltf, material, "emissiveTexture", place);
     check_string(material, "alphaMode", place);
     const std::string alpha = string_member(material, "alphaMode");
-    if (alpha == "MASK" || alpha == "BLEND") gltf.ignored.insert("alpha is not read: cut-outs and glass stand opaque");
+    if (alpha == "BLEND")
+      gltf.ignored.insert("alphaMode BLEND is read as MASK: alpha of 0.5 and more is opaque, less is not there");
+    if (!alpha.empty() && alpha != "OPAQUE" && alpha != "MASK" && alpha != "BLEND")
+      refuse_gltf("must be OPAQUE, MASK or BLEND", place, "alphaMode");
+    check_number(material, "alphaCutoff", place);
     const Json* sides = find_member(material, "doubleSided");
     if (sides && !sides->is_boolean()) refuse_gltf("must be true or false", place, "doubleSided");
     if (const Json* pbr = find_object(material, "pbrMetallicRoughness", place)) {
@@ -108,7 +112,8 @@ void check_materials(GltfLists& gltf) {
     if (const Json* extensions = find_object(material, "extensions", place)) {
       const Json* emission = find_object(*extensions, "KHR_materials_emissive_strength", place);
       if (emission) check_number(*emission, "emissiveStrength", place);
-      if (extensions->contains("KHR_materials_unlit")) gltf.ignored.insert("unlit materials are read as lit ones");
+      if (extensions->contains("KHR_materials_unlit"))
+        gltf.ignored.insert("unlit materials are read as diffuse ones of their colour");
     }
   });
   gltf.each("textures", [&](const Json& texture, const GltfPlace& place) {
@@ -120,13 +125,18 @@ void check_materials(GltfLists& gltf) {
   });
 }
 
-/// The sets of texture coordinates that base colours' textures lie by.
-std::set<int> base_color_texcoords(const GltfLists& gltf) {
+/// The sets of texture coordinates that textures lie by.
+std::set<int> used_texcoords(const GltfLists& gltf) {
   std::set<int> sets;
   gltf.each("materials", [&](const Json& material, const GltfPlace& place) {
+    const auto add = [&](const Json* owner, const char* key) {
+      const Json* info = owner ? find_member(*owner, key) : nullptr;
+      if (info) sets.insert(texcoord_set(*info, place));
+    };
     const Json* pbr = find_member(material, "pbrMetallicRoughness");
-    const Json* info = pbr ? find_member(*pbr, "baseColorTexture") : nullptr;
-    if (info) sets.insert(texcoord_set(*info, place));
+    add(pbr, "baseColorTexture");
+    add(pbr, "metallicRoughnessTexture");
+    add(&material, "emissiveTexture");
   });
   return sets;
 }
@@ -172,7 +182,7 @@ CheckedGltf check_gltf(std::string_view json, const std::string& file, const Glt
   check_buffer_views(gltf, result.buffers);
   check_accessors(gltf);
   check_materials(gltf);
-  std::set<int> texcoord_sets = base_color_texcoords(gltf);
+  std::set<int> texcoord_sets = used_texcoords(gltf);
   if (wanted.texcoords) texcoord_sets.insert(0);
   check_meshes(gltf, texcoord_sets);
   result.meshopt_views = checked_meshopt_views(gltf);

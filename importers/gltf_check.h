@@ -20,7 +20,7 @@ struct GltfData {
 
 /// What will be read of a glTF file beyond what always is.
 struct GltfWanted {
-  bool texcoords = false;   ///< The first set, even if no base colour's texture lies by it.
+  bool texcoords = false;   ///< The first set, even if no texture lies by it.
   bool animations = false;  ///< What moves nodes.
 };
 
@@ -56,7 +56,7 @@ struct CheckedGltf {
 
 /// Checks all that the importer and tinygltf read of a glTF file's JSON: version, required extensions, types, indices,
 /// that accessors lie within bufferViews and these within buffers, that nodes are trees, and what moves cameras.
-/// Of texture coordinates the sets are checked, and kept, that base colours' textures lie by.
+/// Of texture coordinates the sets are checked, and kept, that textures lie by.
 /// Throws: Error (bad_data) naming the place.
 CheckedGltf check_gltf(std::string_view json, const std::string& file, const GltfWanted& wanted = {});
 

@@ -21,45 +21,59 @@ Texture::Wrap wrap_of(int gltf) {
   return gltf == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT ? Texture::Wrap::mirror : Texture::Wrap::repeat;
 }
 
-/// The textures that were looked up: mean colours, and base colours whole.
+/// The textures that were looked up.
 struct TextureReader {
   GltfModel& model;
   Progress& progress;
   std::vector<Texture>& textures;
+  std::vector<Texture>& masks;
   std::int64_t texels_left = kMostTexels;
-  std::map<std::pair<int, TextureEncoding>, Vec3d> known{};
-  std::map<int, std::pair<Vec3d, std::int32_t>> whole{};
-  bool averaged = false;
+  std::map<std::pair<int, TextureEncoding>, std::pair<Vec3d, std::int32_t>> whole{};
+  std::map<int, std::int32_t> mask_of{};
 
-  /// The mean of a base colour, and the number of its texture.
-  std::pair<Vec3d, std::int32_t> base_color(const tinygltf::TextureInfo& info) {
-    if (info.index < 0 || model.gltf.textures[info.index].source < 0)
-      return {of(info.index, TextureEncoding::srgb), -1};
-    const auto [entry, is_new] = whole.emplace(info.index, std::pair(Vec3d(1.0), std::int32_t(textures.size())));
-    if (!is_new) return entry->second;
+  /// The mean of a texture, and its number among the scene's; ones and -1 for none.
+  std::pair<Vec3d, std::int32_t> texture(const tinygltf::TextureInfo& info, TextureEncoding encoding) {
+    const std::pair<Vec3d, std::int32_t> none(Vec3d(1.0), -1);
+    if (info.index < 0) return none;
     const tinygltf::Texture& source = model.gltf.textures[info.index];
-    Texture& texture = textures.emplace_back();
-    if (source.sampler >= 0) {
-      const tinygltf::Sampler& sampler = model.gltf.samplers[source.sampler];
-      texture.wrap = {wrap_of(sampler.wrapS), wrap_of(sampler.wrapT)};
-      texture.nearest = sampler.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST;
+    if (source.source < 0) {
+      progress.warning(
+          fmt::format("textures[{}] has no PNG or JPEG image: only the material's factor counts", info.index));
+      return none;
     }
-    entry->second.first = read(source.source, TextureEncoding::srgb, &texture);
+    const auto [entry, is_new] =
+        whole.emplace(std::pair(info.index, encoding), std::pair(Vec3d(1.0), std::int32_t(textures.size())));
+    if (is_new) entry->second.first = read(source.source, encoding, &textures.emplace_back(sampled(source)));
     return entry->second;
   }
 
-  Vec3d of(int texture, TextureEncoding encoding) {
-    if (texture < 0) return Vec3d(1.0);
-    const int image = model.gltf.textures[texture].source;
-    if (image < 0) {
-      progress.warning(
-          fmt::format("textures[{}] has no PNG or JPEG image: only the material's factor counts", texture));
-      return Vec3d(1.0);
+  /// The number of a base colour's mask; without a texture, or alpha in it, of one that is there everywhere.
+  std::int32_t mask(const tinygltf::TextureInfo& info) {
+    const bool none = info.index < 0 || model.gltf.textures[info.index].source < 0;
+    const auto [entry, is_new] = mask_of.emplace(none ? -1 : info.index, std::int32_t(masks.size()));
+    if (!is_new) return entry->second;
+    Texture whole_one;
+    whole_one.width = whole_one.height = 1;
+    whole_one.texels = {255};
+    if (none) {
+      masks.push_back(whole_one);
+      return entry->second;
     }
-    const auto [entry, is_new] = known.emplace(std::pair(image, encoding), Vec3d(1.0));
-    if (is_new) entry->second = read(image, encoding, nullptr);
-    averaged = true;
+    const tinygltf::Texture& source = model.gltf.textures[info.index];
+    Texture texture = sampled(source);
+    read(source.source, TextureEncoding::alpha, &texture);
+    masks.push_back(texture.texels.empty() ? whole_one : std::move(texture));
     return entry->second;
+  }
+
+  /// A texture still without texels.
+  Texture sampled(const tinygltf::Texture& source) const {
+    Texture texture;
+    if (source.sampler < 0) return texture;
+    const tinygltf::Sampler& sampler = model.gltf.samplers[source.sampler];
+    texture.wrap = {wrap_of(sampler.wrapS), wrap_of(sampler.wrapT)};
+    texture.nearest = sampler.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST;
+    return texture;
   }
 
   Vec3d read(int image, TextureEncoding encoding, Texture* kept) {
@@ -106,34 +120,64 @@ TextureMapping mapping_of(const tinygltf::TextureInfo& info) {
   return mapping;
 }
 
+/// What a material cuts out: where alpha is below the cutoff. BLEND is MASK at a half.
+void read_mask(const tinygltf::Material& source, TextureReader& textures, SurfaceMaterial& material) {
+  if (source.alphaMode != "MASK" && source.alphaMode != "BLEND") return;
+  constexpr double kHalf = 0.5;
+  const double cutoff = source.alphaMode == "MASK" ? source.alphaCutoff : kHalf;
+  const double alpha = source.pbrMetallicRoughness.baseColorFactor.at(3);
+  if (!(alpha >= 0.0 && alpha <= 1.0))
+    refuse(textures.model, material.name, fmt::format("the alpha of its base colour is {}", alpha), "in [0, 1]");
+  if (!(cutoff > 0.0)) return;
+  const std::int32_t mask = textures.mask(source.pbrMetallicRoughness.baseColorTexture);
+  const auto [least, most] =
+      std::minmax_element(textures.masks[mask].texels.begin(), textures.masks[mask].texels.end());
+  material.alpha = static_cast<float>(alpha);
+  material.alpha_cutoff = static_cast<float>(cutoff);
+  material.invisible = material.alpha * static_cast<float>(*most) / 255.0f < material.alpha_cutoff;
+  material.mask_of_vertices = material.alpha * static_cast<float>(*least) / 255.0f >= material.alpha_cutoff;
+  material.mask = mask;
+}
+
 SurfaceMaterial read_material(const tinygltf::Material& source, bool used, TextureReader& textures) {
-  const auto mean = [&](int texture, TextureEncoding encoding) {
-    return used ? textures.of(texture, encoding) : Vec3d(1.0);
+  const auto read = [&](const tinygltf::TextureInfo& info, TextureEncoding encoding) {
+    return used ? textures.texture(info, encoding) : std::pair(Vec3d(1.0), std::int32_t{-1});
   };
   const tinygltf::PbrMetallicRoughness& pbr = source.pbrMetallicRoughness;
-  // G is roughness, B metallic.
-  const Vec3d finish = mean(pbr.metallicRoughnessTexture.index, TextureEncoding::linear);
-  const double metallic = pbr.metallicFactor * finish.z;
-  const auto [base_mean, texture] =
-      used ? textures.base_color(pbr.baseColorTexture) : std::pair(Vec3d(1.0), std::int32_t{-1});
-  const Vec3d factor = vector(pbr.baseColorFactor), base = factor * base_mean;
-  const Vec3d emissive = vector(source.emissiveFactor) * mean(source.emissiveTexture.index, TextureEncoding::srgb);
+  const bool unlit = source.extensions.contains("KHR_materials_unlit");  // a colour, of no metal
+  const double most_metallic = unlit ? 0.0 : pbr.metallicFactor;
 
   SurfaceMaterial material;
   material.name = source.name.empty() ? "default" : source.name;
-  if (!(metallic >= 0.0 && metallic <= 1.0)) {
-    refuse(textures.model, material.name, fmt::format("metallic is {}", metallic), "in [0, 1]");
+  // G is roughness, B metallic.
+  const auto [finish, finish_texture] = read(pbr.metallicRoughnessTexture, TextureEncoding::linear);
+  const auto [base_mean, texture] = read(pbr.baseColorTexture, TextureEncoding::srgb);
+  const auto [emissive_mean, emission_texture] = read(source.emissiveTexture, TextureEncoding::srgb);
+  const Vec3d factor = vector(pbr.baseColorFactor), base = factor * base_mean;
+  const Vec3d emissive = vector(source.emissiveFactor) * (kPi * emissive_strength(source));
+  if (!(most_metallic >= 0.0 && most_metallic <= 1.0)) {
+    refuse(textures.model, material.name, fmt::format("metallic is {}", most_metallic), "in [0, 1]");
   }
   if (!(pbr.roughnessFactor >= 0.0 && pbr.roughnessFactor <= 1.0)) {
     refuse(textures.model, material.name, fmt::format("roughness is {}", pbr.roughnessFactor), "in [0, 1]");
   }
+  const double metallic = most_metallic * finish.z;
   material.reflectance = color(base * (1.0 - metallic));
   material.texture = texture;
+  if (used) read_mask(source, textures, material);
   if (texture >= 0) material.mapping = mapping_of(pbr.baseColorTexture);
-  material.tint = color(factor * (1.0 - metallic));
+  material.tint = color(factor * (1.0 - most_metallic));
+  material.metal = color(factor * most_metallic);
   material.specular = color(base * metallic);
   material.roughness = static_cast<float>(pbr.roughnessFactor * finish.y);
-  material.emission = color(emissive * (kPi * emissive_strength(source)));
+  if (most_metallic > 0.0) material.finish_texture = finish_texture;
+  material.finish_mapping = mapping_of(pbr.metallicRoughnessTexture);
+  material.finish_metal = static_cast<float>(finish.z);
+  material.finish_roughness = static_cast<float>(pbr.roughnessFactor);
+  material.emission = color(emissive * emissive_mean);
+  material.emission_tint = color(emissive);
+  if (material.emits()) material.emission_texture = emission_texture;
+  material.emission_mapping = mapping_of(source.emissiveTexture);
   material.double_sided = source.doubleSided;
   if (source.extras.Has("light_group") && source.extras.Get("light_group").IsString()) {
     material.light_group = source.extras.Get("light_group").Get<std::string>();
@@ -144,7 +188,7 @@ SurfaceMaterial read_material(const tinygltf::Material& source, bool used, Textu
 SurfaceMaterial default_material() {
   SurfaceMaterial material;
   material.name = "default";
-  material.reflectance = Color(kDefaultGrey);
+  material.reflectance = material.tint = Color(kDefaultGrey);
   return material;
 }
 
@@ -155,6 +199,13 @@ Color at_most_rest(const Color& value, const Color& other) {
   return result;
 }
 
+/// Makes the metallic part the same everywhere.
+void fix_finish(SurfaceMaterial& material) {
+  material.tint += material.metal * (1.0f - material.finish_metal);
+  material.metal = Color(0.0f);
+  material.finish_texture = -1;
+}
+
 /// `section` of the job is materials or nodes.
 void apply_override(const MaterialOverride& change, const char* section, SurfaceMaterial& material) {
   if (change.light_group) {
@@ -162,11 +213,15 @@ void apply_override(const MaterialOverride& change, const char* section, Surface
     material.group_from_job = true;
   }
   if (change.patch_area) material.patch_area = *change.patch_area;
-  if (change.emission) material.emission = *change.emission;
+  if (change.emission) {
+    material.emission = *change.emission;
+    material.emission_texture = -1;
+  }
+  if (change.reflectance || change.mirror) fix_finish(material);
   if (change.reflectance) {
-    material.reflectance = *change.reflectance;
+    material.reflectance = material.tint = *change.reflectance;
     material.texture = -1;
-    material.mapping = {};
+    if (material.mask < 0) material.mapping = {};
     material.overridden = true;
   }
   if (change.mirror) {
@@ -211,11 +266,12 @@ void check_values(const GltfModel& model, SurfaceMaterial& material, Progress& p
     if (!(specular >= 0.0f && specular <= 1.0f)) {
       refuse(model, material.name, fmt::format("mirror reflectance is {}", specular), "in [0, 1]");
     }
-    if (!(emission >= 0.0f && emission <= kStrongestEmission)) {
-      refuse(model, material.name, fmt::format("emission is {} W/m2", emission), "finite and not negative");
+    const float brightest = material.emission_texture < 0 ? emission : material.emission_tint[i];
+    if (!(emission >= 0.0f && brightest >= 0.0f && brightest <= kStrongestEmission)) {
+      refuse(model, material.name, fmt::format("emission is {} W/m2", brightest), "finite and not negative");
     }
-    if (material.texture >= 0 && !(material.tint[i] >= 0.0f && material.tint[i] <= 1.0f)) {
-      refuse(model, material.name, fmt::format("the factor of its texture is {}", material.tint[i]), "in [0, 1]");
+    if (!(material.tint[i] >= 0.0f && material.tint[i] <= 1.0f)) {
+      refuse(model, material.name, fmt::format("the factor of its base colour is {}", material.tint[i]), "in [0, 1]");
     }
     lowered = lowered || reflectance > kHighestReflectance;
     reflectance = std::min(reflectance, kHighestReflectance);
@@ -229,13 +285,13 @@ void check_values(const GltfModel& model, SurfaceMaterial& material, Progress& p
 }  // namespace
 
 std::vector<SurfaceMaterial> read_materials(GltfModel& model, const std::vector<char>& used, const Job& job,
-                                            std::vector<Texture>& textures, Progress& progress) {
+                                            std::vector<Texture>& textures, std::vector<Texture>& masks,
+                                            Progress& progress) {
   std::vector<SurfaceMaterial> materials;
-  TextureReader reader{model, progress, textures};
+  TextureReader reader{model, progress, textures, masks};
   for (std::size_t i = 0; i < model.gltf.materials.size(); ++i) {
     materials.push_back(read_material(model.gltf.materials[i], used[i], reader));
   }
-  if (reader.averaged) progress.warning("textures of finish and emission count by their mean colours");
   if (used.back()) {
     materials.push_back(default_material());
     progress.warning(fmt::format("what has no material is diffuse grey, {}", kDefaultGrey));

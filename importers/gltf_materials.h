@@ -15,11 +15,12 @@ namespace patchlight {
 /// for what has none.
 ///
 /// Diffuse reflectance is baseColor x (1 - metallic), specular baseColor x metallic, emission pi x emissive factor x
-/// strength. Textures are read only where `used` says that a surface has the material: those of base colour go into
-/// `textures`, others count by their mean colours.
-/// Throws: Error (bad_data) for values out of range; (missing_input) without a texture's file.
+/// strength. Textures are read only where `used` says that a surface has the material: they go into `textures`, alpha
+/// of base colours into `masks`. Throws: Error (bad_data) for values out of range; (missing_input) without a texture's
+/// file.
 std::vector<SurfaceMaterial> read_materials(GltfModel& model, const std::vector<char>& used, const Job& job,
-                                            std::vector<Texture>& textures, Progress& progress);
+                                            std::vector<Texture>& textures, std::vector<Texture>& masks,
+                                            Progress& progress);
 
 /// A material as the job's overrides of nodes have it, for one node; nothing if none of these matches its name.
 /// Throws: Error (bad_data, bad_config) for values out of range.

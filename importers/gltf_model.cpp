@@ -78,11 +78,14 @@ std::vector<MeshPart> parts_of(const tinygltf::Model& gltf, const tinygltf::Mesh
     const std::int64_t triangles = triangle_count(gltf, primitive);
     if (triangles == 0) continue;
     const auto [entry, is_new] = part_of_material.emplace(primitive.material, parts.size());
-    if (is_new) parts.push_back({primitive.material, {}, 0, false});
+    if (is_new) parts.push_back({primitive.material, {}});
     MeshPart& part = parts[entry->second];
     part.primitives.push_back(static_cast<int>(i));
     part.triangles += triangles;
-    part.has_colors = part.has_colors || primitive.attributes.contains("COLOR_0");
+    const auto color = primitive.attributes.find("COLOR_0");
+    if (color == primitive.attributes.end()) continue;
+    part.has_colors = true;
+    part.has_alphas = part.has_alphas || gltf.accessors[color->second].type == TINYGLTF_TYPE_VEC4;
   }
   return parts;
 }

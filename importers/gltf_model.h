@@ -21,7 +21,8 @@ struct MeshPart {
   int material = -1;
   std::vector<int> primitives;  ///< Of the glTF mesh; those with triangles only.
   std::int64_t triangles = 0;
-  bool has_colors = false;  ///< Of vertices, in any of them.
+  bool has_colors = false;  ///< Of vertices, in any of them;
+  bool has_alphas = false;  ///< with alpha.
 };
 
 /// A checked and parsed glTF file with its buffers.

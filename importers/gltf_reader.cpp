@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "importers/gltf_cameras.h"
 #include "importers/gltf_instances.h"
@@ -160,17 +161,30 @@ void place_lights(const GltfModel& model, const Job& job, const std::vector<Plac
   }
 }
 
-/// Vertex colours count where nothing finer says what the reflectance is.
-void assign_vertex_colors(const GltfModel& model, GltfScene& scene, Progress& progress) {
-  bool beside_texture = false;
+/// Vertex colours count where the job does not say what the reflectance is, their alpha where a material cuts out.
+void assign_vertex_colors(const GltfModel& model, GltfScene& scene) {
   for (Surface& surface : scene.surfaces) {
     const SurfaceMaterial& material = scene.materials[surface.material];
+    const MeshPart& part = model.mesh_parts[surface.mesh][surface.part];
     const bool shaded = surface.shader >= 0 && is_set(scene.shaders[surface.shader].reflectance);
-    if (!model.mesh_parts[surface.mesh][surface.part].has_colors || shaded || material.overridden) continue;
-    beside_texture = beside_texture || material.texture >= 0;
-    surface.reads_colors = material.texture < 0;
+    surface.reads_colors = part.has_colors && !shaded && !material.overridden;
+    surface.is_masked = material.mask >= 0 && (part.has_alphas || !material.mask_of_vertices);
+    surface.reads_alphas = part.has_alphas && surface.is_masked;
   }
-  if (beside_texture) progress.warning("vertex colours are not read where a base colour has a texture");
+}
+
+/// Leaves out what alpha leaves nothing of.
+void leave_out_invisible(const GltfModel& model, GltfScene& scene, Progress& progress) {
+  std::set<std::string> names;
+  std::erase_if(scene.surfaces, [&](const Surface& surface) {
+    const SurfaceMaterial& material = scene.materials[surface.material];
+    if (!material.invisible) return false;
+    names.insert(material.name);
+    scene.triangles -= model.mesh_parts[surface.mesh][surface.part].triangles;
+    return true;
+  });
+  for (const std::string& name : names)
+    progress.warning(fmt::format("material '{}' is left out: its alpha is below its cutoff everywhere", name));
 }
 
 std::vector<Camera> placed_cameras(const GltfModel& model, const std::vector<PlacedNode>& nodes,
@@ -214,11 +228,15 @@ GltfScene read_gltf_scene(const Job& job, Progress& progress) {
   leave_out_excluded(*model, job, scene);
   std::vector<char> used(model->gltf.materials.size() + 1, 0);
   for (const Surface& surface : scene.surfaces) used[surface.material] = 1;
-  scene.materials = read_materials(*model, used, job, scene.textures, progress);
+  scene.materials = read_materials(*model, used, job, scene.textures, scene.masks, progress);
+  leave_out_invisible(*model, scene, progress);
   override_nodes(*model, job, scene, progress);
-  for (Surface& surface : scene.surfaces) surface.reads_uv = scene.materials[surface.material].texture >= 0;
+  for (Surface& surface : scene.surfaces) {
+    const SurfaceMaterial& material = scene.materials[surface.material];
+    surface.reads_uv = material.has_texture() || material.mask >= 0;
+  }
   assign_shaders(job, reads_uv, scene, progress);
-  assign_vertex_colors(*model, scene, progress);
+  assign_vertex_colors(*model, scene);
   LightGroups groups(*model, scene);
   assign_light_groups(*model, groups, scene);
   place_lights(*model, job, nodes, groups, scene, progress);

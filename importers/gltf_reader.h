@@ -23,7 +23,9 @@ struct Surface {
   int part = 0;               ///< Of the mesh.
   int shader = -1;            ///< Index into GltfScene::shaders; -1: none.
   bool reads_uv = false;      ///< Its texture, or its shader, reads texture coordinates.
-  bool reads_colors = false;  ///< Its vertices have colours that count.
+  bool reads_colors = false;  ///< Its vertices have colours that count;
+  bool reads_alphas = false;  ///< or alpha.
+  bool is_masked = false;     ///< Its material cuts something out of it.
 };
 
 /// What the importer takes from a glTF file. Triangles are read surface by surface, since instances can make a small
@@ -34,6 +36,7 @@ struct GltfScene {
   std::vector<std::string> light_groups;
   std::vector<Shader> shaders;
   std::vector<Texture> textures;
+  std::vector<Texture> masks;
   std::vector<Surface> surfaces;
   std::vector<Matrix4> node_to_world;  ///< By node; what is not in the scene stands at the origin.
   std::vector<Light> lights;

@@ -50,7 +50,7 @@ Json reduced_texture(const Json& info) {
 }
 
 Json reduced_material(const Json& material) {
-  Json result = kept(material, {"name", "emissiveFactor", "doubleSided"});
+  Json result = kept(material, {"name", "emissiveFactor", "doubleSided", "alphaMode", "alphaCutoff"});
   keep_light_group(material, result);
   if (const Json* emissive = find_member(material, "emissiveTexture")) {
     result["emissiveTexture"] = reduced_texture(*emissive);
@@ -66,6 +66,7 @@ Json reduced_material(const Json& material) {
     if (const Json* emission = find_member(*extensions, "KHR_materials_emissive_strength")) {
       result["extensions"]["KHR_materials_emissive_strength"] = kept(*emission, {"emissiveStrength"});
     }
+    if (find_member(*extensions, "KHR_materials_unlit")) result["extensions"]["KHR_materials_unlit"] = Json::object();
   }
   return result;
 }

@@ -78,9 +78,20 @@ struct CornerOrder {
 
 /// What of a mesh primitive's vertices is read besides their places.
 struct Wanted {
-  const TextureMapping* mapping = nullptr;  ///< Null: no texture coordinates.
+  std::vector<TextureMapping> mappings{};  ///< Of texture coordinates; empty: none.
   bool colors = false;
+  bool alphas = false;
 };
+
+/// The colour of a vertex and its alpha, as far as they are wanted.
+Vec4f color_at(const std::optional<AccessorReader>& colors, const Wanted& wanted, std::size_t vertex) {
+  Vec4f value(1.0f);
+  if (!colors) return value;
+  const Vec3f color = colors->data ? colors->vector3(vertex) : Vec3f(0.0f);
+  if (wanted.colors) value = Vec4f(color.x, color.y, color.z, 1.0f);
+  if (wanted.alphas && colors->components == 4) value.w = colors->data ? colors->vector4(vertex)[3] : 0.0f;
+  return value;
+}
 
 void append_triangles(const GltfModel& model, const tinygltf::Primitive& primitive, const Placement& placement,
                       const RestPose& pose, const std::string& node, const Wanted& wanted, TriangleSoup& soup) {
@@ -90,16 +101,16 @@ void append_triangles(const GltfModel& model, const tinygltf::Primitive& primiti
   const AccessorReader positions(model, primitive.attributes.at("POSITION"));
   std::optional<AccessorReader> normals;
   std::optional<AccessorReader> indices;
-  std::optional<AccessorReader> uvs;
+  std::vector<std::optional<AccessorReader>> uvs(wanted.mappings.size());
   std::optional<AccessorReader> colors;
   const auto normal = primitive.attributes.find("NORMAL");
   if (normal != primitive.attributes.end()) normals.emplace(model, normal->second);
   if (primitive.indices >= 0) indices.emplace(model, primitive.indices);
   const auto color = primitive.attributes.find("COLOR_0");
-  if (wanted.colors && color != primitive.attributes.end()) colors.emplace(model, color->second);
-  if (wanted.mapping) {
-    const auto uv = primitive.attributes.find(fmt::format("TEXCOORD_{}", wanted.mapping->set));
-    if (uv != primitive.attributes.end()) uvs.emplace(model, uv->second);
+  if ((wanted.colors || wanted.alphas) && color != primitive.attributes.end()) colors.emplace(model, color->second);
+  for (std::size_t k = 0; k < uvs.size(); ++k) {
+    const auto uv = primitive.attributes.find(fmt::format("TEXCOORD_{}", wanted.mappings[k].set));
+    if (uv != primitive.attributes.end()) uvs[k].emplace(model, uv->second);
   }
 
   std::optional<Placement> bent;
@@ -128,26 +139,30 @@ void append_triangles(const GltfModel& model, const tinygltf::Primitive& primiti
       soup.normals.push_back(normals && normals->data
                                  ? placed.normal(pose.morphed_normal(vertex, normals->vector3(vertex)))
                                  : Vec3f(0.0f));
-      if (wanted.colors) {
-        const Vec3f value = colors && colors->data ? colors->vector3(vertex) : Vec3f(colors ? 0.0f : 1.0f);
+      if (wanted.colors || wanted.alphas) {
+        const Vec4f value = color_at(colors, wanted, vertex);
         soup.colors.push_back(value);
-        for (int k = 0; k < 3; ++k)
+        for (int k = 0; k < 4; ++k)
           if (!(value[k] >= 0.0f && value[k] <= 1.0f))
             refuse(fmt::format("a vertex colour of {} is not in [0, 1]", value[k]));
       }
-      if (!wanted.mapping) continue;
-      soup.texcoords.push_back(uvs && uvs->data ? (*wanted.mapping)(uvs->vector2(vertex)) : kNoTexcoord);
-      if (uvs && uvs->data && !std::isfinite(soup.texcoords.back().x + soup.texcoords.back().y))
-        refuse("a texture coordinate is not finite");
+      for (std::size_t k = 0; k < uvs.size(); ++k) {
+        const bool has = uvs[k] && uvs[k]->data;
+        soup.texcoords[k].push_back(has ? wanted.mappings[k](uvs[k]->vector2(vertex)) : kNoTexcoord);
+        if (has && !std::isfinite(soup.texcoords[k].back().x + soup.texcoords[k].back().y))
+          refuse("a texture coordinate is not finite");
+      }
     }
   }
   const double rounding = std::max(positions.rounding, kFloatRounding * static_cast<double>(largest));
   soup.rounding = std::max(soup.rounding, rounding * placement.scale());
   soup.quantized = soup.quantized || positions.rounding > 0.0;
-  if (!uvs) return;
-  const Vec2f& stretch = wanted.mapping->scale;
-  const double most = std::max(std::abs(stretch.x), std::abs(stretch.y));
-  soup.texcoord_rounding = std::max(soup.texcoord_rounding, uvs->rounding * most);
+  for (std::size_t k = 0; k < uvs.size(); ++k) {
+    if (!uvs[k]) continue;
+    const Vec2f& stretch = wanted.mappings[k].scale;
+    const double most = std::max(std::abs(stretch.x), std::abs(stretch.y));
+    soup.texcoord_rounding = std::max(soup.texcoord_rounding, uvs[k]->rounding * most);
+  }
 }
 
 }  // namespace
@@ -166,7 +181,9 @@ TriangleSoup read_triangles(const GltfScene& scene, const Surface& surface) {
   soup.positions.reserve(static_cast<std::size_t>(part.triangles) * 3);
   soup.normals.reserve(static_cast<std::size_t>(part.triangles) * 3);
   const Placement placement(surface.to_world);
-  const Wanted wanted{surface.reads_uv ? &scene.materials[surface.material].mapping : nullptr, surface.reads_colors};
+  Wanted wanted{{}, surface.reads_colors, surface.reads_alphas};
+  if (surface.reads_uv) wanted.mappings = scene.materials[surface.material].mappings().all;
+  soup.texcoords.resize(wanted.mappings.size());
   const tinygltf::Mesh& mesh = model.gltf.meshes[surface.mesh];
   const tinygltf::Node& node = model.gltf.nodes[surface.node];
   std::vector<Matrix4> joints;

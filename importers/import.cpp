@@ -33,6 +33,13 @@ PrimitiveList build_primitives(const GltfScene& scene, const Job& job, Progress&
   }
   if (list.without_area > 0) progress.warning(fmt::format("{} triangles without area are skipped", list.without_area));
   if (!list.texcoords.empty()) list.texcoords.resize(list.primitives.size(), kOwnTexcoords);
+  for (auto* others : {&list.emission_texcoords, &list.finish_texcoords}) {
+    if (others->empty()) continue;
+    others->resize(list.primitives.size(), kNoTexcoords);
+    for (std::size_t i = 0; i < others->size(); ++i)
+      if (std::isnan((*others)[i][0].x)) (*others)[i] = list.texcoords.empty() ? kOwnTexcoords : list.texcoords[i];
+  }
+  if (!list.colors.empty()) list.colors.resize(list.primitives.size(), kUncolored);
   if (list.primitives.empty()) {
     throw Error(ExitCode::bad_data, "the scene has nothing with an area", job.scene.filename().string(),
                 "it needs a mesh in its default scene");
@@ -57,8 +64,13 @@ Camera camera_for(const std::vector<Primitive>& primitives) {
 std::vector<Material> lasting_materials(const std::vector<SurfaceMaterial>& materials) {
   std::vector<Material> result;
   for (const SurfaceMaterial& material : materials)
-    result.push_back({material.name, material.specular, material.roughness, material.tint});
+    result.push_back({material.name, material.specular, material.roughness, material.tint, material.alpha,
+                      material.alpha_cutoff, material.metal, material.finish_roughness, material.emission_tint});
   return result;
+}
+
+std::int64_t masked_primitives(const PatchSet& set) {
+  return std::count_if(set.primitives.begin(), set.primitives.end(), [](const Primitive& p) { return p.mask >= 0; });
 }
 
 std::string summary(const GltfScene& scene, const PrimitiveList& list, const PatchSet& set) {
@@ -72,7 +84,7 @@ std::string summary(const GltfScene& scene, const PrimitiveList& list, const Pat
                                     [](const Camera& camera) { return !camera.motion.empty(); });
   return fmt::format(
       "{} triangles read as {} quads, {} triangles, {} spheres{}; {} patches; modelled: {} metallic materials, "
-      "{} light groups, {} cameras{}{}{}{}{}",
+      "{} light groups, {} cameras{}{}{}{}{}{}",
       scene.triangles, list.quads, list.triangles, list.spheres,
       list.merged_facets == 0
           ? ""
@@ -82,6 +94,7 @@ std::string summary(const GltfScene& scene, const PrimitiveList& list, const Pat
       set.lights.empty() ? "" : fmt::format(", {} point lights, spots and suns", set.lights.size()),
       set.environment ? ", an environment" : "",
       set.textures.empty() ? "" : fmt::format(", {} textures", set.textures.size()),
+      set.masks.empty() ? "" : fmt::format(", cut-outs of {} surfaces", masked_primitives(set)),
       set.shaders.empty() ? "" : fmt::format(", {} shaders", set.shaders.size()));
 }
 
@@ -96,8 +109,12 @@ PatchSet import_scene(const Job& job, Progress& progress) {
       build_patches(list.primitives, scene.materials, choose_patch_area(list.primitives, scene.materials, job.import));
   set.primitives = std::move(list.primitives);
   set.texcoords = std::move(list.texcoords);
+  set.emission_texcoords = std::move(list.emission_texcoords);
+  set.finish_texcoords = std::move(list.finish_texcoords);
+  set.colors = std::move(list.colors);
   set.shaders = scene.shaders;
   set.textures = std::move(scene.textures);
+  if (masked_primitives(set) > 0) set.masks = std::move(scene.masks);
   set.materials = lasting_materials(scene.materials);
   set.nodes = scene.nodes;
   set.light_groups = scene.light_groups;
@@ -105,8 +122,8 @@ PatchSet import_scene(const Job& job, Progress& progress) {
   set.cameras = scene.cameras;
   if (set.cameras.empty()) set.cameras.push_back(camera_for(set.primitives));
   set.sources = scene.sources;
-  apply_vertex_colors(list.colors, set);
-  if (!set.shaders.empty() || !set.textures.empty()) average_colors(job, set, progress);
+  if (!set.shaders.empty() || !set.textures.empty() || !set.masks.empty() || !set.colors.empty())
+    average_colors(job, set, progress);
   add_environment(job, set, progress);
   set.inputs_key = import_inputs_key(set.sources, job);
   progress.note(summary(scene, list, set));

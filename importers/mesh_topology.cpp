@@ -198,7 +198,8 @@ MeshTopology build_topology(const TriangleSoup& soup) {
   std::vector<Vec3f> normals = by_corner(soup.normals, soup, connected, topology);
   number_smooth_vertices(topology, normals);
   if (soup.quantized) topology.normals = std::move(normals);
-  if (!soup.texcoords.empty()) topology.texcoords = by_corner(soup.texcoords, soup, connected, topology);
+  for (const auto& texcoords : soup.texcoords)
+    topology.texcoords.push_back(by_corner(texcoords, soup, connected, topology));
   if (!soup.colors.empty()) topology.colors = by_corner(soup.colors, soup, connected, topology);
   find_components(topology);
   return topology;

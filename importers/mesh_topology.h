@@ -26,8 +26,8 @@ struct MeshTopology {
 
   std::vector<Vec3d> vertices;  ///< m
   std::vector<Triangle> triangles;
-  std::vector<Vec2f> texcoords;  ///< Of the triangles' corners; empty where the soup has none.
-  std::vector<Vec3f> colors;     ///< The same.
+  std::vector<std::vector<Vec2f>> texcoords;  ///< By mapping, of the triangles' corners; empty where the soup has none.
+  std::vector<Vec4f> colors;                  ///< Of the triangles' corners, the same.
   std::vector<Component> components;
   std::vector<Vec3f> normals;      ///< The file's, of quantized places: what is flat, these say better.
   double rounding = 0.0;           ///< m; as TriangleSoup has it.

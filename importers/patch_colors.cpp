@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "pipeline/model/error.h"
+#include "pipeline/optics/cutouts.h"
 #include "pipeline/optics/material_shader.h"
 #include "pipeline/optics/patch_sampling.h"
 #include "pipeline/optics/texture_lookup.h"
@@ -29,6 +30,8 @@ struct Lattice {
 };
 constexpr Lattice kFew{21, 13};
 constexpr Lattice kMany{377, 233};
+constexpr Lattice kMost{987, 610};
+constexpr float kLeastCoverage = 1.0f / 1024;
 
 /// One colour of one shader on one primitive.
 struct ColorSource {
@@ -64,27 +67,61 @@ bool is_even(const Vec3d& low, const Vec3d& high) {
   return true;
 }
 
-/// Mean of `value(u, v)` over a patch's area.
-template <class Value>
-Color mean_over(const PatchSampler& sampler, const Value& value) {
-  for (const Lattice& lattice : {kFew, kMany}) {
-    Vec3d sum(0.0);
-    Vec3d low(0.0);
-    Vec3d high(0.0);
-    for (int i = 0; i < lattice.count; ++i) {
-      const Vec2f at = lattice.point(i);
-      const Imath::V2d uv = sampler.uv(at.x, at.y);
-      const Vec3d sample = value(uv.x, uv.y);
-      sum += sample;
-      for (int k = 0; k < 3; ++k) {
-        low[k] = i == 0 ? sample[k] : std::min(low[k], sample[k]);
-        high[k] = std::max(high[k], sample[k]);
+/// Means over that part of a patch's area which is there.
+class PatchMean {
+ public:
+  PatchMean(const PatchSet& scene, const Patch& patch) : sampler_(scene.primitives[patch.primitive], patch) {
+    if (scene.primitives[patch.primitive].mask < 0) return;
+    for (const Lattice& lattice : {kMany, kMost}) {
+      there_.clear();
+      for (int i = 0; i < lattice.count; ++i) {
+        const Imath::V2d at = place(lattice, i);
+        if (is_there(scene, patch.primitive, at.x, at.y)) there_.push_back(at);
       }
+      coverage_ = static_cast<float>(there_.size()) / static_cast<float>(lattice.count);
+      if (there_.empty() || coverage_ == 1.0f) break;
     }
-    if (lattice.count == kMany.count || is_even(low, high)) return Color(sum / lattice.count);
+    coverage_ = std::max(coverage_, kLeastCoverage);
   }
-  return Color(0.0f);
-}
+
+  float coverage() const { return coverage_; }
+
+  /// Of `value(u, v)`.
+  template <class Value>
+  Color operator()(const Value& value) const {
+    if (!there_.empty() && coverage_ < 1.0f) {
+      Vec3d sum(0.0);
+      for (const Imath::V2d& at : there_) sum += value(at.x, at.y);
+      return Color(sum / static_cast<double>(there_.size()));
+    }
+    for (const Lattice& lattice : {kFew, kMany}) {
+      Vec3d sum(0.0);
+      Vec3d low(0.0);
+      Vec3d high(0.0);
+      for (int i = 0; i < lattice.count; ++i) {
+        const Imath::V2d at = place(lattice, i);
+        const Vec3d sample = value(at.x, at.y);
+        sum += sample;
+        for (int k = 0; k < 3; ++k) {
+          low[k] = i == 0 ? sample[k] : std::min(low[k], sample[k]);
+          high[k] = std::max(high[k], sample[k]);
+        }
+      }
+      if (lattice.count == kMany.count || is_even(low, high)) return Color(sum / lattice.count);
+    }
+    return Color(0.0f);
+  }
+
+ private:
+  Imath::V2d place(const Lattice& lattice, int i) const {
+    const Vec2f at = lattice.point(i);
+    return sampler_.uv(at.x, at.y);
+  }
+
+  const PatchSampler sampler_;
+  float coverage_ = 1.0f;
+  std::vector<Imath::V2d> there_{};  ///< (u,v) of points of the patch; none where it is not masked.
+};
 
 }  // namespace
 
@@ -94,10 +131,19 @@ void average_colors(const Job& job, PatchSet& scene, Progress& progress) {
   for (std::size_t i = 0; i < scene.patches.size(); ++i) {
     Patch& patch = scene.patches[i];
     const Primitive& primitive = scene.primitives[patch.primitive];
-    const PatchSampler sampler(primitive, patch);
-    if (primitive.texture >= 0) {
-      patch.reflectance = mean_over(sampler, [&](double u, double v) {
-        const Color color = textured_reflectance(scene, patch.primitive, u, v);
+    const bool colored = is_colored(scene, patch.primitive);
+    if (!colored && primitive.emission_texture < 0 && primitive.mask < 0 && primitive.shader < 0) continue;
+    const PatchMean mean(scene, patch);
+    patch.coverage = mean.coverage();
+    if (colored) {
+      patch.reflectance = mean([&](double u, double v) {
+        const Color color = colored_reflectance(scene, patch.primitive, u, v);
+        return Vec3d(color.x, color.y, color.z);
+      });
+    }
+    if (primitive.emission_texture >= 0) {
+      patch.emission = mean([&](double u, double v) {
+        const Color color = textured_emission(scene, patch.primitive, u, v);
         return Vec3d(color.x, color.y, color.z);
       });
     }
@@ -106,17 +152,16 @@ void average_colors(const Job& job, PatchSet& scene, Progress& progress) {
     MaterialShader& shader = shaders[primitive.shader];
     if (shader.reflects()) {
       ColorSource color{job, source, "reflectance", most_reflectance(scene.materials[primitive.material])};
-      patch.reflectance = within_range(Vec3d(mean_over(sampler,
-                                                       [&](double u, double v) {
-                                                         const auto at = shader_inputs(scene, patch.primitive, u, v);
-                                                         return color.checked(shader.reflectance(at), at);
-                                                       })),
+      patch.reflectance = within_range(Vec3d(mean([&](double u, double v) {
+                                         const auto at = shader_inputs(scene, patch.primitive, u, v);
+                                         return color.checked(shader.reflectance(at), at);
+                                       })),
                                        color.most);
       lowered[primitive.shader] |= color.lowered;
     }
     if (shader.emits()) {
       ColorSource color{job, source, "emission", Color(kMostEmission)};
-      patch.emission = mean_over(sampler, [&](double u, double v) {
+      patch.emission = mean([&](double u, double v) {
         const auto at = shader_inputs(scene, patch.primitive, u, v);
         return color.checked(shader.emission(at), at);
       });
@@ -129,16 +174,6 @@ void average_colors(const Job& job, PatchSet& scene, Progress& progress) {
         fmt::format("reflectance of shader '{}' lowered to 0.99999, or to what a metallic part leaves, where it is "
                     "more: it would keep light forever",
                     scene.shaders[i].name));
-  }
-}
-
-void apply_vertex_colors(const std::vector<CornerColors>& colors, PatchSet& scene) {
-  for (Patch& patch : scene.patches) {
-    if (static_cast<std::size_t>(patch.primitive) >= colors.size()) break;
-    const CornerColors& c = colors[static_cast<std::size_t>(patch.primitive)];
-    patch.reflectance *= mean_over(PatchSampler(scene.primitives[patch.primitive], patch), [&](double u, double v) {
-      return (Vec3d(c[0]) * (1 - u) + Vec3d(c[1]) * u) * (1 - v) + (Vec3d(c[3]) * (1 - u) + Vec3d(c[2]) * u) * v;
-    });
   }
 }
 

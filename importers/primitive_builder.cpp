@@ -11,7 +11,6 @@ namespace patchlight {
 namespace {
 
 constexpr float kSameColor = 1.0f / 512;
-const CornerColors kUncolored{Vec3f(1.0f), Vec3f(1.0f), Vec3f(1.0f), Vec3f(1.0f)};
 
 Primitive blank_primitive(const Surface& surface) {
   Primitive primitive;
@@ -63,17 +62,18 @@ void append_corners(const std::array<Value, 4>& front, const std::array<Value, 4
 }
 
 bool has_texcoords(const MeshTopology& topology, const MeshTopology::Component& component) {
-  if (topology.texcoords.empty()) return false;
-  return !std::isnan(topology.texcoords[3 * static_cast<std::size_t>(component.triangles.front())].x);
+  const std::size_t corner = 3 * static_cast<std::size_t>(component.triangles.front());
+  return std::any_of(topology.texcoords.begin(), topology.texcoords.end(),
+                     [&](const auto& texcoords) { return !std::isnan(texcoords[corner].x); });
 }
 
 /// Whether all corners of a component have one colour, as a sphere needs.
 bool has_one_color(const MeshTopology& topology, const MeshTopology::Component& component) {
   if (topology.colors.empty()) return true;
-  const Vec3f& color = topology.colors[3 * static_cast<std::size_t>(component.triangles.front())];
+  const Vec4f& color = topology.colors[3 * static_cast<std::size_t>(component.triangles.front())];
   return std::all_of(component.triangles.begin(), component.triangles.end(), [&](std::int32_t triangle) {
     for (std::size_t i = 0; i < 3; ++i) {
-      const Vec3f difference = topology.colors[3 * static_cast<std::size_t>(triangle) + i] - color;
+      const Vec4f difference = topology.colors[3 * static_cast<std::size_t>(triangle) + i] - color;
       if (!(difference.length() <= kSameColor)) return false;
     }
     return true;
@@ -102,7 +102,8 @@ void append_primitives(const Surface& surface, const SurfaceMaterial& material, 
 
   std::vector<char> in_sphere(topology.triangles.size(), 0);
   for (const MeshTopology::Component& component : topology.components) {
-    if (material.texture >= 0 && has_texcoords(topology, component)) continue;  // no (u,v) of a sphere is like them
+    if (surface.is_masked) break;                                                // balls with holes stay meshes
+    if (material.has_texture() && has_texcoords(topology, component)) continue;  // no (u,v) of a sphere is like them
     const std::optional<Sphere> sphere = recognize_sphere(topology, component);
     if (!sphere || !has_one_color(topology, component)) continue;
     for (const std::int32_t triangle : component.triangles) in_sphere[triangle] = 1;
@@ -125,17 +126,29 @@ void append_primitives(const Surface& surface, const SurfaceMaterial& material, 
   list.merged_facets += static_cast<std::int64_t>(recognized.merged_facets);
   const std::int32_t smooth_count =
       renumber_smooth_vertices(facets, static_cast<std::size_t>(recognized.smooth_vertices));
+  const SurfaceMaterial::Mappings mappings = material.mappings();
   for (const Facet& facet : facets) {
     Primitive primitive = blank_primitive(surface);
     primitive.corners = facet.corners;
     for (std::size_t i = 0; i < 4; ++i) primitive.smooth_vertices[i] = facet.smooth_vertices[i] + list.smooth_vertices;
+    const auto is_mapped = [&](std::size_t mapping) {
+      return !topology.texcoords.empty() && !std::isnan(facet.sources[0](topology.texcoords[mapping]).x);
+    };
+    if (is_mapped(0)) primitive.texture = material.texture;
+    if (is_mapped(mappings.emission)) primitive.emission_texture = material.emission_texture;
+    if (is_mapped(mappings.finish)) primitive.finish_texture = material.finish_texture;
+    if (surface.is_masked && (is_mapped(0) || material.mask_of_vertices)) primitive.mask = material.mask;
     append(primitive, material.double_sided, smooth_count, list);
-    if (!topology.texcoords.empty() && !std::isnan(facet.texcoords[0].x)) {
-      append_corners(facet.texcoords, kOwnTexcoords, list, list.texcoords);
-      for (std::size_t i = list.primitives.size() - (material.double_sided ? 2 : 1); i < list.primitives.size(); ++i)
-        list.primitives[i].texture = material.texture;
-    }
-    if (!topology.colors.empty()) append_corners(facet.colors, kUncolored, list, list.colors);
+    const auto at_corners = [&](const auto& values) {
+      const auto& s = facet.sources;
+      return std::array{s[0](values), s[1](values), s[2](values), s[3](values)};
+    };
+    if (is_mapped(0)) append_corners(at_corners(topology.texcoords[0]), kOwnTexcoords, list, list.texcoords);
+    for (const auto& [mapping, corners] :
+         {std::pair(mappings.emission, &list.emission_texcoords), std::pair(mappings.finish, &list.finish_texcoords)})
+      if (mapping > 0 && is_mapped(mapping))
+        append_corners(at_corners(topology.texcoords[mapping]), kNoTexcoords, list, *corners);
+    if (!topology.colors.empty()) append_corners(at_corners(topology.colors), kUncolored, list, list.colors);
     ++(primitive.is_triangle() ? list.triangles : list.quads);
   }
   list.smooth_vertices += material.double_sided ? 2 * smooth_count : smooth_count;

@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "importers/gltf_reader.h"
@@ -9,15 +10,21 @@
 
 namespace patchlight {
 
-/// What the reflectance of a primitive's patches is multiplied by at its corners, and bilinear between them.
-using CornerColors = std::array<Vec3f, 4>;
+/// Where there are no texture coordinates.
+inline const Texcoords kNoTexcoords = [] {
+  Texcoords none;
+  none.fill(Vec2f(std::numeric_limits<float>::quiet_NaN()));
+  return none;
+}();
 
 /// Primitives of a scene as they come together, and what they were made from.
 struct PrimitiveList {
   std::vector<Primitive> primitives;
   std::vector<Texcoords> texcoords;  ///< Of the first primitives, up to the last one that has any from the file.
-  std::vector<CornerColors> colors;  ///< Of vertices, of the first primitives in the same way.
-  std::int32_t smooth_vertices = 0;  ///< Numbers in use.
+  std::vector<Texcoords> emission_texcoords{};  ///< The same of emission and finish textures that lie by other mappings
+  std::vector<Texcoords> finish_texcoords{};    ///< than base colour's; kNoTexcoords where they do not.
+  std::vector<CornerColors> colors;             ///< Of vertices, of the first primitives in the same way.
+  std::int32_t smooth_vertices = 0;             ///< Numbers in use.
   std::int64_t quads = 0;
   std::int64_t triangles = 0;
   std::int64_t spheres = 0;

@@ -72,7 +72,7 @@ constexpr MappingTolerance kColorTolerance{0.0, 0.0, 1.0 / 512};
 bool is_absent(const Vec2f& texcoord) {
   return std::isnan(texcoord.x);
 }
-bool is_absent(const Vec3f&) {
+bool is_absent(const Vec4f&) {
   return false;
 }
 
@@ -81,7 +81,7 @@ bool is_absent(const Vec3f&) {
 template <class Value>
 bool mapped_as_one(const std::array<Vec3d, 4>& c, const std::array<Value, 4>& values, const Value& first_end,
                    const Value& second_end, const MappingTolerance& tolerance) {
-  using Wide = std::conditional_t<std::is_same_v<Value, Vec2f>, Imath::V2d, Vec3d>;
+  using Wide = std::conditional_t<std::is_same_v<Value, Vec2f>, Imath::V2d, Imath::V4d>;
   std::array<Wide, 4> t;
   double largest = 0.0;
   double extent = 0.0;
@@ -124,17 +124,22 @@ std::optional<Pair> paired(const MeshTopology& topology, std::int32_t first, int
                                a.smooth_vertices[rest]};
   if (!coplanar(a, b, pair.quad.corners, topology.rounding, flat_by_normals(topology, first, second)))
     return std::nullopt;
-  const auto agree = [&](const auto& values, auto& corners, const MappingTolerance& tolerance) {
-    if (values.empty()) return true;
-    const auto of = [&](std::int32_t triangle, std::size_t corner) {
-      return values[3 * static_cast<std::size_t>(triangle) + corner];
-    };
-    corners = {of(first, edge), of(second, apex), of(first, end), of(first, rest)};
-    return mapped_as_one(pair.quad.corners, corners, of(second, start_in_b), of(second, (apex + 1) % 3), tolerance);
+  const auto corner = [](std::int32_t triangle, std::ptrdiff_t index) {
+    return CornerSource{3 * triangle + static_cast<std::int32_t>(index)};
   };
-  if (!agree(topology.texcoords, pair.quad.texcoords, {1e-5, 1e-6, 2.0 * topology.texcoord_rounding}))
-    return std::nullopt;
-  if (!agree(topology.colors, pair.quad.colors, kColorTolerance)) return std::nullopt;
+  pair.quad.sources = {corner(first, edge), corner(second, static_cast<std::ptrdiff_t>(apex)), corner(first, end),
+                       corner(first, rest)};
+  const CornerSource first_end = corner(second, start_in_b);
+  const CornerSource second_end = corner(second, static_cast<std::ptrdiff_t>(apex + 1) % 3);
+  const auto agree = [&](const auto& values, const MappingTolerance& tolerance) {
+    const auto& s = pair.quad.sources;
+    return mapped_as_one(pair.quad.corners, std::array{s[0](values), s[1](values), s[2](values), s[3](values)},
+                         first_end(values), second_end(values), tolerance);
+  };
+  const MappingTolerance tolerance{1e-5, 1e-6, 2.0 * topology.texcoord_rounding};
+  for (const auto& texcoords : topology.texcoords)
+    if (!agree(texcoords, tolerance)) return std::nullopt;
+  if (!topology.colors.empty() && !agree(topology.colors, kColorTolerance)) return std::nullopt;
   const std::optional<double> score = farthest_from_rectangle(pair.quad.corners, a.normal);
   if (!score) return std::nullopt;
   pair.score = std::llround(*score / kScoreStep);
@@ -158,9 +163,7 @@ Facet single_triangle(const MeshTopology& topology, std::int32_t index) {
     const std::size_t corner = (start + std::min<std::size_t>(i, 2)) % 3;
     facet.corners[i] = topology.vertices[triangle.vertices[corner]];
     facet.smooth_vertices[i] = triangle.smooth_vertices[corner];
-    const std::size_t number = 3 * static_cast<std::size_t>(index) + corner;
-    if (!topology.texcoords.empty()) facet.texcoords[i] = topology.texcoords[number];
-    if (!topology.colors.empty()) facet.colors[i] = topology.colors[number];
+    facet.sources[i].from = 3 * index + static_cast<std::int32_t>(corner);
   }
   return facet;
 }

@@ -200,27 +200,18 @@ double perimeter_of(const RegionOutline& outline) {
   return length;
 }
 
-/// Facets in space, with what the mesh has at their corners.
+/// Facets in space, and where they are on the mesh.
 std::vector<Facet> placed(const MeshTopology& topology, const RegionOutline& outline, const Cutting& cutting,
                           std::int32_t& next_smooth) {
-  const auto between = [&](const Node& node, const auto& value) {
-    const auto a = value(outline.corners[node.corner]);
-    if (node.part == 0.0) return a;
-    using Value = std::remove_const_t<decltype(a)>;
-    const auto b = value(outline.corners[outline.next[node.corner]]);
-    return Value(a + (b - a) * static_cast<typename Value::BaseType>(node.part));
-  };
   std::map<Node, std::int32_t> new_corners;
   std::vector<Facet> facets;
   for (const std::array<Node, 4>& source : cutting.facets) {
     Facet& facet = facets.emplace_back();
     for (std::size_t i = 0; i < 4; ++i) {
       const CoplanarRegion::Corner& corner = outline.corners[source[i].corner];
-      facet.corners[i] = between(source[i], [&](const auto& c) { return topology.vertices[c.vertex]; });
-      if (!topology.texcoords.empty())
-        facet.texcoords[i] = between(source[i], [&](const auto& c) { return topology.texcoords[c.number()]; });
-      if (!topology.colors.empty())
-        facet.colors[i] = between(source[i], [&](const auto& c) { return topology.colors[c.number()]; });
+      const CoplanarRegion::Corner& next = outline.corners[outline.next[source[i].corner]];
+      facet.corners[i] = CornerSource{corner.vertex, next.vertex, source[i].part}(topology.vertices);
+      facet.sources[i] = {corner.number(), next.number(), source[i].part};
       if (source[i].part == 0.0) {
         facet.smooth_vertices[i] =
             topology.triangles[corner.triangle].smooth_vertices[static_cast<std::size_t>(corner.index)];

@@ -42,10 +42,15 @@ std::vector<float> decoding_table(TextureEncoding encoding) {
   return table;
 }
 
-/// Texels as 0xRRGGBB; grey ones are as much of each.
-void append_texels(std::span<const std::uint16_t> values, std::size_t channels, std::vector<std::int32_t>& texels) {
+/// Texels as 0xRRGGBB, grey ones as much of each, or the last channel alone.
+void append_texels(std::span<const std::uint16_t> values, std::size_t channels, TextureEncoding encoding,
+                   std::vector<std::int32_t>& texels) {
   const auto byte = [](std::uint16_t value) { return (value + 128) / 257; };
   for (std::size_t i = 0; i < values.size(); i += channels) {
+    if (encoding == TextureEncoding::alpha) {
+      texels.push_back(byte(values[i + channels - 1]));
+      continue;
+    }
     const std::size_t step = channels < 3 ? 0 : 1;
     texels.push_back(byte(values[i]) << 16 | byte(values[i + step]) << 8 | byte(values[i + 2 * step]));
   }
@@ -70,10 +75,14 @@ void decode_texture(std::span<const unsigned char> bytes, TextureEncoding encodi
     throw Error(ExitCode::over_limit, fmt::format("a texture of {} x {} texels is too large", spec.width, spec.height),
                 place, "make it smaller; 8192 x 8192 for one, and 2^30 texels for all, are fixed limits");
   }
+  const auto channels = static_cast<std::size_t>(spec.nchannels);
+  if (encoding == TextureEncoding::alpha && channels % 2 != 0) {
+    mean = Vec3d(1.0);
+    return;
+  }
   texels_left -= texels;
 
   const std::vector<float> table = decoding_table(encoding);
-  const auto channels = static_cast<std::size_t>(spec.nchannels);
   std::vector<std::uint16_t> rows(static_cast<std::size_t>(spec.width) * kRowsAtOnce * channels);
   std::array<double, 4> sums{};
   if (kept) {
@@ -89,10 +98,13 @@ void decode_texture(std::span<const unsigned char> bytes, TextureEncoding encodi
     }
     const std::size_t values = static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(end - y) * channels;
     for (std::size_t i = 0; i < values; ++i) sums[i % channels] += table[rows[i]];
-    if (kept) append_texels(std::span(rows).first(values), channels, kept->texels);
+    if (kept) append_texels(std::span(rows).first(values), channels, encoding, kept->texels);
   }
   for (double& sum : sums) sum /= static_cast<double>(texels);
-  mean = channels < 3 ? Vec3d(sums[0]) : Vec3d(sums[0], sums[1], sums[2]);
+  if (encoding == TextureEncoding::alpha)
+    mean = Vec3d(sums[channels - 1]);
+  else
+    mean = channels < 3 ? Vec3d(sums[0]) : Vec3d(sums[0], sums[1], sums[2]);
 }
 
 }  // namespace patchlight

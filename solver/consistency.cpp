@@ -19,9 +19,9 @@ SpectrumField seen_by(std::size_t patches, const FormFactorRows& rows) {
 std::vector<double> exposed_areas(const PatchSet& scene, const Transport& transport) {
   std::vector<double> areas;
   for (std::size_t i = 0; i < scene.patches.size(); ++i)
-    areas.push_back(scene.patches[i].area * (transport.exposed.empty()
-                                                 ? 1.0
-                                                 : 0.5 * (transport.exposed[2 * i] + transport.exposed[2 * i + 1])));
+    areas.push_back(
+        scene.patches[i].covered_area() *
+        (transport.exposed.empty() ? 1.0 : 0.5 * (transport.exposed[2 * i] + transport.exposed[2 * i + 1])));
   return areas;
 }
 

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pipeline/optics/cutouts.h"
 #include "pipeline/optics/patch_sampling.h"
 #include "pipeline/optics/random.h"
 #include "pipeline/optics/shadow_rays.h"
@@ -140,10 +141,12 @@ class DirectFactors::Run {
                    ShadowRays& rays) const {
     const Patch& patch = from_.receivers_[row];
     const double offset = from_.ray_scene_.offset(patch.primitive);
+    const bool has_holes = has_cutouts(from_.scene_, patch);
     const std::uint64_t random = scramble(from_.seed_ ^ scramble(4 * std::uint64_t(row) + 2 * half + round));
     const float shift_x = to_unit(scramble(random + 1)), shift_y = to_unit(scramble(random + 2));
     for (int k = 0; k < total; ++k) {
-      const Vec2f at = kronecker2(std::uint64_t(k), random);
+      Vec2f at = kronecker2(std::uint64_t(k), random);
+      if (has_holes) at = covered_point(from_.scene_, patch, sampler, at, scramble(random + 3) + std::uint64_t(k));
       const Vec2f to(shifted((float(k) + 0.5f) / float(total), shift_x),
                      shifted(radical_inverse(std::uint32_t(k)), shift_y));
       const SurfacePoint point = sampler(at.x, at.y);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <span>
 
+#include "pipeline/optics/cutouts.h"
 #include "pipeline/optics/direct_light.h"
 #include "pipeline/optics/elements.h"
 #include "pipeline/optics/material_shader.h"
@@ -27,17 +28,20 @@ SpectrumField leaf_reflectance(const PatchSet& scene, const DisplayMesh& mesh) {
     const Primitive& primitive = scene.primitives[leaf.primitive];
     const bool shaded = primitive.shader >= 0 && shaders[primitive.shader].reflects();
     Spectrum sum(leaf.reflectance);
-    if (shaded || primitive.texture >= 0) {
+    if (shaded || is_colored(scene, leaf.primitive)) {
       sum = Spectrum();
       const PatchSampler sampler(primitive, leaf);
       const int across = leaf.u0 == leaf.u1 ? 1 : kAcross;  // a corner is of no size
+      int count = 0;
       for (int k = 0; k < across * across; ++k) {
         const Imath::V2d at =
             sampler.uv((float(k % across) + 0.5f) / float(across), (float(k / across) + 0.5f) / float(across));
+        if (primitive.mask >= 0 && !is_there(scene, leaf.primitive, at.x, at.y)) continue;
+        ++count;
         sum += Spectrum(shaded ? shaded_reflectance(scene, shaders[primitive.shader], leaf.primitive, at.x, at.y)
-                               : textured_reflectance(scene, leaf.primitive, at.x, at.y));
+                               : colored_reflectance(scene, leaf.primitive, at.x, at.y));
       }
-      sum *= Spectrum(1.0 / (across * across));
+      sum = count > 0 ? sum * Spectrum(1.0 / count) : Spectrum(leaf.reflectance);
     }
     reflectance.push_back(sum);
   }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "pipeline/model/error.h"
+#include "pipeline/optics/cutouts.h"
 #include "pipeline/optics/patch_sampling.h"
 #include "pipeline/optics/random.h"
 
@@ -103,9 +104,12 @@ void HemicubeFormFactors::draw(const Shot& shot, int bottom) {
   const Primitive& primitive = scene_.primitives[patch.primitive];
   const std::uint64_t hash = scramble(seed_ ^ scramble(std::uint64_t(shot.patch)));
   SurfacePoint point{patch.center, patch.normal};
-  if (shot.skip > 0) {
-    const Vec2f x = kronecker2(shot.skip, hash);
-    point = PatchSampler(primitive, patch)(x.x, x.y);
+  const bool has_holes = has_cutouts(scene_, patch);
+  if (shot.skip > 0 || has_holes) {
+    const PatchSampler sampler(primitive, patch);
+    Vec2f x = kronecker2(shot.skip, hash);
+    if (has_holes) x = covered_point(scene_, patch, sampler, x, scramble(hash + shot.skip));
+    point = sampler(x.x, x.y);
   }
   const float angle = to_unit(scramble(hash + shot.skip)) * float(kPi / 2);
   for (HemicubeFace& face : hemicube_faces(renderer_.to_local(point.position), point.normal, angle,

@@ -35,7 +35,7 @@ struct System {
   System(const PatchSet& patches, const Transport& from)
       : scene(patches), transport(from), rows(from, patches.sky_cells()), emitters(emitters_apart(patches)) {
     for (const Patch& patch : scene.patches) {
-      areas.push_back(patch.area);
+      areas.push_back(patch.covered_area());
       reflectance.emplace_back(patch.reflectance);
     }
   }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string>
 
 #include "pipeline/model/error.h"
 #include "pipeline/optics/quad_shape.h"
@@ -22,6 +23,7 @@ struct Vertex {
   Vec3f position;
   Vec2f st, shape;
   QuadSide front, back;
+  std::int32_t mask;  ///< Which of the cut-outs.
 };
 
 // As the shaders lay them out (std430).
@@ -29,6 +31,19 @@ struct SphereRecord {
   std::array<float, 4> ball;
   std::array<std::int32_t, 4> rings;  ///< First ring and their number, of the outside and of the inside.
 };
+
+struct CutoutRecord {
+  std::array<float, 8> texcoords;
+  std::array<float, 4> alphas;
+  std::array<std::int32_t, 4> image;
+  std::array<std::int32_t, 2> wraps;
+  std::array<float, 2> factor;
+};
+
+std::string with_masks(const std::string& shader) {
+  const std::size_t first_line = shader.find('\n') + 1;
+  return shader.substr(0, first_line) + "#define MASKED\n" + shader.substr(first_line);
+}
 
 template <class T>
 void upload(unsigned target, const std::vector<T>& values) {
@@ -63,9 +78,12 @@ Vec3d middle_of(const PatchSet& scene) {
 
 PatchIdRenderer::PatchIdRenderer(const PatchSet& scene) : origin_(middle_of(scene)) {
   const PatchLookup lookup(scene);
-  quad_program_ = link_program(kQuadVertexShader, kQuadFragmentShader);
   sphere_program_ = link_program(kSphereVertexShader, kSphereFragmentShader);
-  upload_quads(scene, lookup);
+  whole_ = upload_quads(scene, lookup, false);
+  if (!scene.masks.empty()) {
+    masked_ = upload_quads(scene, lookup, true);
+    upload_masks(scene);
+  }
   upload_spheres(scene, lookup);
   glGenFramebuffers(1, &framebuffer_);
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
@@ -78,21 +96,27 @@ PatchIdRenderer::PatchIdRenderer(const PatchSet& scene) : origin_(middle_of(scen
 
 PatchIdRenderer::~PatchIdRenderer() = default;
 
-void PatchIdRenderer::upload_quads(const PatchSet& scene, const PatchLookup& lookup) {
+PatchIdRenderer::Quads PatchIdRenderer::upload_quads(const PatchSet& scene, const PatchLookup& lookup,
+                                                     bool masked) const {
   std::vector<Vertex> vertices;
+  std::int32_t masks = 0;
   for (std::int32_t i = 0; i < std::int32_t(scene.primitives.size()); ++i) {
     const Primitive& p = scene.primitives[i];
-    if (p.shape != Primitive::Shape::quad || (p.back >= 0 && p.back < i)) continue;
+    if (p.shape != Primitive::Shape::quad || (p.back >= 0 && p.back < i) || (p.mask >= 0) != masked) continue;
     const Vec2f shape = quad_shape(p.corners);
     const std::array<Vec2f, 4> st{Vec2f(0, 0), Vec2f(1, 0), shape, Vec2f(0, 1)};
     const std::array<int, 6> order{0, 1, 2, 0, 2, 3};
     for (int k = 0; k < (p.is_triangle() ? 3 : 6); ++k)
       vertices.push_back(
-          {to_local(p.corners[order[k]]), st[order[k]], shape, side_of(lookup, i), side_of(lookup, p.back)});
+          {to_local(p.corners[order[k]]), st[order[k]], shape, side_of(lookup, i), side_of(lookup, p.back), masks});
+    ++masks;
   }
-  quad_vertices_ = int(vertices.size());
-  glGenVertexArrays(1, &quad_array_);
-  glBindVertexArray(quad_array_);
+  Quads quads;
+  quads.vertices = int(vertices.size());
+  quads.program = masked ? link_program(with_masks(kQuadVertexShader).c_str(), with_masks(kQuadFragmentShader).c_str())
+                         : link_program(kQuadVertexShader, kQuadFragmentShader);
+  glGenVertexArrays(1, &quads.array);
+  glBindVertexArray(quads.array);
   upload(GL_ARRAY_BUFFER, vertices);
   const auto offset = [](std::size_t bytes) { return reinterpret_cast<const void*>(bytes); };
   glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(Vertex), offset(offsetof(Vertex, position)));
@@ -100,7 +124,40 @@ void PatchIdRenderer::upload_quads(const PatchSet& scene, const PatchLookup& loo
   glVertexAttribPointer(2, 2, GL_FLOAT, GL_FALSE, sizeof(Vertex), offset(offsetof(Vertex, shape)));
   glVertexAttribIPointer(3, 3, GL_INT, sizeof(Vertex), offset(offsetof(Vertex, front)));
   glVertexAttribIPointer(4, 3, GL_INT, sizeof(Vertex), offset(offsetof(Vertex, back)));
-  for (const unsigned attribute : {0u, 1u, 2u, 3u, 4u}) glEnableVertexAttribArray(attribute);
+  glVertexAttribIPointer(5, 1, GL_INT, sizeof(Vertex), offset(offsetof(Vertex, mask)));
+  for (unsigned attribute = 0; attribute < (masked ? 6u : 5u); ++attribute) glEnableVertexAttribArray(attribute);
+  return quads;
+}
+
+/// In the order of the masked quads.
+void PatchIdRenderer::upload_masks(const PatchSet& scene) const {
+  std::vector<std::uint32_t> texels;
+  std::vector<std::int32_t> starts;
+  std::size_t count = 0;
+  for (const Texture& mask : scene.masks) {
+    starts.push_back(std::int32_t(count));
+    texels.resize((count + mask.texels.size() + 3) / 4, 0);
+    for (const std::int32_t alpha : mask.texels) {
+      texels[count / 4] |= std::uint32_t(alpha) << 8 * (count % 4);
+      ++count;
+    }
+  }
+  std::vector<CutoutRecord> cutouts;
+  for (std::size_t i = 0; i < scene.primitives.size(); ++i) {
+    const Primitive& p = scene.primitives[i];
+    if (p.mask < 0 || (p.back >= 0 && p.back < std::int32_t(i))) continue;
+    const Texture& mask = scene.masks[p.mask];
+    const Texcoords& t = scene.texcoords.empty() ? kOwnTexcoords : scene.texcoords[i];
+    const CornerColors& c = scene.colors.empty() ? kUncolored : scene.colors[i];
+    const Material& material = scene.materials[p.material];
+    cutouts.push_back({{t[0].x, t[0].y, t[1].x, t[1].y, t[2].x, t[2].y, t[3].x, t[3].y},
+                       {c[0].w, c[1].w, c[2].w, c[3].w},
+                       {starts[p.mask], mask.width, mask.height, mask.nearest},
+                       {std::int32_t(mask.wrap[0]), std::int32_t(mask.wrap[1])},
+                       {material.alpha, material.alpha_cutoff}});
+  }
+  upload_storage(3, cutouts);
+  upload_storage(4, texels);
 }
 
 void PatchIdRenderer::upload_spheres(const PatchSet& scene, const PatchLookup& lookup) {
@@ -171,10 +228,11 @@ void PatchIdRenderer::draw(const GlView& view, int x, int y, int width, int heig
     glUniform2f(glGetUniformLocation(program, "height"), scale, -1.0f - scale * view.bottom);
     glUniform1f(glGetUniformLocation(program, "near"), view.near);
   };
-  if (quad_vertices_ > 0) {
-    set_view(quad_program_);
-    glBindVertexArray(quad_array_);
-    glDrawArrays(GL_TRIANGLES, 0, quad_vertices_);
+  for (const Quads& quads : {whole_, masked_}) {
+    if (quads.vertices == 0) continue;
+    set_view(quads.program);
+    glBindVertexArray(quads.array);
+    glDrawArrays(GL_TRIANGLES, 0, quads.vertices);
   }
   if (spheres_ > 0) {
     set_view(sphere_program_);

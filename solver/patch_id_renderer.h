@@ -23,7 +23,7 @@ struct GlView {
 };
 
 /// Draws the ids of patches with OpenGL: coarse primitives, the patch found from (u,v) in the fragment shader, so that
-/// the cost does not depend on the number of patches; spheres are ray cast in the fragment shader.
+/// the cost does not depend on the number of patches; spheres are ray cast in the fragment shader, and masks looked up.
 ///
 /// Ids are patch + 1; 0: nothing, or the unlit back of a single-sided surface. Depth is reversed, with an infinite
 /// far plane, in floating point: it is as sharp far away as nearby.
@@ -45,15 +45,22 @@ class PatchIdRenderer {
   const std::vector<std::uint32_t>& read();
 
  private:
-  void upload_quads(const PatchSet& scene, const PatchLookup& lookup);
+  /// Quads that one program draws.
+  struct Quads {
+    unsigned program = 0, array = 0;
+    int vertices = 0;
+  };
+
+  Quads upload_quads(const PatchSet& scene, const PatchLookup& lookup, bool masked) const;
+  void upload_masks(const PatchSet& scene) const;
   void upload_spheres(const PatchSet& scene, const PatchLookup& lookup);
 
   GlContext context_;
   Vec3d origin_{0.0};
   int width_ = 0, height_ = 0;
   unsigned framebuffer_ = 0, ids_ = 0, depth_ = 0;
-  unsigned quad_program_ = 0, sphere_program_ = 0, quad_array_ = 0, sphere_array_ = 0;
-  int quad_vertices_ = 0;
+  Quads whole_, masked_;
+  unsigned sphere_program_ = 0, sphere_array_ = 0;
   std::vector<std::int32_t> sphere_of_;  ///< By primitive: which of the drawn spheres it is, or -1.
   int spheres_ = 0;
   std::vector<std::uint32_t> pixels_;

@@ -1,6 +1,6 @@
 #pragma once
 
-// GLSL of PatchIdRenderer.
+// GLSL of PatchIdRenderer. With MASKED defined, those of quads look at masks.
 
 namespace patchlight {
 
@@ -10,6 +10,10 @@ layout(location = 1) in vec2 st;
 layout(location = 2) in vec2 shape;
 layout(location = 3) in ivec3 front;
 layout(location = 4) in ivec3 back;
+#ifdef MASKED
+layout(location = 5) in int mask;
+flat out int cutout;
+#endif
 uniform vec3 eye;
 uniform mat3 axes;        // rows: right / width, up, forward
 uniform vec2 height;      // scale and shift that map heights at distance 1 to [-1, 1]
@@ -24,6 +28,9 @@ void main() {
   corner = shape;
   grids[0] = back;
   grids[1] = front;
+#ifdef MASKED
+  cutout = mask;
+#endif
 }
 )";
 
@@ -41,8 +48,50 @@ vec2 inverse_bilinear(float a, float b, float s, float t) {
   return vec2(width > 0.0 ? s / width : 0.5, v);
 }
 
+#ifdef MASKED
+struct Cutout {
+  vec4 texcoords[2];  // of corners 0 and 1, 2 and 3
+  vec4 alphas;        // of the corners
+  ivec4 image;        // first texel, width, height, nearest
+  ivec2 wraps;
+  vec2 factor;        // and cutoff
+};
+layout(std430, binding = 3) readonly buffer Cutouts { Cutout cutouts[]; };
+layout(std430, binding = 4) readonly buffer Texels { uint texels[]; };  // bytes, four in each
+flat in int cutout;
+
+int wrapped(int k, int count, int wrap) {
+  if (wrap == 1) return clamp(k, 0, count - 1);
+  int period = wrap == 2 ? 2 * count : count;
+  k = (k % period + period) % period;
+  return k < count ? k : period - 1 - k;
+}
+
+float texel(Cutout of, int x, int y) {
+  int k = of.image.x + wrapped(y, of.image.z, of.wraps.y) * of.image.y + wrapped(x, of.image.y, of.wraps.x);
+  return float(texels[k >> 2] >> 8 * (k & 3) & 255u) / 255.0;
+}
+
+bool is_there(vec2 uv) {
+  Cutout of = cutouts[cutout];
+  vec2 place = mix(mix(of.texcoords[0].xy, of.texcoords[0].zw, uv.x), mix(of.texcoords[1].zw, of.texcoords[1].xy, uv.x), uv.y);
+  place = place * vec2(of.image.yz) - (of.image.w != 0 ? 0.0 : 0.5);
+  ivec2 low = ivec2(floor(place));
+  vec2 part = place - floor(place);
+  float alpha = texel(of, low.x, low.y);
+  if (of.image.w == 0)
+    alpha = mix(mix(alpha, texel(of, low.x + 1, low.y), part.x),
+                mix(texel(of, low.x, low.y + 1), texel(of, low.x + 1, low.y + 1), part.x), part.y);
+  float own = mix(mix(of.alphas.x, of.alphas.y, uv.x), mix(of.alphas.w, of.alphas.z, uv.x), uv.y);
+  return of.factor.x * alpha * own >= of.factor.y;
+}
+#endif
+
 void main() {
   vec2 uv = inverse_bilinear(corner.x, corner.y, at.x, at.y);
+#ifdef MASKED
+  if (!is_there(uv)) discard;
+#endif
   ivec3 grid = gl_FrontFacing ? grids[1] : grids[0];
   if (!gl_FrontFacing) uv.x = 1.0 - uv.x;
   ivec2 cell = clamp(ivec2(uv * grid.yz), ivec2(0), max(grid.yz - 1, ivec2(0)));

@@ -215,7 +215,7 @@ std::vector<Color> Photons::shoot(const Emitter& emitter, std::int64_t photons, 
   std::vector<Color> factors;
   factors.reserve(sums.size());
   for (std::size_t k = 0; k < sums.size(); ++k)
-    factors.emplace_back(Vec3f(sums[k] * (source.area / scene_.patches[k / 2].area)));
+    factors.emplace_back(Vec3f(sums[k] * (source.area / scene_.patches[k / 2].covered_area())));
   return factors;
 }
 

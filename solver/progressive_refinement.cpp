@@ -63,9 +63,10 @@ class Refinement {
       for (auto* field : {&group.direct, &group.by_rows, &group.indirect, &group.unshot})
         field->resize(power_.size(), Vec3d(0.0));
     for (const Patch& patch : scene.patches) {
-      area_ += patch.area;
-      reflectance_ += Vec3d(patch.reflectance) * patch.area;
-      if (Group* group = emitting_group(patch)) group->emitted += patch.area * channel_sum(Vec3d(patch.emission));
+      area_ += patch.covered_area();
+      reflectance_ += Vec3d(patch.reflectance) * patch.covered_area();
+      if (Group* group = emitting_group(patch))
+        group->emitted += patch.covered_area() * channel_sum(Vec3d(patch.emission));
     }
     reflectance_ /= area_;
   }
@@ -116,7 +117,7 @@ class Refinement {
     double received = 0;
     for (const FormFactor& f : row) {
       const Patch& patch = scene_.patches[f.patch];
-      const Vec3d added = flux * (double(f.value) / patch.area);
+      const Vec3d added = flux * (double(f.value) / patch.covered_area());
       irradiance[f.patch] += added;
       group.unshot[f.patch] += added * Vec3d(patch.reflectance);
       received += f.value;
@@ -206,7 +207,8 @@ void Refinement::shoot_emitters(Progress& progress) {
     const Patch& patch = scene_.patches[i];
     const Group* group = emitting_group(patch);
     if (!group) continue;
-    const double share = patch.area * channel_sum(Vec3d(patch.emission)) / (group->emitted * double(groups_.size()));
+    const double share =
+        patch.covered_area() * channel_sum(Vec3d(patch.emission)) / (group->emitted * double(groups_.size()));
     parts[i] = int(std::ceil(by_rays_ ? rays_of(share) / kMostRays : std::min(share * points, 64.0)));
     for (int k = 0; k < parts[i]; ++k) shots.push_back(make_shot(std::int32_t(i), share / parts[i]));
   }
@@ -217,7 +219,7 @@ void Refinement::shoot_emitters(Progress& progress) {
     const Patch& patch = scene_.patches[shot.patch];
     Group& group = *emitting_group(patch);
     pass_on(group, apart[shot.patch] ? group.direct : group.by_rows,
-            Vec3d(patch.emission) * (patch.area / parts[shot.patch]), row);
+            Vec3d(patch.emission) * (patch.covered_area() / parts[shot.patch]), row);
     progress.update(0.0, "direct light");
   });
   take_stock();
@@ -240,7 +242,7 @@ void Refinement::shoot_reflections(Progress& progress) {
           ahead[k] = std::clamp(double(patch.reflectance[k]) * group.ambient[k], 0.0, std::max(unshot[k], 0.0));
         const Vec3d shot_now = unshot + ahead;
         unshot = -ahead;
-        pass_on(group, group.indirect, shot_now * patch.area, row);
+        pass_on(group, group.indirect, shot_now * patch.covered_area(), row);
       }
     });
     take_stock();
@@ -264,7 +266,7 @@ void Refinement::take_stock() {
     Vec3d sum(0.0);
     for (std::size_t i = 0; i < power_.size(); ++i) {
       const Vec3d& unshot = group.unshot[i];
-      const double area = scene_.patches[i].area;
+      const double area = scene_.patches[i].covered_area();
       square += area * unshot.length2();
       sum += unshot * area;
       if (group.emitted > 0) power_[i] += area * std::abs(channel_sum(unshot)) / group.emitted;

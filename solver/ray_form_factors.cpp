@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 
+#include "pipeline/optics/cutouts.h"
 #include "pipeline/optics/patch_sampling.h"
 #include "pipeline/optics/random.h"
 
@@ -86,6 +87,7 @@ void RayFormFactors::cast_packets(const Shot& shot, std::uint32_t first, std::ui
   const Patch& patch = scene_.patches[shot.patch];
   const PatchSampler sample(scene_.primitives[patch.primitive], patch);
   const float offset = ray_scene_.offset(patch.primitive);
+  const bool has_holes = has_cutouts(scene_, patch);
   std::array<std::uint64_t, 4> x;
   for (std::uint64_t k = 0; k < 4; ++k)
     x[k] = scramble(seed_ ^ scramble(4 * std::uint64_t(shot.patch) + k)) + kSteps[k] * (shot.skip + first);
@@ -94,7 +96,9 @@ void RayFormFactors::cast_packets(const Shot& shot, std::uint32_t first, std::ui
   packet.clear();
   for (std::uint32_t begin = first; begin < last; begin += RayPacket::kSize) {
     for (int lane = 0; lane < RayPacket::kSize; ++lane) {
-      const SurfacePoint point = sample(to_unit(x[0]), to_unit(x[1]));
+      Vec2f at(to_unit(x[0]), to_unit(x[1]));
+      if (has_holes) at = covered_point(scene_, patch, sample, at, scramble(x[0] ^ scramble(x[1])));
+      const SurfacePoint point = sample(at.x, at.y);
       const Vec3f local = cosine_direction(to_unit(x[2]), to_unit(x[3]));
       Vec3f tangent, bitangent;
       orthonormal_frame(point.normal, tangent, bitangent);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <optional>
 
+#include "pipeline/optics/cutouts.h"
 #include "pipeline/optics/mirror_path.h"
 #include "pipeline/optics/patch_sampling.h"
 #include "pipeline/optics/random.h"
@@ -116,7 +117,8 @@ struct RayRows::Half {
     mirrored.clear();
     const std::uint64_t own = rows.apart_ ? random : scramble(rows.seed_ ^ std::uint64_t(row_index));
     for (int k = 0; k < 4; ++k) turned[k] = std::uint32_t((k < 2 ? own : scramble(own)) >> 32 * (k % 2));
-    if (primitive.shape != Primitive::Shape::quad) {
+    has_holes = has_cutouts(rows.scene_, patch);
+    if (primitive.shape != Primitive::Shape::quad || has_holes) {
       sampler.emplace(primitive, patch);
       return;
     }
@@ -145,7 +147,8 @@ struct RayRows::Half {
   const Patch& patch;
   const Primitive& primitive;
   float offset;
-  std::optional<PatchSampler> sampler;  ///< Of a sphere.
+  std::optional<PatchSampler> sampler;  ///< Of a sphere, or of what has cut-outs.
+  bool has_holes = false;
   QuadPatch quad{};
 
   int block = 0;                                   ///< Of the sequence, that is being cast.
@@ -246,7 +249,10 @@ void RayRows::start_packet(const Half& half, const DirectionTable& table, int fi
   shift_samples(table, first, half.shift, {dx.data(), dy.data(), dz.data(), u.data(), v.data()});
   if (half.sampler) {
     for (int lane = 0; lane < RayPacket::kSize; ++lane) {
-      const SurfacePoint point = (*half.sampler)(u[lane], v[lane]);
+      Vec2f at(u[lane], v[lane]);
+      if (half.has_holes)
+        at = covered_point(scene_, half.patch, *half.sampler, at, scramble(half.random + half.number(first + lane)));
+      const SurfacePoint point = (*half.sampler)(at.x, at.y);
       Vec3f tangent, bitangent;
       orthonormal_frame(point.normal, tangent, bitangent);
       packet.set(lane, ray_scene_.to_local(point.position) + point.normal * half.offset,

@@ -17,7 +17,7 @@ MetalLight::MetalLight(const PatchSet& scene, const RayScene& ray_scene, const s
 bool MetalLight::is_of_use(const PatchSet& scene) {
   return std::any_of(scene.primitives.begin(), scene.primitives.end(), [&](const Primitive& p) {
     const Material& material = scene.materials[p.material];
-    return material.specular != Color(0.0f) && material.roughness >= kMirrorRoughness;
+    return material.specular != Color(0.0f) && (material.roughness >= kMirrorRoughness || p.finish_texture >= 0);
   });
 }
 

@@ -76,7 +76,6 @@ bool PathTracer::shade(RayPacket& packet, int lane, Path& path, const CameraRays
     if (in_layers) layers->add_surface(path.pixel, {view.depth, point.position, -point.normal}, path.off);
     return false;
   }
-  const Material& material = scene_.materials[scene_.primitives[hit.primitive].material];
   SolvedSurfaces::Colors colors = surfaces_.colors(hit);
   view.normal = normals_(hit.primitive, hit.u, hit.v, point.normal);
   if (in_layers)
@@ -107,8 +106,9 @@ bool PathTracer::shade(RayPacket& packet, int lane, Path& path, const CameraRays
         {path.pixel, surface, hit.primitive, way, off, view.normal, path.throughput * colors.reflectance / float(kPi)});
     if (gather_) sums.gather.push_back({sums.points.back(), point.normal, path.sample, std::uint32_t(path.surfaces)});
   }
-  if (material.specular == Color(0.0f) ||
-      !turn(material, off, view.normal, point.normal, lane, path, direction, sums) ||
+  if (scene_.materials[scene_.primitives[hit.primitive].material].specular == Color(0.0f)) return false;
+  const Finish metal = finish_at(scene_, hit.primitive, hit.u, hit.v);
+  if (metal.specular == Color(0.0f) || !turn(metal, off, view.normal, point.normal, lane, path, direction, sums) ||
       largest(path.throughput) < kLeastThroughput || ++path.surfaces >= kMostMirrors)
     return false;
   packet.set(lane, ray_scene_.to_local(off), direction);
@@ -129,29 +129,29 @@ void PathTracer::show_sky(const Vec3f& direction, Path& path, PathSums& sums) co
   if (sums.layers->groups()) sums.layers->add_of_group(group, path.pixel, own);
 }
 
-bool PathTracer::turn(const Material& material, const Vec3d& off, const Vec3f& normal, const Vec3f& flat, int lane,
+bool PathTracer::turn(const Finish& metal, const Vec3d& off, const Vec3f& normal, const Vec3f& flat, int lane,
                       Path& path, Vec3f& direction, PathSums& sums) const {
   path.mirrored = true;
   path.density = 0;
   Vec2f at(0.0f);
   const Vec3f in = direction;
-  const bool rough = material.roughness >= kMirrorRoughness;
+  const bool rough = metal.roughness >= kMirrorRoughness;
   if (rough) {
     path.view.scattered = true;
     MetalRays& rays = sums.metal_rays ? *sums.metal_rays : sums.metal_rays.emplace();
-    rays.places[lane] = {off, normal, in, material.roughness};
+    rays.places[lane] = {off, normal, in, metal.roughness};
     const std::uint64_t seed = scramble(~scramble(sums.window->place(path.pixel)) + std::uint64_t(path.surfaces));
     at = pixel_sample(shuffled(path.sample, std::uint32_t(scramble(seed))), seed);
-    ask_for_metal_light(material, scramble(~seed), lane, path, rays);
+    ask_for_metal_light(metal, scramble(~seed), lane, path, rays);
   }
-  if (!reflect(material, normal, at, direction, path.throughput)) return false;
-  if (rough) path.density = metal_lobe(material.roughness, normal, in, direction).density;
+  if (!reflect(metal, normal, at, direction, path.throughput)) return false;
+  if (rough) path.density = metal_lobe(metal.roughness, normal, in, direction).density;
   // A smooth normal may turn it below the facet that it left.
   if ((direction ^ flat) < 0) direction -= flat * (2.0f * (direction ^ flat));
   return true;
 }
 
-void PathTracer::ask_for_metal_light(const Material& material, std::uint64_t seed, int lane, const Path& path,
+void PathTracer::ask_for_metal_light(const Finish& metal, std::uint64_t seed, int lane, const Path& path,
                                      MetalRays& rays) const {
   const Vec2f at = pixel_sample(shuffled(path.sample, std::uint32_t(scramble(seed))), seed);
   const std::uint64_t other = scramble(seed);
@@ -160,7 +160,7 @@ void PathTracer::ask_for_metal_light(const Material& material, std::uint64_t see
   if (sample.weight <= 0) return;
   rays.any = true;
   rays.samples[lane] = sample;
-  rays.throughputs[lane] = path.throughput * material.specular;
+  rays.throughputs[lane] = path.throughput * metal.specular;
   rays.packet.set_shadow(lane, ray_scene_.to_local(rays.places[lane].position), sample.direction, sample.distance);
 }
 

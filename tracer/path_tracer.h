@@ -1,6 +1,7 @@
 #pragma once
 #include "pipeline/optics/patch_sampling.h"
 #include "pipeline/optics/smooth_normals.h"
+#include "pipeline/optics/texture_lookup.h"
 #include "tracer/camera_rays.h"
 #include "tracer/final_gather.h"
 #include "tracer/layers.h"
@@ -71,11 +72,10 @@ class PathTracer {
   void show_sky(const Vec3f& direction, Path& path, PathSums& sums) const;
   void add_layers(const SurfaceHit& hit, const SolvedSurfaces::Colors& colors, const DisplayLookup::Blend& blend,
                   const Path& path, LayerSums& layers) const;
-  /// Turns `direction` as the metal at a hit does; `normal`: smooth. False: it reflects nothing.
-  bool turn(const Material& material, const Vec3d& off, const Vec3f& normal, const Vec3f& flat, int lane, Path& path,
+  /// Turns `direction` as a metal does; `normal`: smooth. False: it reflects nothing.
+  bool turn(const Finish& metal, const Vec3d& off, const Vec3f& normal, const Vec3f& flat, int lane, Path& path,
             Vec3f& direction, PathSums& sums) const;
-  void ask_for_metal_light(const Material& material, std::uint64_t seed, int lane, const Path& path,
-                           MetalRays& rays) const;
+  void ask_for_metal_light(const Finish& metal, std::uint64_t seed, int lane, const Path& path, MetalRays& rays) const;
   void add_metal_light(std::array<Path, RayPacket::kSize>& paths, PathSums& sums) const;
   SurfacePoint point_of(const SurfaceHit& hit) const;
 

@@ -38,6 +38,10 @@ SolvedSurfaces::SolvedSurfaces(const PatchSet& scene, const RayScene& ray_scene,
           },
           mixes.all),
       shaders_([&scene] { return compile_shaders(scene); }) {
+  for (std::int32_t i = 0; i < std::int32_t(scene.primitives.size()); ++i) {
+    const Primitive& p = scene.primitives[i];
+    varied_.push_back(is_colored(scene, i) || p.shader >= 0 || p.emission_texture >= 0);
+  }
   const bool direct_in_patches = config.quality == "patches";
   if (!direct_in_patches && energy.display) display_.emplace(scene, ray_scene, patches_, energy, mixes.all);
   const bool by_rows = std::any_of(energy.groups.begin(), energy.groups.end(),
@@ -66,7 +70,8 @@ SolvedSurfaces::SolvedSurfaces(const PatchSet& scene, const RayScene& ray_scene,
 
 void SolvedSurfaces::vary(const SurfaceHit& hit, Colors& colors) const {
   const Primitive& primitive = scene_.primitives[hit.primitive];
-  if (primitive.texture >= 0) colors.reflectance = textured_reflectance(scene_, hit.primitive, hit.u, hit.v);
+  if (is_colored(scene_, hit.primitive)) colors.reflectance = colored_reflectance(scene_, hit.primitive, hit.u, hit.v);
+  if (primitive.emission_texture >= 0) colors.emission = textured_emission(scene_, hit.primitive, hit.u, hit.v);
   if (primitive.shader < 0) return;
   MaterialShader& shader = shaders_.local()[primitive.shader];
   if (shader.reflects()) colors.reflectance = shaded_reflectance(scene_, shader, hit.primitive, hit.u, hit.v);

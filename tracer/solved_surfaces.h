@@ -36,7 +36,7 @@ class SolvedSurfaces {
     const Primitive& primitive = scene_.primitives[hit.primitive];
     const std::int32_t i = lookup_.patch(hit.primitive, hit.u, hit.v);
     Colors colors{i, primitive.light_group, scene_.patches[i].reflectance, scene_.patches[i].emission};
-    if (primitive.texture >= 0 || primitive.shader >= 0) vary(hit, colors);
+    if (varied_[hit.primitive]) vary(hit, colors);
     return colors;
   }
   /// Exitance under one of the mixes, W/m2.
@@ -66,6 +66,7 @@ class SolvedSurfaces {
   const PatchSet& scene_;
   const LightMixes& mixes_;
   const PatchLookup lookup_;
+  std::vector<std::uint8_t> varied_;  ///< By primitive: textures, vertices or a shader vary its colours.
   const IrradianceLookup patches_;
   std::optional<DisplayLookup> display_;
   std::optional<IrradianceLookup> direct_;  ///< Of what irradiance() tells, under the lights' settings.

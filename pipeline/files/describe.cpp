@@ -25,9 +25,10 @@ std::string describe_materials(const PatchSet& scene) {
   for (const Patch& patch : scene.patches) {
     MaterialTotals& total = totals[scene.primitives[patch.primitive].material];
     ++total.patches;
-    total.area += patch.area;
-    total.reflectance += Vec3d(patch.reflectance) * patch.area;
-    total.power += Vec3d(patch.emission) * patch.area;
+    const double area = patch.covered_area();
+    total.area += area;
+    total.reflectance += Vec3d(patch.reflectance) * area;
+    total.power += Vec3d(patch.emission) * area;
   }
   std::string text = "materials\n";
   for (std::size_t i = 0; i < totals.size(); ++i) {

@@ -17,7 +17,7 @@ namespace patchlight {
 namespace {
 
 // Raised whenever a stage computes something else from the same inputs.
-constexpr int kImportVersion = 3;
+constexpr int kImportVersion = 4;
 constexpr int kTransportKeyVersion = 14;
 constexpr int kSolveVersion = 15;
 constexpr int kTraceVersion = 7;

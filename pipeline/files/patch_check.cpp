@@ -88,15 +88,58 @@ PatchFault shader_fault(const PatchSet& scene) {
     if (is_set(scene.shaders[p.shader].emission) && p.light_group < 0)
       return {"an emitter without a light group", "/primitives/light_group"};
   }
-  for (const Primitive& p : scene.primitives)
-    if (p.texture != -1 && (!index_of(p.texture, scene.textures.size()) || scene.texcoords.empty()))
-      return {"an index out of range", "/primitives/texture"};
-  if (!scene.texcoords.empty() && scene.texcoords.size() != scene.primitives.size())
-    return {"another number than of primitives", "/primitives/texcoord"};
-  for (const Texcoords& corners : scene.texcoords)
+  return {};
+}
+
+PatchFault texcoord_fault(const PatchSet& scene, const std::vector<Texcoords>& texcoords, const char* where) {
+  if (!texcoords.empty() && texcoords.size() != scene.primitives.size())
+    return {"another number than of primitives", where};
+  for (const Texcoords& corners : texcoords)
     for (const Vec2f& corner : corners)
       if (!std::isfinite(corner.x) || !std::isfinite(corner.y))
-        return {"a texture coordinate that is not finite", "/primitives/texcoord"};
+        return {"a texture coordinate that is not finite", where};
+  return {};
+}
+
+PatchFault texture_fault(const PatchSet& scene) {
+  struct Use {
+    std::int32_t Primitive::*index;
+    const std::vector<Texcoords>& texcoords;
+    const char* where;
+  };
+  for (const Use& use : {Use{&Primitive::texture, scene.texcoords, "/primitives/texture"},
+                         Use{&Primitive::emission_texture, scene.emission_texcoords, "/primitives/emission_texture"},
+                         Use{&Primitive::finish_texture, scene.finish_texcoords, "/primitives/finish_texture"}})
+    for (const Primitive& p : scene.primitives) {
+      const std::int32_t texture = p.*use.index;
+      const bool mapped = !use.texcoords.empty() || !scene.texcoords.empty();
+      if (texture != -1 && (!index_of(texture, scene.textures.size()) || !mapped))
+        return {"an index out of range", use.where};
+    }
+  for (const Primitive& p : scene.primitives)
+    if (p.emission_texture != -1 && p.light_group < 0)
+      return {"an emitter without a light group", "/primitives/light_group"};
+  if (PatchFault fault = texcoord_fault(scene, scene.texcoords, "/primitives/texcoord")) return fault;
+  if (PatchFault fault = texcoord_fault(scene, scene.emission_texcoords, "/primitives/emission_texcoord")) return fault;
+  return texcoord_fault(scene, scene.finish_texcoords, "/primitives/finish_texcoord");
+}
+
+PatchFault mask_fault(const PatchSet& scene) {
+  for (const Primitive& p : scene.primitives)
+    if (p.mask != -1 && (!index_of(p.mask, scene.masks.size()) || p.shape != Primitive::Shape::quad))
+      return {"an index out of range", "/primitives/mask"};
+  for (const Texture& mask : scene.masks)
+    for (const std::int32_t alpha : mask.texels)
+      if (alpha < 0 || alpha > 255) return {"a value outside [0, 255]", "/masks/texel"};
+  for (const Material& m : scene.materials)
+    if (!(m.alpha >= 0 && m.alpha <= 1 && std::isfinite(m.alpha_cutoff)))
+      return {"a value that is not finite", "/materials/alpha"};
+  if (!scene.colors.empty() && scene.colors.size() != scene.primitives.size())
+    return {"another number than of primitives", "/primitives/color"};
+  for (const CornerColors& corners : scene.colors)
+    for (const Vec4f& c : corners)
+      for (int k = 0; k < 4; ++k)
+        if (!(c[k] >= 0 && c[k] <= 1)) return {"a value outside [0, 1]", "/primitives/color"};
   return {};
 }
 
@@ -107,6 +150,7 @@ PatchFault patch_fault(const PatchSet& scene, const Patch& patch) {
   if (!(patch.area > 0 && std::isfinite(patch.area))) return {"an area that is not positive", "/patches/area"};
   if (!within(patch.reflectance, 0.0f, 0.99999f)) return {"a value outside [0, 1)", "/patches/reflectance"};
   if (!within(patch.emission, 0.0f, 3e38f)) return {"a negative or non-finite value", "/patches/emission"};
+  if (!(patch.coverage > 0 && patch.coverage <= 1)) return {"a value outside (0, 1]", "/patches/coverage"};
   if (patch.emission != Color(0.0f) && scene.primitives[patch.primitive].light_group < 0)
     return {"an emitter without a light group", "/primitives/light_group"};
   return {};
@@ -172,6 +216,8 @@ PatchFault find_fault(const PatchSet& scene) {
   for (std::size_t i = 0; i < scene.primitives.size(); ++i)
     if (PatchFault fault = primitive_fault(scene, i)) return fault;
   if (PatchFault fault = shader_fault(scene)) return fault;
+  if (PatchFault fault = texture_fault(scene)) return fault;
+  if (PatchFault fault = mask_fault(scene)) return fault;
   for (const Patch& patch : scene.patches) {
     if (!index_of(patch.primitive, scene.primitives.size())) return {"an index out of range", "/patches/primitive"};
     if (PatchFault fault = patch_fault(scene, patch)) return fault;
@@ -179,6 +225,10 @@ PatchFault find_fault(const PatchSet& scene) {
   for (const Material& m : scene.materials)
     if (!within(m.specular, 0.0f, 1.0f) || !within(m.tint, 0.0f, 1.0f) || !(m.roughness >= 0 && m.roughness <= 1))
       return {"a value outside [0, 1]", "/materials"};
+  for (const Material& m : scene.materials)
+    if (!within(m.metal, 0.0f, 1.0f) || !within(m.emission_tint, 0.0f, 3e38f) ||
+        !(m.finish_roughness >= 0 && m.finish_roughness <= 1))
+      return {"a value out of range", "/materials"};
   for (const Camera& camera : scene.cameras)
     for (const double* x = &camera.to_world.x[0][0]; x != &camera.to_world.x[0][0] + 16; ++x)
       if (!std::isfinite(*x) || !(camera.vertical > 0 && std::isfinite(camera.vertical)))

@@ -200,16 +200,24 @@ void write_patches(const std::filesystem::path& file, PatchSet& scene) {
   write_shader_datasets(writer, scene);
   write_texture_datasets(writer, scene);
 
-  scene.key = writer.key_of({"/patches/", "/primitives/type", "/primitives/corners", "/primitives/sphere",
-                             "/primitives/back", "/primitives/light_group", "/light_groups/", "/primitives/material",
-                             "/materials/specular", "/materials/roughness", "/lights/kind", "/lights/light_group",
-                             "/lights/strength", "/lights/shape", "/environment/cells", "/environment/light_group"});
-  scene.geometry_key =
-      writer.key_of({"/patches/center", "/patches/primitive", "/patches/uv", "/primitives/type", "/primitives/corners",
+  const std::vector<std::string> textures = transport_textures(scene);
+  const auto with_textures = [&](std::vector<std::string> names) {
+    names.insert(names.end(), textures.begin(), textures.end());
+    return names;
+  };
+  scene.key = writer.key_of(
+      with_textures({"/patches/", "/primitives/type", "/primitives/corners", "/primitives/sphere", "/primitives/back",
+                     "/primitives/light_group", "/light_groups/", "/primitives/material", "/materials/specular",
+                     "/materials/roughness", "/lights/kind", "/lights/light_group", "/lights/strength", "/lights/shape",
+                     "/environment/cells", "/environment/light_group"}));
+  scene.geometry_key = writer.key_of(
+      with_textures({"/patches/center", "/patches/primitive", "/patches/uv", "/primitives/type", "/primitives/corners",
                      "/primitives/sphere", "/primitives/back", "/primitives/material", "/materials/specular",
-                     "/materials/roughness", "/environment/rows"});
+                     "/materials/roughness", "/environment/rows"}));
   scene.frames_key = writer.key_of({"/primitives/smooth_vertices", "/shaders/", "/primitives/shader",
                                     "/primitives/texcoord", "/textures/", "/primitives/texture", "/materials/tint",
+                                    "/primitives/color", "/primitives/emission_tex", "/primitives/finish_tex",
+                                    "/materials/metal", "/materials/finish_roughness", "/materials/emission_tint",
                                     "/environment/size", "/environment/texels", "/environment/view"});
   writer.attribute("format", kPatchFormat);
   writer.attribute("version", std::int64_t(kPatchVersion));

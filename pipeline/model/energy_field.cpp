@@ -41,8 +41,8 @@ double radiosity_error(const PatchSet& scene, const EnergyField& energy, const E
   for (std::size_t i = 0; i < a.size(); ++i) {
     const Patch& patch = scene.patches[i];
     if (patch.emission != Color(0.0f)) continue;
-    difference += patch.area * double((a[i] - b[i]).length2());
-    norm += patch.area * double(b[i].length2());
+    difference += patch.covered_area() * double((a[i] - b[i]).length2());
+    norm += patch.covered_area() * double(b[i].length2());
   }
   if (difference == 0) return 0;
   return norm > 0 ? std::sqrt(difference / norm) : std::numeric_limits<double>::infinity();

@@ -9,6 +9,7 @@ namespace patchlight {
 using Vec2f = Imath::V2f;
 using Vec3f = Imath::V3f;
 using Vec3d = Imath::V3d;
+using Vec4f = Imath::V4f;
 using Matrix4 = Imath::M44d;  ///< Row vectors: p' = p * M.
 using Color = Imath::C3f;     ///< Scene-linear Rec.709.
 

@@ -24,8 +24,11 @@ struct Primitive {
   enum class Shape : std::int32_t { quad = 0, sphere = 1 };
 
   Shape shape = Shape::quad;
-  std::int32_t shader = -1;   ///< Index into PatchSet::shaders; -1: none.
-  std::int32_t texture = -1;  ///< Index into PatchSet::textures; -1: none.
+  std::int32_t shader = -1;            ///< Index into PatchSet::shaders; -1: none.
+  std::int32_t texture = -1;           ///< Of base colour: index into PatchSet::textures; -1: none.
+  std::int32_t emission_texture = -1;  ///< The same.
+  std::int32_t finish_texture = -1;    ///< The same; its green is roughness, its blue how metallic, both linear.
+  std::int32_t mask = -1;              ///< Index into PatchSet::masks; -1: it is whole.
   std::array<Vec3d, 4> corners{Vec3d(0.0), Vec3d(0.0), Vec3d(0.0), Vec3d(0.0)};  ///< m; zeros for a sphere.
   Vec3d sphere_center{0.0};                                                      ///< m; zero for a quad.
   double sphere_radius = 0.0;     ///< m; negative: lit inside. Zero for a quad.
@@ -42,14 +45,24 @@ struct Primitive {
 /// What is the same over a whole material.
 struct Material {
   std::string name;
-  Color specular{0.0f};  ///< Mirror reflectance (the metallic part), each in [0,1].
-  float roughness = 1.0f;
-  Color tint{1.0f};  ///< Diffuse reflectance is this times the texture's colour, where a primitive has one.
+  Color specular{0.0f};    ///< Mirror reflectance (the metallic part), each in [0,1]; the mean where textures vary it.
+  float roughness = 1.0f;  ///< The same.
+  Color tint{
+      1.0f};  ///< Diffuse reflectance is this times the texture's colour and the vertices', where there are such.
+  float alpha = 1.0f;         ///< A masked primitive is there where this times the mask and the vertices' alpha
+  float alpha_cutoff = 0.0f;  ///< is no less than this.
+  Color metal{0.0f};          ///< Where textures or vertices vary it, `specular` is this times base colour and finish.
+  float finish_roughness = 1.0f;  ///< What a texture's roughness is multiplied by.
+  Color emission_tint{0.0f};      ///< Radiant exitance where an emission texture is white, W/m2.
 };
 
 /// The (u,v) that shaders and textures see at corners 0 to 3 of a primitive, and bilinear between them.
 using Texcoords = std::array<Vec2f, 4>;
 inline const Texcoords kOwnTexcoords{Vec2f(0, 0), Vec2f(1, 0), Vec2f(1, 1), Vec2f(0, 1)};
+
+/// Linear colours and alpha of the vertices at corners 0 to 3 of a primitive, and bilinear between them.
+using CornerColors = std::array<Vec4f, 4>;
+inline const CornerColors kUncolored{Vec4f(1.0f), Vec4f(1.0f), Vec4f(1.0f), Vec4f(1.0f)};
 
 /// A piece of a primitive, the unit that the solution is constant on.
 struct Patch {
@@ -60,6 +73,10 @@ struct Patch {
   Color emission{0.0f};     ///< Radiant exitance, W/m2.
   std::int32_t primitive = 0;
   float u0 = 0, v0 = 0, u1 = 1, v1 = 1;
+  /// Part of the area that is there, the rest being cut out. Reflectance, emission and irradiance are of what is there.
+  float coverage = 1.0f;
+
+  double covered_area() const { return area * double(coverage); }  ///< m2
 };
 
 /// A file that the scene was read from: what it holds is part of the import's key.
@@ -85,7 +102,11 @@ struct PatchSet {
   std::vector<SourceFile> sources;
   std::vector<Shader> shaders;
   std::vector<Texture> textures;
+  std::vector<Texture> masks;        ///< Their texels are alpha, in [0,255].
   std::vector<Texcoords> texcoords;  ///< By primitive; empty where shaders and textures see the primitive's own (u,v).
+  std::vector<Texcoords> emission_texcoords{};  ///< Those that emission textures see; empty: `texcoords`.
+  std::vector<Texcoords> finish_texcoords{};    ///< Those that finish textures see; empty: `texcoords`.
+  std::vector<CornerColors> colors;             ///< By primitive; empty where no vertex has a colour that counts.
 
   std::string inputs_key;    ///< Scene files and import settings that this was made from.
   std::string key;           ///< What solving reads. Set by the file layer.

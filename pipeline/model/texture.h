@@ -5,7 +5,7 @@
 
 namespace patchlight {
 
-/// An image of a surface's base colour.
+/// An image that lies on a surface.
 struct Texture {
   enum class Wrap : std::int32_t { repeat = 0, clamp = 1, mirror = 2 };
 

@@ -41,7 +41,7 @@ std::vector<Emitter> emitters_apart(const PatchSet& scene) {
   for (std::int32_t i = 0; i < std::int32_t(scene.patches.size()); ++i) {
     const Patch& patch = scene.patches[i];
     const Primitive& primitive = scene.primitives[patch.primitive];
-    if (primitive.light_group < 0 || !lit_outside(primitive)) continue;
+    if (primitive.light_group < 0 || !lit_outside(primitive) || primitive.mask >= 0) continue;
     const bool begins = candidates.empty() || scene.patches[candidates.back().first].primitive != patch.primitive;
     if (begins) candidates.push_back({i, i, 0.0, true});
     Candidate& last = candidates.back();

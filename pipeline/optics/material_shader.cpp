@@ -10,8 +10,6 @@ namespace patchlight {
 
 namespace {
 
-constexpr float kHighestReflectance = 0.99999f;
-
 std::vector<Expression> compile(const ColorExpressions& source) {
   std::vector<Expression> color;
   if (!is_set(source)) return color;

@@ -31,6 +31,8 @@ class MaterialShader {
 
 std::vector<MaterialShader> compile_shaders(const PatchSet& scene);
 
+constexpr float kHighestReflectance = 0.99999f;
+
 /// The most that a surface may reflect diffusely beside its metallic part.
 Color most_reflectance(const Material& material);
 

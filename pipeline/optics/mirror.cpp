@@ -31,13 +31,13 @@ float smith_lambda(const Vec3f& direction, float alpha) {
 
 }  // namespace
 
-bool reflect(const Material& material, const Vec3f& normal, const Vec2f& at, Vec3f& direction, Color& throughput) {
-  throughput *= material.specular;
-  if (material.roughness < kMirrorRoughness) {
+bool reflect(const Finish& metal, const Vec3f& normal, const Vec2f& at, Vec3f& direction, Color& throughput) {
+  throughput *= metal.specular;
+  if (metal.roughness < kMirrorRoughness) {
     direction -= normal * (2.0f * (normal ^ direction));
     return true;
   }
-  const float alpha = material.roughness * material.roughness;
+  const float alpha = metal.roughness * metal.roughness;
   Vec3f tangent, bitangent;
   orthonormal_frame(normal, tangent, bitangent);
   const Vec3f view(-(direction ^ tangent), -(direction ^ bitangent), std::max(-(direction ^ normal), 1e-6f));

@@ -15,7 +15,8 @@ bool go_on(const PatchSet& scene, const RayScene& ray_scene, const SurfaceHit& h
   const SurfacePoint point = point_at(primitive, hit.u, hit.v);
   Vec3f direction = packet.direction(lane);
   const Vec2f at(to_unit(random), to_unit(scramble(random)));
-  if (!reflect(scene.materials[primitive.material], point.normal, at, direction, throughput)) return false;
+  const Finish metal = finish_at(scene, hit.primitive, hit.u, hit.v);
+  if (!reflect(metal, point.normal, at, direction, throughput)) return false;
   const float most = std::max({throughput.x, throughput.y, throughput.z});
   if (most < kSurelyKept) {
     if (to_unit(scramble(~random)) * kSurelyKept >= most) return false;

@@ -9,6 +9,7 @@
 #include <new>
 
 #include "pipeline/model/error.h"
+#include "pipeline/optics/cutouts.h"
 #include "pipeline/optics/quad_shape.h"
 
 namespace patchlight {
@@ -98,37 +99,43 @@ RayScene::RayScene(const PatchSet& scene, std::size_t few) {
   const Imath::Box3d bounds = bounds_of(scene);
   origin_ = bounds.center();
   offsets_.resize(scene.primitives.size());
-  if (scene.primitives.size() <= few)
+  const auto masked =
+      std::count_if(scene.primitives.begin(), scene.primitives.end(), [](const Primitive& p) { return p.mask >= 0; });
+  if (scene.primitives.size() - std::size_t(masked) <= few)
     few_.emplace();
   else
-    start_embree();
+    scene_ = new_embree_scene();
+  if (masked > 0) {
+    masked_ = new_embree_scene();
+    patches_ = &scene;
+  }
   add_quads(scene, largest(Vec3f(bounds.max - origin_)));
   add_spheres(scene);
-  if (few_) {
-    few_->build();
-    return;
-  }
-  // One thread builds, so that the tree, and with it who wins between touching surfaces, is always the same. (Saying so
-  // to the device would bind the whole program to one, as long as the device lives.)
-  tbb::task_arena(1).execute([this] { rtcCommitScene(scene_); });
-  if (rtcGetDeviceError(device_) == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
+  if (few_) few_->build();
+  for (RTCScene of_embree : {scene_, masked_})
+    // One thread builds, so that the tree, and with it who wins between touching surfaces, is always the same. (Saying
+    // so to the device would bind the whole program to one, as long as the device lives.)
+    if (of_embree) tbb::task_arena(1).execute([&] { rtcCommitScene(of_embree); });
+  if (device_ && rtcGetDeviceError(device_) == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
 }
 
 RayScene::~RayScene() {
-  if (!device_) return;
-  rtcReleaseScene(scene_);
-  rtcReleaseDevice(device_);
+  for (RTCScene of_embree : {scene_, masked_})
+    if (of_embree) rtcReleaseScene(of_embree);
+  if (device_) rtcReleaseDevice(device_);
 }
 
-void RayScene::start_embree() {
-  device_ = rtcNewDevice("set_affinity=0");
+RTCScene RayScene::new_embree_scene() {
+  if (!device_) device_ = rtcNewDevice("set_affinity=0");
   if (!device_) throw Error(ExitCode::unavailable, "Embree does not start", "", "check the processor and libembree3");
-  scene_ = rtcNewScene(device_);
-  rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
+  RTCScene scene = rtcNewScene(device_);
+  rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+  return scene;
 }
 
 void RayScene::add_quads(const PatchSet& scene, float extent) {
-  std::vector<std::array<Vec3f, 4>> corners;
+  std::vector<std::array<Vec3f, 4>> corners, masked_corners;
+  std::vector<Quad> masked;
   for (std::size_t i = 0; i < scene.primitives.size(); ++i) {
     const Primitive& p = scene.primitives[i];
     if (p.shape != Primitive::Shape::quad) continue;
@@ -146,27 +153,40 @@ void RayScene::add_quads(const PatchSet& scene, float extent) {
     if (sag > offsets_[i]) offsets_[i] += sag;
     if (p.back >= 0 && p.back < std::int32_t(i)) continue;
     const Vec2f shape = quad_shape(p.corners);
+    if (p.mask >= 0) {
+      masked.push_back({std::int32_t(i), p.back, shape.x, shape.y, Vec3f(normal), true});
+      masked_corners.push_back(local);
+      continue;
+    }
     const bool plane = few_ && few_->add_quad(exact, extent * kOverlap, std::int32_t(quads_.size()));
     quads_.push_back({std::int32_t(i), p.back, shape.x, shape.y, Vec3f(normal), !plane});
     if (!few_) corners.push_back(local);
   }
-  if (!corners.empty()) add_quads_to_embree(corners);
+  if (!corners.empty()) add_quads_to_embree(scene_, corners);
+  first_masked_ = unsigned(quads_.size());
+  quads_.insert(quads_.end(), masked.begin(), masked.end());
+  if (!masked.empty()) add_quads_to_embree(masked_, masked_corners);
 }
 
-void RayScene::add_quads_to_embree(const std::vector<std::array<Vec3f, 4>>& corners) {
+void RayScene::add_quads_to_embree(RTCScene to, const std::vector<std::array<Vec3f, 4>>& corners) {
   RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_QUAD);
+  if (to == masked_) {
+    rtcSetGeometryUserData(geometry, this);
+    rtcSetGeometryIntersectFilterFunction(geometry, let_through);
+    rtcSetGeometryOccludedFilterFunction(geometry, let_through);
+  }
   auto* vertices = static_cast<Vec3f*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                                               sizeof(Vec3f), 4 * quads_.size()));
+                                                               sizeof(Vec3f), 4 * corners.size()));
   auto* indices = static_cast<unsigned*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4,
-                                                                 4 * sizeof(unsigned), quads_.size()));
+                                                                 4 * sizeof(unsigned), corners.size()));
   if (!vertices || !indices) throw std::bad_alloc();
-  for (std::size_t i = 0; i < quads_.size(); ++i)
+  for (std::size_t i = 0; i < corners.size(); ++i)
     for (std::size_t k = 0; k < 4; ++k) {
       vertices[4 * i + k] = corners[i][k];
       indices[4 * i + k] = unsigned(4 * i + k);
     }
   rtcCommitGeometry(geometry);
-  rtcAttachGeometryByID(scene_, geometry, kQuadGeometry);
+  rtcAttachGeometryByID(to, geometry, kQuadGeometry);
   rtcReleaseGeometry(geometry);
 }
 
@@ -201,33 +221,46 @@ void RayScene::add_spheres_to_embree(const std::vector<std::array<float, 4>>& ba
 }
 
 void RayScene::intersect(RayPacket& packet, bool coherent) const {
-  if (few_) return few_->intersect(packet.rays, wanted_lanes(packet));
+  if (few_)
+    few_->intersect(packet.rays, wanted_lanes(packet));
+  else
+    intersect_embree(scene_, packet, coherent);
+  if (masked_) intersect_embree(masked_, packet, coherent);
+}
+
+void RayScene::intersect_embree(RTCScene scene, RayPacket& packet, bool coherent) {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   context.flags = coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
-  rtcIntersect16(packet.valid.data(), scene_, &context, &packet.rays);
+  rtcIntersect16(packet.valid.data(), scene, &context, &packet.rays);
 }
 
 std::uint32_t RayScene::occluded(RayPacket& packet) const {
-  if (few_) return few_->occluded(packet.rays.ray, wanted_lanes(packet));
+  const std::uint32_t wanted = wanted_lanes(packet);
+  const std::uint32_t blocked =
+      few_ ? few_->occluded(packet.rays.ray, wanted) : occluded_embree(scene_, packet.rays.ray, wanted);
+  return masked_ ? blocked | occluded_embree(masked_, packet.rays.ray, wanted & ~blocked) : blocked;
+}
+
+std::uint32_t RayScene::occluded_embree(RTCScene scene, RTCRay16& rays, std::uint32_t wanted) {
+  alignas(64) std::array<int, RayPacket::kSize> valid;
+  for (int lane = 0; lane < RayPacket::kSize; ++lane) valid[lane] = -int(wanted >> lane & 1u);
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  rtcOccluded16(packet.valid.data(), scene_, &context, &packet.rays.ray);
+  rtcOccluded16(valid.data(), scene, &context, &rays);
   std::uint32_t blocked = 0;
   for (int lane = 0; lane < RayPacket::kSize; ++lane)
-    blocked |= std::uint32_t(packet.valid[lane] != 0 && packet.rays.ray.tfar[lane] < 0) << lane;
+    blocked |= std::uint32_t(valid[lane] != 0 && rays.tfar[lane] < 0) << lane;
   return blocked;
 }
 
-SurfaceHit RayScene::hit(const RayPacket& packet, int lane) const {
-  const auto& h = packet.rays.hit;
-  if (packet.valid[lane] == 0 || h.geomID[lane] == RTC_INVALID_GEOMETRY_ID) return {};
-  const Vec3f direction = packet.direction(lane);
+inline SurfaceHit RayScene::hit_on(unsigned geometry, unsigned index, float s, float t, const Vec3f& origin,
+                                   const Vec3f& direction, float distance) const {
   SurfaceHit result;
-  result.t = packet.rays.ray.tfar[lane];
-  if (h.geomID[lane] == kSphereGeometry) {
-    const Sphere& sphere = spheres_[h.primID[lane]];
-    const Vec3f out = packet.origin(lane) + direction * result.t - sphere.center;
+  result.t = distance;
+  if (geometry == kSphereGeometry) {
+    const Sphere& sphere = spheres_[index];
+    const Vec3f out = origin + direction * distance - sphere.center;
     const bool outer = (out ^ direction) < 0;
     const std::int32_t seen = outer ? sphere.outside : sphere.inside;
     result.front = seen >= 0;
@@ -237,14 +270,13 @@ SurfaceHit RayScene::hit(const RayPacket& packet, int lane) const {
     result.v = uv.y;
     return result;
   }
-  const Quad& quad = quads_[h.primID[lane]];
+  const Quad& quad = quads_[index];
   const bool outer = (quad.normal ^ direction) < 0;
   result.front = outer || quad.back >= 0;
   result.primitive = outer || quad.back < 0 ? quad.front : quad.back;
-  result.u = h.u[lane];
-  result.v = h.v[lane];
+  result.u = s;
+  result.v = t;
   if (quad.a != 1.0f || quad.b != 1.0f) {
-    float s = result.u, t = result.v;
     if (quad.halves && s + t > 1.0f) {  // of the triangle (2,3,1)
       const float p = 1.0f - s, q = 1.0f - t;
       s = quad.a - p * quad.a + q * (1.0f - quad.a);
@@ -259,6 +291,31 @@ SurfaceHit RayScene::hit(const RayPacket& packet, int lane) const {
   }
   if (!outer && quad.back >= 0) result.u = 1.0f - result.u;
   return result;
+}
+
+SurfaceHit RayScene::hit(const RayPacket& packet, int lane) const {
+  const auto& h = packet.rays.hit;
+  if (packet.valid[lane] == 0 || h.geomID[lane] == RTC_INVALID_GEOMETRY_ID) return {};
+  return hit_on(h.geomID[lane], h.primID[lane], h.u[lane], h.v[lane], packet.origin(lane), packet.direction(lane),
+                packet.rays.ray.tfar[lane]);
+}
+
+/// Takes back what rays have met where a mask says that nothing is there. What is left is numbered as a quad is.
+void RayScene::let_through(const RTCFilterFunctionNArguments* arguments) {
+  const auto& self = *static_cast<const RayScene*>(arguments->geometryUserPtr);
+  RTCRayN* const rays = arguments->ray;
+  RTCHitN* const hits = arguments->hit;
+  const unsigned count = arguments->N;
+  for (unsigned k = 0; k < count; ++k) {
+    if (arguments->valid[k] == 0) continue;
+    unsigned& index = RTCHitN_primID(hits, count, k);
+    index += self.first_masked_;
+    const Vec3f origin(RTCRayN_org_x(rays, count, k), RTCRayN_org_y(rays, count, k), RTCRayN_org_z(rays, count, k));
+    const Vec3f direction(RTCRayN_dir_x(rays, count, k), RTCRayN_dir_y(rays, count, k), RTCRayN_dir_z(rays, count, k));
+    const SurfaceHit hit = self.hit_on(kQuadGeometry, index, RTCHitN_u(hits, count, k), RTCHitN_v(hits, count, k),
+                                       origin, direction, RTCRayN_tfar(rays, count, k));
+    if (!is_there(*self.patches_, hit.primitive, hit.u, hit.v)) arguments->valid[k] = 0;
+  }
 }
 
 Vec2f sphere_uv(const Vec3f& direction) {

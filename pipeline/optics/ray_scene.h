@@ -41,8 +41,9 @@ struct SurfaceHit {
 };
 
 /// The primitives of a scene as rays meet them: two-sided surfaces once, in single precision about the scene's middle.
-/// Few of them are traced by a PacketTracer, more by Embree. The same rays give the same hits for any number of
-/// threads.
+/// Few of them are traced by a PacketTracer, more by Embree. Those with masks stand apart in a tree of Embree's that
+/// lets rays through where they are not there, so that a scene without any never asks: the PatchSet must stay. The same
+/// rays give the same hits for any number of threads.
 class RayScene {
  public:
   /// Primitives up to which a PacketTracer serves. It is faster where that was measured, at 20 and 7,342 of them; its
@@ -85,9 +86,14 @@ class RayScene {
 
   void add_quads(const PatchSet& scene, float extent);
   void add_spheres(const PatchSet& scene);
-  void start_embree();
-  void add_quads_to_embree(const std::vector<std::array<Vec3f, 4>>& corners);
+  RTCScene new_embree_scene();
+  void add_quads_to_embree(RTCScene to, const std::vector<std::array<Vec3f, 4>>& corners);
   void add_spheres_to_embree(const std::vector<std::array<float, 4>>& balls);
+  static void intersect_embree(RTCScene scene, RayPacket& packet, bool coherent);
+  static std::uint32_t occluded_embree(RTCScene scene, RTCRay16& rays, std::uint32_t wanted);
+  static void let_through(const RTCFilterFunctionNArguments* arguments);
+  SurfaceHit hit_on(unsigned geometry, unsigned index, float s, float t, const Vec3f& origin, const Vec3f& direction,
+                    float distance) const;
 
   Vec3d origin_{0.0};
   std::optional<PacketTracer> few_;
@@ -96,6 +102,9 @@ class RayScene {
   std::vector<Sphere> spheres_;
   RTCDevice device_ = nullptr;
   RTCScene scene_ = nullptr;
+  RTCScene masked_ = nullptr;  ///< What has masks; null: nothing.
+  unsigned first_masked_ = 0;  ///< Of `quads_`.
+  const PatchSet* patches_ = nullptr;
 };
 
 /// (u,v) of a direction from a sphere's centre; any length.

@@ -4,6 +4,7 @@
 
 #include <map>
 
+#include "pipeline/model/patch_set.h"
 #include "tests/importers/mesh_shapes.h"
 
 namespace patchlight::test {
@@ -160,14 +161,20 @@ TEST(QuadRecognition, TexturesAreMappedByTheMergedQuadAsByItsTriangles) {
   const Mesh floor = grid(10);
   const auto facets_with = [&](const auto& mapping) {
     TriangleSoup soup = soup_of(floor);
-    for (const Vec3d& p : soup.positions) soup.texcoords.push_back(mapping(p));
+    soup.texcoords.emplace_back();
+    for (const Vec3d& p : soup.positions) soup.texcoords[0].push_back(mapping(p));
     const MeshTopology topology = build_topology(soup);
-    return recognize_quads(topology, std::vector<char>(topology.triangles.size(), 0)).facets;
+    std::vector<std::pair<Facet, Texcoords>> facets;
+    for (const Facet& f : recognize_quads(topology, std::vector<char>(topology.triangles.size(), 0)).facets) {
+      Texcoords& at = facets.emplace_back(f, Texcoords{}).second;
+      for (std::size_t i = 0; i < 4; ++i) at[i] = f.sources[i](topology.texcoords[0]);
+    }
+    return facets;
   };
   const auto affine = [](const Vec3d& p) { return Vec2f(float(0.3 * p.x - 0.1 * p.y + 2), float(0.2 * p.y)); };
-  const std::vector<Facet> one = facets_with(affine);
+  const auto one = facets_with(affine);
   ASSERT_EQ(one.size(), 1u);
-  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(one[0].texcoords[i], affine(one[0].corners[i]));
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(one[0].second[i], affine(one[0].first.corners[i]));
   EXPECT_EQ(facets_with([](const Vec3d& p) { return Vec2f(float(std::abs(p.x - 5)), float(p.y)); }).size(), 2u)
       << "mirrored about x = 5";
   EXPECT_EQ(facets_with([](const Vec3d& p) { return Vec2f(float(p.x * p.x), float(p.y)); }).size(), 10u);

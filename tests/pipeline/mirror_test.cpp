@@ -22,7 +22,7 @@ TEST(Mirror, PerfectOnesReflectAtTheSameAngle) {
   Vec3f direction = incoming(0.6f);
   const Vec3f before = direction;
   Color throughput(0.5f);
-  EXPECT_TRUE(reflect({"m", Color(0.8f, 0.4f, 0.0f), 0.0f}, kNormal, {0.3f, 0.6f}, direction, throughput));
+  EXPECT_TRUE(reflect({Color(0.8f, 0.4f, 0.0f), 0.0f}, kNormal, {0.3f, 0.6f}, direction, throughput));
   EXPECT_NEAR(direction ^ kNormal, 0.6, 1e-6);
   EXPECT_NEAR((direction - before).length(), 1.2, 1e-6);
   EXPECT_NEAR(throughput.x, 0.4, 1e-6);
@@ -39,7 +39,7 @@ TEST(Mirror, RoughOnesReflectWhatTheirMicrofacetsLeave) {
     for (std::uint64_t k = 0; k < kSamples; ++k) {
       Vec3f direction = incoming(c.mu);
       Color throughput(1.0f);
-      if (!reflect({"m", Color(1.0f), c.roughness}, kNormal, kronecker2(k, 1), direction, throughput)) continue;
+      if (!reflect({Color(1.0f), c.roughness}, kNormal, kronecker2(k, 1), direction, throughput)) continue;
       ASSERT_GT(direction ^ kNormal, 0);
       ASSERT_NEAR(direction.length(), 1, 1e-5);
       ASSERT_LE(throughput.x, 1);
@@ -55,7 +55,7 @@ TEST(Mirror, SmoothOnesStayNearThePerfectDirection) {
   for (std::uint64_t k = 0; k < 100; ++k) {
     Vec3f direction = incoming(0.5f);
     Color throughput(1.0f);
-    ASSERT_TRUE(reflect({"m", Color(1.0f), 0.06f}, kNormal, kronecker2(k, 1), direction, throughput));
+    ASSERT_TRUE(reflect({Color(1.0f), 0.06f}, kNormal, kronecker2(k, 1), direction, throughput));
     EXPECT_GT(direction ^ perfect, 0.99f);
   }
 }
@@ -64,7 +64,7 @@ TEST(Mirror, LobesAreWhatReflectTakesDirectionsBy) {
   for (const float roughness : {0.3f, 0.8f})
     for (const float mu : {0.95f, 0.3f}) {
       const Vec3f in = incoming(mu);
-      const Material metal{"m", Color(1.0f), roughness};
+      const Finish metal{Color(1.0f), roughness};
       Vec3f tangent, bitangent;
       orthonormal_frame(kNormal, tangent, bitangent);
       // Integrals over the hemisphere, and over a part of it.

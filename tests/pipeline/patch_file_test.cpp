@@ -245,6 +245,95 @@ TEST(PatchFile, RefusesBrokenTextures) {
   }
 }
 
+PatchSet masked_sample() {
+  PatchSet scene = textured_sample();
+  scene.masks = {{2, 1, {Texture::Wrap::clamp, Texture::Wrap::repeat}, false, {0, 255}}};
+  scene.primitives[0].mask = 0;
+  scene.materials[0].alpha = 0.75f;
+  scene.materials[0].alpha_cutoff = 0.5f;
+  scene.patches[0].coverage = 0.25f;
+  scene.colors.assign(3, kUncolored);
+  scene.colors[1][2] = Vec4f(0.25f, 0.5f, 0.75f, 0.125f);
+  return scene;
+}
+
+TEST(PatchFile, KeepsMasksAndColoursOfVertices) {
+  const TemporaryFolder folder;
+  PatchSet scene = masked_sample(), plain = textured_sample();
+  write_patches(folder / "plain.h5", plain);
+  write_patches(folder / "patches.h5", scene);
+  const PatchSet read = read_patches(folder / "patches.h5");
+  ASSERT_EQ(read.masks.size(), 1u);
+  EXPECT_EQ(read.masks[0].texels, scene.masks[0].texels);
+  EXPECT_EQ(read.masks[0].wrap, scene.masks[0].wrap);
+  EXPECT_EQ(read.primitives[0].mask, 0);
+  EXPECT_EQ(read.primitives[1].mask, -1);
+  EXPECT_EQ(read.materials[0].alpha, 0.75f);
+  EXPECT_EQ(read.materials[0].alpha_cutoff, 0.5f);
+  EXPECT_EQ(read.patches[0].coverage, 0.25f);
+  EXPECT_EQ(read.colors, scene.colors);
+  EXPECT_NE(scene.geometry_key, plain.geometry_key);
+  EXPECT_EQ(read_text(folder / "plain.h5").find("coverage"), std::string::npos);
+}
+
+PatchSet finished_sample() {
+  PatchSet scene = textured_sample();
+  scene.primitives[1].finish_texture = scene.primitives[1].emission_texture = 0;
+  scene.primitives[1].light_group = 0;
+  scene.materials[std::size_t(scene.primitives[1].material)].metal = Color(0.5f, 0.25f, 0.125f);
+  scene.materials[0].finish_roughness = 0.375f;
+  scene.materials[0].emission_tint = Color(7.0f, 8.0f, 9.0f);
+  scene.finish_texcoords.assign(3, kOwnTexcoords);
+  scene.emission_texcoords.assign(3, {Vec2f(1, 2), Vec2f(3, 4), Vec2f(5, 6), Vec2f(7, 8)});
+  return scene;
+}
+
+TEST(PatchFile, KeepsTexturesOfEmissionAndFinish) {
+  const TemporaryFolder folder;
+  PatchSet scene = finished_sample(), plain = textured_sample();
+  write_patches(folder / "plain.h5", plain);
+  write_patches(folder / "patches.h5", scene);
+  const PatchSet read = read_patches(folder / "patches.h5");
+  EXPECT_EQ(read.primitives[1].finish_texture, 0);
+  EXPECT_EQ(read.primitives[1].emission_texture, 0);
+  EXPECT_EQ(read.primitives[0].emission_texture, -1);
+  for (std::size_t i = 0; i < scene.materials.size(); ++i) EXPECT_EQ(read.materials[i].metal, scene.materials[i].metal);
+  EXPECT_EQ(read.materials[0].finish_roughness, 0.375f);
+  EXPECT_EQ(read.materials[0].emission_tint, Color(7.0f, 8.0f, 9.0f));
+  EXPECT_EQ(read.finish_texcoords, scene.finish_texcoords);
+  EXPECT_EQ(read.emission_texcoords, scene.emission_texcoords);
+  EXPECT_NE(scene.geometry_key, plain.geometry_key);
+}
+
+TEST(PatchFile, RefusesBrokenMasksAndFinishes) {
+  const std::vector<std::pair<std::string, std::function<void(PatchSet&)>>> masks{
+      {"/masks/shape", [](PatchSet& s) { s.masks[0].width = 3; }},
+      {"/masks/texel", [](PatchSet& s) { s.masks[0].texels[1] = 256; }},
+      {"/primitives/mask", [](PatchSet& s) { s.primitives[1].mask = 1; }},
+      {"/primitives/mask", [](PatchSet& s) { s.primitives[1].mask = -2; }},
+      {"/materials/alpha", [](PatchSet& s) { s.materials[0].alpha = NAN; }},
+      {"/patches/coverage", [](PatchSet& s) { s.patches[0].coverage = 0; }},
+      {"/primitives/color", [](PatchSet& s) { s.colors[0][0].y = 2; }},
+      {"/primitives/color", [](PatchSet& s) { s.colors[0][0].w = NAN; }},
+  };
+  const std::vector<std::pair<std::string, std::function<void(PatchSet&)>>> finishes{
+      {"/primitives/finish_texture", [](PatchSet& s) { s.primitives[1].finish_texture = 2; }},
+      {"/primitives/emission_texture", [](PatchSet& s) { s.primitives[0].emission_texture = -2; }},
+      {"/primitives/light_group", [](PatchSet& s) { s.primitives[2].emission_texture = 0; }},
+      {"/primitives/emission_texcoord", [](PatchSet& s) { s.emission_texcoords[2][3].x = NAN; }},
+      {"/materials", [](PatchSet& s) { s.materials[0].finish_roughness = 2; }},
+      {"/materials", [](PatchSet& s) { s.materials[0].emission_tint.x = -1; }},
+  };
+  const auto expect_refused = [](PatchSet scene, const auto& fault) {
+    const TemporaryFolder folder;
+    fault.second(scene);
+    write_patches(folder / "patches.h5", scene);
+    EXPECT_ERROR(read_patches(folder / "patches.h5"), ExitCode::bad_data, fault.first);
+  };
+  for (const auto& fault : masks) expect_refused(masked_sample(), fault);
+  for (const auto& fault : finishes) expect_refused(finished_sample(), fault);
+}
+
 TEST(PatchFile, SceneWithoutShadersHasNoDatasetsForThem) {
   const TemporaryFolder folder;
   PatchSet scene = sample(), shaded = shaded_sample();

@@ -65,7 +65,7 @@ TEST(TextureLookup, ReflectanceIsTintedAndLeavesTheMetallicPart) {
   scene.texcoords = {kOwnTexcoords};
   scene.materials[0].tint = Color(0.5f, 0.25f, 1.0f);
   scene.materials[0].specular = Color(0.4f);
-  const Color color = textured_reflectance(scene, 0, 0.3, 0.3);
+  const Color color = colored_reflectance(scene, 0, 0.3, 0.3);
   EXPECT_NEAR(color.x, 0.5, 1e-5);
   EXPECT_NEAR(color.y, 0.25, 1e-5);
   EXPECT_NEAR(color.z, 0.6, 1e-5);

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "pipeline/optics/mirror.h"
+#include "tests/cutout_scene.h"
 #include "tests/expect_error.h"
 #include "tests/tracer/solved_scene.h"
 
@@ -325,6 +326,46 @@ TEST(Integrator, ShowsTexturesAtThePixelNotThePatch) {
     EXPECT_NEAR(image.pixels[std::size_t(x)].x, 1 + (x < 4 ? 0 : 0.99999), 1e-5);
     EXPECT_NEAR(image.pixels[std::size_t(x)].y, 1 + (x < 4 ? 0.99999 : 0), 1e-5);
   }
+}
+
+TEST(Integrator, ShowsWhatStandsBehindHolesAtThePixel) {
+  PatchScene builder = wall_scene({"wall", {}, {}});
+  builder.get().primitives[0].shader = -1;
+  builder.quad({{{-3, -3, -2}, {3, -3, -2}, {3, 3, -2}, {-3, 3, -2}}}, 1, 1, {0.0f, 3 * float(kPi)});
+  test::cut_out(builder.get(), 0, {4, 1, {}, true, {255, 0, 0, 255}}, 0.5f);
+  const Image image = before_wall(builder).render();
+  for (int x = 0; x < 8; ++x) EXPECT_NEAR(image.pixels[std::size_t(x)].x, x < 2 || x > 5 ? 1 + 0.5 : 3, 1e-5) << x;
+}
+
+TEST(Integrator, ShowsEmissionTexturesAtThePixel) {
+  PatchScene builder = wall_scene({"wall", {}, {}});
+  PatchSet& scene = builder.get();
+  scene.primitives[0].shader = -1;
+  scene.primitives[0].emission_texture = 0;
+  scene.materials[0].emission_tint = Color(2 * float(kPi));
+  scene.textures = {{4, 1, {}, true, {0x00ff00, 0xff0000, 0, 0xffffff}}};
+  scene.emission_texcoords = {kOwnTexcoords};
+  const Image image = before_wall(builder).render();
+  for (int x = 0; x < 8; ++x) {
+    EXPECT_NEAR(image.pixels[std::size_t(x)].x, 0.5 + (x / 2 == 1 || x / 2 == 3 ? 2 : 0), 1e-4) << x;
+    EXPECT_NEAR(image.pixels[std::size_t(x)].y, 0.5 + (x / 2 == 0 || x / 2 == 3 ? 2 : 0), 1e-4) << x;
+  }
+}
+
+TEST(Integrator, FinishTexturesAreMirrorsWhereTheySaySo) {
+  PatchScene builder = wall_scene({"wall", {}, {}});
+  PatchSet& scene = builder.get();
+  scene.primitives[0].shader = -1;
+  scene.primitives[0].finish_texture = 0;
+  scene.primitives[0].light_group = -1;
+  scene.patches[0].emission = Color(0.0f);
+  scene.materials[0] = {"plate", Color(0.4f), 0.25f, Color(0.0f)};
+  scene.materials[0].metal = Color(0.8f);
+  scene.textures = {{2, 1, {}, true, {0x0000ff, 0x000000}}};  // a mirror, and no metal
+  scene.finish_texcoords = {kOwnTexcoords};
+  builder.quad({{{-9, -9, 1}, {-9, 9, 1}, {9, 9, 1}, {9, -9, 1}}}, 1, 1, {0.0f, 5 * float(kPi)});  // behind the camera
+  const Image image = before_wall(builder).render();
+  for (int x = 0; x < 8; ++x) EXPECT_NEAR(image.pixels[std::size_t(x)].x, x < 4 ? 0.8 * 5 : 0.8, 1e-4) << x;
 }
 
 TEST(Integrator, EvaluatesEmissionUnderTheLightsSetting) {

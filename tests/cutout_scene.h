@@ -1,0 +1,31 @@
+#pragma once
+#include "tests/patch_scene.h"
+
+namespace patchlight::test {
+
+/// A mask of `count` x `count` squares, every other of which is a hole: half of it.
+inline Texture checkers(int count) {
+  Texture mask{count, count, {}, true, {}};
+  for (int k = 0; k < count * count; ++k) mask.texels.push_back((k % count + k / count) % 2 == 0 ? 255 : 0);
+  return mask;
+}
+
+/// Cuts a mask out of a primitive, both sides of it; the mask lies along its (u,v). `coverage`: of each of its patches.
+inline void cut_out(PatchSet& scene, int primitive, const Texture& mask, float coverage) {
+  scene.materials.push_back(scene.materials[std::size_t(scene.primitives[std::size_t(primitive)].material)]);
+  scene.materials.back().alpha_cutoff = 0.5f;
+  Primitive& p = scene.primitives[std::size_t(primitive)];
+  p.material = std::int32_t(scene.materials.size()) - 1;
+  p.mask = std::int32_t(scene.masks.size());
+  scene.masks.push_back(mask);
+  for (Patch& patch : scene.patches)
+    if (patch.primitive == primitive) patch.coverage = coverage;
+}
+
+/// Makes two quads, one the other turned over along u, the two sides of one surface.
+inline void make_sides(PatchSet& scene, int front, int back) {
+  scene.primitives[std::size_t(front)].back = back;
+  scene.primitives[std::size_t(back)].back = front;
+}
+
+}  // namespace patchlight::test

@@ -1,0 +1,45 @@
+#pragma once
+#include <OpenImageIO/imageio.h>
+
+#include "tests/importers/gltf_builder.h"
+
+namespace patchlight::test {
+
+/// A PNG of one row of RGBA texels.
+inline void write_row(const std::filesystem::path& file, const std::vector<std::array<unsigned char, 4>>& texels) {
+  OIIO::ImageSpec spec(int(texels.size()), 1, 4, OIIO::TypeDesc::UINT8);
+  spec["oiio:UnassociatedAlpha"] = 1;
+  const auto image = OIIO::ImageOutput::create(file.string());
+  ASSERT_TRUE(image && image->open(file.string(), spec));
+  ASSERT_TRUE(image->write_image(OIIO::TypeDesc::UINT8, texels.data()));
+  image->close();
+}
+
+/// A unit square of a material, its first texture coordinates those of the square, and image files in order.
+inline GltfBuilder textured_square(const Json& material, const std::vector<std::string>& images) {
+  GltfBuilder gltf = single_mesh(grid(1), material);
+  gltf.primitive(0)["attributes"]["TEXCOORD_0"] =
+      gltf.accessor(std::vector<Vec2f>{{0, 0}, {1, 0}, {0, 1}, {1, 1}}, 5126, "VEC2");
+  gltf.json["samplers"] = {{{"magFilter", 9728}}};  // nearest
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    gltf.json["textures"].push_back({{"source", i}, {"sampler", 0}});
+    gltf.json["images"].push_back({{"uri", images[i]}});
+  }
+  return gltf;
+}
+
+/// (u,v) of a primitive of that square at a place of it.
+inline Imath::V2d uv_of(const PatchSet& scene, std::int32_t i, double x, double y) {
+  const auto& c = scene.primitives[std::size_t(i)].corners;
+  const Vec3d at = Vec3d(x, y, c[0].z) - c[0];
+  return {at ^ (c[1] - c[0]), at ^ (c[3] - c[0])};
+}
+
+/// The patch of the primitive of a certain side where x is, of several side by side.
+inline const Patch& patch_at(const PatchSet& scene, double x, std::int32_t primitive = 0) {
+  for (const Patch& patch : scene.patches)
+    if (patch.primitive == primitive && std::abs(patch.center.x - x) < 1e-3) return patch;
+  throw std::runtime_error("no patch there");
+}
+
+}  // namespace patchlight::test
