@@ -33,7 +33,7 @@ EnergyField solve_to_target(const PatchSet& scene, SolveConfig config, Transport
   if (config.error_target > 0) config.tolerance = std::min(config.tolerance, config.error_target / 20);
   const bool kept = transport.key == transport_key(scene.geometry_key, config);
   std::int64_t cast = 0;
-  for (int rays = kept ? std::max(config.rays, transport.rays) : config.rays;;) {
+  for (int rays = kept && config.error_target > 0 ? std::max(config.rays, transport.rays) : config.rays;;) {
     EnergyField energy = solve_matrix(scene, config, rays, transport, progress);
     energy.rays = cast += energy.rays;
     const double bound = energy.estimate->error_bound;
