@@ -19,8 +19,8 @@ constexpr int kOfPatch = 2;  // rays of a patch for one of a vertex: there are m
 constexpr int kLeast = 128;  // but few rays of one show as blotches
 constexpr int kFewer = 8;    // of a vertex, for one of those that ask for the direct light of an element
 
-int rays_of_vertex(int rays) {
-  return std::max(std::min(rays, kLeast), rays / kOfPatch);
+std::uint64_t display_seed(const SolveConfig& config) {
+  return scramble(std::uint64_t(config.seed));
 }
 
 /// Vertices that gather, as patches of no size, with the smooth normals of curved meshes.
@@ -51,19 +51,15 @@ std::int64_t complete(const PatchSet& scene, const SolveConfig& config, int rays
   };
   if (is_complete()) return 0;
   const RayScene ray_scene(scene);
-  const std::uint64_t seed = scramble(std::uint64_t(config.seed));
-  std::int64_t cast = 0;
+  std::int64_t cast = 0, for_mesh = 0;
   if (!transport.display) {
-    auto& display = transport.display.emplace();
-    display.mesh = build_display_mesh(scene, ray_scene, PatchLookup(scene), seed, cast);
-    const std::vector<Patch> points = receivers(scene, display.mesh);
-    const Elements elements(scene, ray_scene, display.mesh);
-    cast +=
-        RayRows(scene, ray_scene, points, elements, seed, RayRows::Halves::together).cast(rays, display.rows, progress);
+    cast = cast_display(scene, ray_scene, config, rays, transport.display.emplace(), for_mesh, progress);
+    cast += for_mesh;
   }
   const std::vector<Patch> leaves = leaf_patches(scene, transport.display->mesh);
   const DirectFactors direct(
-      scene, ray_scene, leaves, [&](std::int32_t i, auto& near) { return row_neighbours(leaves, i, near); }, seed);
+      scene, ray_scene, leaves, [&](std::int32_t i, auto& near) { return row_neighbours(leaves, i, near); },
+      display_seed(config));
   const std::vector<Emitter> emitters = emitters_apart(scene);
   for (std::size_t k = 0; k < emitters.size(); ++k) {
     if (k == transport.emitters.size())
@@ -78,10 +74,24 @@ std::int64_t complete(const PatchSet& scene, const SolveConfig& config, int rays
 
 }  // namespace
 
+int display_rays(int rays) {
+  return std::max(std::min(rays, kLeast), rays / kOfPatch);
+}
+
+std::int64_t cast_display(const PatchSet& scene, const RayScene& ray_scene, const SolveConfig& config, int rays,
+                          Transport::Display& display, std::int64_t& for_mesh, Progress& progress, Shard shard) {
+  const std::uint64_t seed = display_seed(config);
+  display.mesh = build_display_mesh(scene, ray_scene, PatchLookup(scene), seed, for_mesh);
+  const std::vector<Patch> points = receivers(scene, display.mesh);
+  const Elements elements(scene, ray_scene, display.mesh);
+  return RayRows(scene, ray_scene, points, elements, seed, RayRows::Halves::together)
+      .cast(rays, display.rows, progress, shard);
+}
+
 void add_display_solution(const PatchSet& scene, const SolveConfig& config, Transport& transport, EnergyField& energy,
                           Progress& progress) {
   if (scene.light_groups.empty()) return;
-  energy.rays += complete(scene, config, rays_of_vertex(std::max(config.rays, transport.rays)), transport, progress);
+  energy.rays += complete(scene, config, display_rays(std::max(config.rays, transport.rays)), transport, progress);
   gather_display(scene, transport, energy.groups);
   energy.display = transport.display->mesh;
 }

@@ -1,7 +1,9 @@
 #pragma once
 #include "pipeline/files/job.h"
 #include "pipeline/model/energy_field.h"
+#include "pipeline/model/shard.h"
 #include "pipeline/model/transport.h"
+#include "pipeline/optics/ray_scene.h"
 #include "pipeline/stage/progress.h"
 
 namespace patchlight {
@@ -14,5 +16,13 @@ namespace patchlight {
 /// The same for any number of threads. Throws: Error (interrupted).
 void add_display_solution(const PatchSet& scene, const SolveConfig& config, Transport& transport, EnergyField& energy,
                           Progress& progress);
+
+/// Rays of a vertex of the display mesh, where a patch has `rays`.
+int display_rays(int rays);
+
+/// Builds the display mesh, which adds to `for_mesh` the number of rays, and casts the rows of a shard's vertices with
+/// `rays` each. Returns the number of these. Throws: Error (interrupted).
+std::int64_t cast_display(const PatchSet& scene, const RayScene& ray_scene, const SolveConfig& config, int rays,
+                          Transport::Display& display, std::int64_t& for_mesh, Progress& progress, Shard shard = {});
 
 }  // namespace patchlight

@@ -1,12 +1,19 @@
+#include <fmt/format.h>
 #include <malloc.h>
 
+#include <CLI/CLI.hpp>
+#include <optional>
+
 #include "pipeline/files/energy_file.h"
+#include "pipeline/files/job_check.h"
 #include "pipeline/files/key.h"
 #include "pipeline/files/patch_file.h"
 #include "pipeline/files/transport_file.h"
+#include "pipeline/files/transport_shard_file.h"
 #include "pipeline/model/error.h"
 #include "pipeline/stage/stage.h"
 #include "solver/solve.h"
+#include "solver/transport_shards.h"
 
 namespace {
 
@@ -28,18 +35,59 @@ Transport read_kept(const Job& job, const PatchSet& scene, Progress& progress) {
   }
 }
 
+/// Casts a shard of the rows unless it is there.
+void cast_shard(const Job& job, const PatchSet& scene, Shard shard, Progress& progress) {
+  check_shardable(job);
+  if (scene.light_groups.empty()) return progress.note("nothing in the scene emits light: no row is needed");
+  const std::filesystem::path file = transport_shard_file(job, shard);
+  const std::string key = transport_shard_key(job, scene, shard);
+  if (is_fresh_shard(file, key)) return progress.note(file.filename().string() + " is up to date");
+  TransportShard cast = cast_transport_shard(scene, job.solve, shard, progress);
+  cast.key = key;
+  cast.made = provenance(job, progress);
+  write_transport_shard(file, cast);
+  progress.note(fmt::format("{}: {} rows, {:.3g} million rays, {:.2f} s", file.filename().string(), cast.rows.rows(),
+                            double(cast.cast) * 1e-6, progress.seconds()));
+}
+
+/// Solves with what an earlier solve or, unless 0, `shards` shards have cast.
+void solve_job(const Job& job, const PatchSet& scene, int shards, Progress& progress) {
+  if (shards > 0) check_shardable(job);
+  Transport transport = read_kept(job, scene, progress);
+  std::int64_t cast = 0;
+  if (shards > 0 && transport.key.empty() && !scene.light_groups.empty())
+    transport = merge_transport_shards(job, scene, shards, cast, progress);
+  EnergyField energy = solve(scene, job.solve, transport, progress);
+  energy.rays += cast;
+  energy.made = transport.made = provenance(job, progress);
+  if (transport.changed && job.solve.method == "matrix") write_transport(job.transport_file(), transport);
+  write_energy(job.energy_file(), scene, energy);
+  std::error_code ignored;  // transport.h5 has all that they have
+  if (shards > 0)
+    for (const std::filesystem::path& file : transport_shard_files(job)) std::filesystem::remove(file, ignored);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   // Large blocks come and go: keep them instead of asking the system for cleared pages again and again.
   mallopt(M_MMAP_THRESHOLD, 1 << 30);
   mallopt(M_TRIM_THRESHOLD, 1 << 30);
-  return run_stage("solve", argc, argv, [](const Job& job, Progress& progress) {
+  std::optional<Shard> shard;
+  int shards = 0;
+  const auto body = [&](const Job& job, Progress& progress) {
     const PatchSet scene = read_patches(job.patch_file());
-    Transport transport = read_kept(job, scene, progress);
-    EnergyField energy = solve(scene, job.solve, transport, progress);
-    energy.made = transport.made = provenance(job, progress);
-    if (transport.changed && job.solve.method == "matrix") write_transport(job.transport_file(), transport);
-    write_energy(job.energy_file(), scene, energy);
+    if (shard)
+      cast_shard(job, scene, *shard, progress);
+    else
+      solve_job(job, scene, shards, progress);
+  };
+  return run_stage("solve", argc, argv, body, [&](CLI::App& app) {
+    CLI::Option* one = add_shard_option(
+        app, shard,
+        "Solve nothing: cast rows of form factors, part k of K, into transport.k-of-K.h5 unless it is there");
+    app.add_option("--merge", shards, "Take the rows from so many shards instead of casting them")
+        ->check(CLI::Range(1, kMostShards))
+        ->excludes(one);
   });
 }

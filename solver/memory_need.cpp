@@ -15,6 +15,7 @@ namespace {
 // Measured: largest resident sets of solves with 10,000 to a million patches, 1 to 3 light groups, 16 to 1024 rays.
 constexpr double kBase = 40e6;
 constexpr double kOfPatch = 600;         // each, as below
+constexpr double kOfShardPatch = 150;    // each, without its row
 constexpr double kOfGroup = 300;         // of a patch and light group
 constexpr double kOfEmitter = 10;        // of a patch and emitter
 constexpr double kOfPhotons = 26;        // of a patch and emitter where there are metals
@@ -46,13 +47,20 @@ double memory_needed(const PatchSet& scene, const SolveConfig& config, int rays)
   return kBase + n * (kOfPatch + display + kOfGroup * groups + emitter * double(emitters_apart(scene).size()) + row);
 }
 
+double shard_memory_needed(const PatchSet& scene, const SolveConfig& config, int shards) {
+  const double rows = kOfRay * config.rays * (config.display ? 1 + kDisplayRows : 1.0);
+  return kBase + double(scene.patches.size()) * (kOfShardPatch + (config.display ? kOfDisplay : 0.0) + rows / shards);
+}
+
 double memory_allowed(const SolveConfig& config) {
   if (config.memory > 0) return double(config.memory);
   return double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGESIZE));
 }
 
-void check_memory(const PatchSet& scene, const SolveConfig& config) {
-  const double needed = memory_needed(scene, config, config.rays), allowed = memory_allowed(config);
+void check_memory(const PatchSet& scene, const SolveConfig& config, int shards) {
+  const double needed =
+      shards > 0 ? shard_memory_needed(scene, config, shards) : memory_needed(scene, config, config.rays);
+  const double allowed = memory_allowed(config);
   if (needed <= allowed) return;
   throw Error(ExitCode::over_limit,
               fmt::format("{} patches may need {:.3g} GiB, and {} {:.3g}", scene.patches.size(), gibibytes(needed),

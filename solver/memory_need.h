@@ -8,10 +8,13 @@ namespace patchlight {
 /// three, since no one knows yet how many patches they see.
 double memory_needed(const PatchSet& scene, const SolveConfig& config, int rays);
 
+/// Bytes that casting one of `shards` shards of the rows is going to take at most.
+double shard_memory_needed(const PatchSet& scene, const SolveConfig& config, int shards);
+
 /// The most that it may take, by `config` or as the machine has it, bytes.
 double memory_allowed(const SolveConfig& config);
 
-/// Throws: Error (over_limit) for a solve that needs more than it may take.
-void check_memory(const PatchSet& scene, const SolveConfig& config);
+/// Throws: Error (over_limit) for a solve, or one of `shards` shards of its rows, that needs more than it may take.
+void check_memory(const PatchSet& scene, const SolveConfig& config, int shards = 0);
 
 }  // namespace patchlight

@@ -175,8 +175,9 @@ RayRows::RayRows(const PatchSet& scene, const RayScene& ray_scene, std::span<con
   }
 }
 
-std::int64_t RayRows::cast(int rays, TransportRows& to, Progress& progress) const {
-  const auto count = std::int32_t(receivers_.size());
+std::int64_t RayRows::cast(int rays, TransportRows& to, Progress& progress, Shard shard) const {
+  const auto start = std::int32_t(shard.first(receivers_.size())), end = std::int32_t(shard.last(receivers_.size()));
+  const std::int32_t count = end - start;
   const int half_rays = std::max(16, (rays + 31) / 32 * 16);
   const DirectionTable table(half_rays);
   to = {};
@@ -190,7 +191,7 @@ std::int64_t RayRows::cast(int rays, TransportRows& to, Progress& progress) cons
     std::vector<Found> found(std::min(blocks_at_once, blocks - done));
     tbb::parallel_for(0, int(found.size()), [&](int index) {
       _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree wants denormals flushed
-      const std::int32_t first = (done + index) * kBlock, last = std::min(first + kBlock, count);
+      const std::int32_t first = start + (done + index) * kBlock, last = std::min(first + kBlock, end);
       Scratch scratch;
       found[index].ends.reserve(std::size_t(last - first) * std::size_t(to.rays));
       for (std::int32_t row = first; row < last; ++row) cast_row(row, table, scratch, found[index]);
@@ -200,7 +201,10 @@ std::int64_t RayRows::cast(int rays, TransportRows& to, Progress& progress) cons
     if (to.ends.size() + more <= to.ends.capacity()) get_memory_for(to.ends, more);
     for (const Found& part : found) {
       to.ends.insert(to.ends.end(), part.ends.begin(), part.ends.end());
-      to.mirrored.insert(to.mirrored.end(), part.mirrored.begin(), part.mirrored.end());
+      for (TransportRows::Mirrored m : part.mirrored) {
+        m.row -= start;
+        to.mirrored.push_back(m);
+      }
       to.shares.insert(to.shares.end(), part.shares.begin(), part.shares.end());
       to.exposed.insert(to.exposed.end(), part.exposed.begin(), part.exposed.end());
       for (const std::int32_t hits : part.hits) to.starts.push_back(to.starts.back() + std::uint64_t(hits));

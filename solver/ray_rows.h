@@ -1,6 +1,7 @@
 #pragma once
 #include <span>
 
+#include "pipeline/model/shard.h"
 #include "pipeline/model/transport.h"
 #include "pipeline/optics/elements.h"
 #include "pipeline/optics/ray_scene.h"
@@ -28,8 +29,9 @@ class RayRows {
 
   /// Sets `to`, with `rays` a row, rounded up to a multiple of 32; up to eight times as many where most meet nothing,
   /// so that what a row does see is no noisier. The same for any number of threads. Returns how many rays were cast,
-  /// those behind mirrors included. Throws: Error (interrupted).
-  std::int64_t cast(int rays, TransportRows& to, Progress& progress) const;
+  /// those behind mirrors included. `shard`: rows of its part of the receivers alone, numbered from its first.
+  /// Throws: Error (interrupted).
+  std::int64_t cast(int rays, TransportRows& to, Progress& progress, Shard shard = {}) const;
 
  private:
   struct Half;

@@ -99,6 +99,13 @@ std::int64_t light_number(const PatchSet& scene, const Emitter& emitter) {
 
 }  // namespace
 
+std::int64_t cast_rows(const PatchSet& scene, const RayScene& ray_scene, const SolveConfig& config, int rays,
+                       TransportRows& to, Progress& progress, Shard shard) {
+  const Elements elements(scene);
+  return RayRows(scene, ray_scene, scene.patches, elements, std::uint64_t(config.seed), RayRows::Halves::apart, true)
+      .cast(rays, to, progress, shard);
+}
+
 std::int64_t complete_transport(const PatchSet& scene, const SolveConfig& config, int rays, Transport& transport,
                                 Progress& progress) {
   if (scene.light_groups.empty()) return 0;
@@ -126,9 +133,7 @@ std::int64_t complete_transport(const PatchSet& scene, const SolveConfig& config
       cast += find_exposed(scene, ray_scene, seed, transport);
       if (scene.environment) add_rows(sky_rows(scene, ray_scene, rays, seed, cast, progress), transport);
     } else {
-      const Elements elements(scene);
-      const RayRows rows(scene, ray_scene, scene.patches, elements, seed, RayRows::Halves::apart, true);
-      cast += rows.cast(rays, transport, progress);
+      cast += cast_rows(scene, ray_scene, config, rays, transport, progress);
     }
     transport.key = key;
     transport.sky = scene.sky_cells();

@@ -65,6 +65,8 @@ void FrameWriter::write(const Frame& frame, Image image, double seconds, const s
   job.output.clear();  // the same picture wherever it is put
   job.bench = {};
   job.matrix.clear();
+  job.executor = Job().executor;
+  job.slurm = {};
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   const auto in_seconds = [](const timeval& time) { return double(time.tv_sec) + 1e-6 * double(time.tv_usec); };

@@ -62,10 +62,14 @@ void share_frames(const std::vector<Frame>& frames, const FrameWriter& writer, c
 
 }  // namespace
 
-void trace_frames(const Job& job, const PatchSet& scene, const EnergyField& energy, bool skip_fresh,
+void trace_frames(const Job& job, const PatchSet& scene, const EnergyField& energy, bool skip_fresh, Shard shard,
                   Progress& progress) {
   keep_freed_memory();
-  const std::vector<Frame> frames = job_frames(job, scene);
+  std::vector<Frame> frames;
+  const std::vector<Frame> all = job_frames(job, scene);
+  for (std::size_t i = std::size_t(shard.index) - 1; i < all.size(); i += std::size_t(shard.count))
+    frames.push_back(all[i]);
+  if (frames.empty()) return progress.note(fmt::format("of {} frames none is of this shard", all.size()));
   const FrameWriter writer(job, scene, energy.key);
   const Integrator integrator(scene, energy, job);
   const auto render = [&](const Frame& frame) {

@@ -5,6 +5,8 @@
 #include "pipeline/driver/job_variants.h"
 #include "pipeline/driver/output_cache.h"
 #include "pipeline/driver/output_lock.h"
+#include "pipeline/driver/slurm_script.h"
+#include "pipeline/files/transport_shard_file.h"
 #include "pipeline/model/error.h"
 
 namespace patchlight {
@@ -42,7 +44,10 @@ std::uintmax_t remove_outputs(const Job& job) {
   std::uintmax_t size = 0;
   for (const fs::path& file : {job.patch_file(), job.transport_file(), job.energy_file(), job.output / "report.html"})
     size += discard(file);
+  for (const fs::path& file : transport_shard_files(job)) size += discard(file);
+  for (const fs::path& file : slurm_files(slurm_folder(job))) size += discard(file);
   std::error_code fault;
+  fs::remove(slurm_folder(job), fault);  // if nothing else is in it
   for (const fs::path& folder : {job.frame_folder(), job.relit_folder(), job.output / "preview"}) {
     std::vector<fs::path> pictures;
     for (fs::directory_iterator entry(folder, fault), end; !fault && entry != end; entry.increment(fault))

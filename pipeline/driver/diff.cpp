@@ -14,6 +14,7 @@
 #include "pipeline/files/image_file.h"
 #include "pipeline/files/patch_file.h"
 #include "pipeline/files/transport_file.h"
+#include "pipeline/files/transport_shard_file.h"
 #include "pipeline/model/error.h"
 
 namespace patchlight {
@@ -72,6 +73,7 @@ Columns frame_columns(const std::string& file) {
 Columns read_columns(const std::string& file, FileKind kind) {
   if (kind == FileKind::patches) return h5_columns(file, kPatchFormat, kPatchVersion);
   if (kind == FileKind::transport) return h5_columns(file, kTransportFormat, kTransportVersion);
+  if (kind == FileKind::transport_shard) return h5_columns(file, kTransportShardFormat, kTransportShardVersion);
   if (kind == FileKind::energy) return h5_columns(file, kEnergyFormat, kEnergyVersion);
   return frame_columns(file);
 }

@@ -150,6 +150,14 @@ bool keeps_transport(const Job& job, const PatchSet& scene) {
   return job.solve.method == "matrix" && !scene.light_groups.empty();
 }
 
+Freshness transport_freshness(const Job& job, const PatchSet& scene) {
+  std::string key;
+  Freshness state = try_reading(job.transport_file(), [&] { key = read_transport_key(job.transport_file()); });
+  state.key = transport_key(scene.geometry_key, job.solve);
+  if (!state.fresh() || key == state.key) return state;
+  return {State::stale, {change("transport.h5", key, state.key)}, state.key};
+}
+
 Freshness patches_freshness(const Job& job, PatchSet& scene) {
   Freshness state = try_reading(job.patch_file(), [&] { scene = read_patches(job.patch_file()); });
   if (!state.fresh()) return state;
@@ -178,16 +186,9 @@ Freshness energy_freshness(const Job& job, const PatchSet& scene) {
   if (energy.patches_key != scene.key) inputs.push_back(change("the patches", energy.patches_key, scene.key));
   compare_keys(state, job, energy.key, energy.made.job, key_of, inputs);
   if (!state.fresh() || !keeps_transport(job, scene)) return state;
-  std::string transport;
-  const Freshness rows =
-      try_reading(job.transport_file(), [&] { transport = read_transport_key(job.transport_file()); });
-  const std::string wanted = transport_key(scene.geometry_key, job.solve);
+  const Freshness rows = transport_freshness(job, scene);
   state.state = rows.state;
   state.reasons = rows.reasons;
-  if (rows.fresh() && transport != wanted) {
-    state.state = State::stale;
-    state.reasons = {change("transport.h5", transport, wanted)};
-  }
   return state;
 }
 

@@ -43,6 +43,9 @@ std::string import_key(const Job& job, const std::vector<SourceFile>& sources);
 /// Whether a solve leaves a transport.h5.
 bool keeps_transport(const Job& job, const PatchSet& scene);
 
+/// Whether transport.h5 is there and has what the job wants of rows.
+Freshness transport_freshness(const Job& job, const PatchSet& scene);
+
 /// Of patches.h5. Reads it into `scene` if it is whole.
 Freshness patches_freshness(const Job& job, PatchSet& scene);
 

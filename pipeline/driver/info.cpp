@@ -8,9 +8,11 @@
 #include "pipeline/files/describe.h"
 #include "pipeline/files/energy_file.h"
 #include "pipeline/files/file_kind.h"
+#include "pipeline/files/h5_store.h"
 #include "pipeline/files/image_file.h"
 #include "pipeline/files/patch_file.h"
 #include "pipeline/files/transport_file.h"
+#include "pipeline/files/transport_shard_file.h"
 
 namespace patchlight {
 
@@ -29,6 +31,12 @@ void show_frame(const std::string& file) {
     if (value.find('\n') == std::string::npos) fmt::print("{:<24}{}\n", name, value);
 }
 
+void show_shard(const std::string& file) {
+  const H5Reader reader(file, kTransportShardFormat, kTransportShardVersion);
+  const std::size_t rows = reader.dataset<std::int64_t>("/rows/start", -1).size() / 2;
+  fmt::print("rows        {}, {} rays cast\n", rows, reader.integer("rays_cast"));
+}
+
 }  // namespace
 
 int show_info(const InfoCommand& command) {
@@ -38,6 +46,9 @@ int show_info(const InfoCommand& command) {
       break;
     case FileKind::transport:
       fmt::print("{}", describe(read_transport(command.file)));
+      break;
+    case FileKind::transport_shard:
+      show_shard(command.file);
       break;
     case FileKind::energy:
       fmt::print("{}", describe(read_energy(command.file)));

@@ -17,7 +17,7 @@ constexpr std::size_t kLongestName = 200;
 
 std::string folder_name(const std::string& name, std::set<std::string>& taken) {
   // What would hide a folder of the job's own.
-  if (taken.empty()) taken = {"frames", "relit", "cache", "preview", "bench", ".", ".."};
+  if (taken.empty()) taken = {"frames", "relit", "cache", "preview", "bench", "slurm", ".", ".."};
   std::string plain = name.substr(0, kLongestName);
   for (char& c : plain)
     if (!std::isalnum(static_cast<unsigned char>(c)) && std::string("._-=,+").find(c) == std::string::npos) c = '_';

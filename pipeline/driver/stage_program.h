@@ -20,8 +20,22 @@ struct ProgramRun {
 /// Throws: Error (unavailable) if it cannot be started.
 ProgramRun run_program(const std::string& program, const std::vector<std::string>& arguments);
 
+/// What a program wrote and how it ended.
+struct ProgramOutput {
+  int exit_code = 0;  ///< As in ProgramRun.
+  std::string out, err;
+};
+
+/// Runs a program that ends soon, without input, and waits for it. Throws: Error (unavailable) if it cannot be started,
+/// with `mend`, how to mend that.
+ProgramOutput capture_program(const std::string& program, const std::vector<std::string>& arguments,
+                              const std::string& mend);
+
 /// The command line that hands a job and these options on to a stage.
 std::vector<std::string> stage_arguments(const std::string& job_file, const CommonOptions& options);
+
+/// Where `patchlight-STAGE` stands: in this program's own folder.
+std::string stage_program(const std::string& stage);
 
 /// Runs `patchlight-STAGE` of this program's own folder. Throws: as run_program.
 ProgramRun run_stage_program(const std::string& stage, const std::vector<std::string>& arguments);

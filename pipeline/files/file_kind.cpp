@@ -7,6 +7,7 @@
 #include "pipeline/files/h5_store.h"
 #include "pipeline/files/patch_file.h"
 #include "pipeline/files/transport_file.h"
+#include "pipeline/files/transport_shard_file.h"
 #include "pipeline/model/error.h"
 
 namespace patchlight {
@@ -21,6 +22,7 @@ FileKind kind_of(const std::filesystem::path& file) {
   const std::string format = h5_format(file);
   if (format == kPatchFormat) return FileKind::patches;
   if (format == kTransportFormat) return FileKind::transport;
+  if (format == kTransportShardFormat) return FileKind::transport_shard;
   if (format == kEnergyFormat) return FileKind::energy;
   throw Error(ExitCode::bad_data, "an HDF5 file of another kind", file.string(), "name a file that Patchlight wrote");
 }

@@ -204,6 +204,7 @@ std::string effective_job(const Job& job) {
   for (const JobKey& key : job_keys(copy)) {
     if (job.bench.sweep.empty() && key.path.starts_with("bench.")) continue;
     if (job.matrix.empty() && key.path == "matrix") continue;
+    if (job.executor == "local" && (key.path == "executor" || key.path.starts_with("slurm."))) continue;
     const YAML::Node value = key.write();
     const std::size_t dot = key.path.find('.');
     if (value.IsScalar() && value.Scalar().empty()) continue;

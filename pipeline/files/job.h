@@ -124,6 +124,16 @@ struct BenchConfig {
   int repeats = 1;
 };
 
+/// How `executor: slurm` has stages run; no stage reads it.
+struct SlurmConfig {
+  int shards = 8;                    ///< Tasks that rows, and frames, are shared by.
+  int cpus = 1;                      ///< Of a task.
+  std::string partition;             ///< Empty: as Slurm has it.
+  std::string time;                  ///< Most that a task may take, as sbatch takes it; empty: as Slurm has it.
+  std::vector<std::string> options;  ///< More for sbatch.
+  int retries = 2;                   ///< Of a task that is lost or killed.
+};
+
 /// A job file with its overrides applied and checked.
 struct Job {
   std::filesystem::path file;
@@ -140,6 +150,8 @@ struct Job {
   TraceConfig trace;
   BenchConfig bench;
   std::vector<MatrixAxis> matrix;  ///< Every combination is a variant for the driver to run; no stage reads it.
+  std::string executor = "local";  ///< local or slurm: where the driver has stages run.
+  SlurmConfig slurm;
   std::uint64_t cache = std::uint64_t(10) << 30;  ///< Most bytes of outputs of earlier settings to keep.
 
   std::filesystem::path patch_file() const { return output / "patches.h5"; }
@@ -159,7 +171,7 @@ Job read_job(const std::filesystem::path& file, const std::vector<std::string>& 
              const std::filesystem::path& output = {});
 
 /// The whole effective job as YAML, every default filled in; its paths relative to the job file's folder where the job
-/// has them so, and absent if empty; `bench` only if it sweeps something.
+/// has them so, and absent if empty; `bench` only if it sweeps something, `slurm` only if it executes.
 std::string effective_job(const Job& job);
 
 /// Reads what effective_job() wrote. Throws: Error (bad_config).

@@ -12,8 +12,8 @@ namespace {
 
 /// What a stage reads: paths are where things stand and not what they are, and the rest is for the driver.
 bool is_setting(const JobKey& key) {
-  static const std::set<std::string> others{"scene", "output", "include", "cache", "matrix"};
-  return !others.contains(key.path) && !key.path.starts_with("bench.");
+  static const std::set<std::string> others{"scene", "output", "include", "cache", "matrix", "executor"};
+  return !others.contains(key.path) && !key.path.starts_with("bench.") && !key.path.starts_with("slurm.");
 }
 
 /// A copy of `base` with the setting at `index` as in `other`.

@@ -109,6 +109,8 @@ std::vector<JobKey> job_keys(Job& job) {
   keys.push_back(size_key("cache", job.cache,
                           "most that outputs of earlier settings, kept to go back to them, may take; 0: keep none"));
   keys.push_back(matrix_key(job.matrix));
+  keys.push_back(choice_key("executor", job.executor, {"local", "slurm"}, "where `run` has stages run"));
+  add(slurm_keys(job.slurm));
   add(bench_keys(job.bench));
   return keys;
 }
@@ -125,7 +127,7 @@ void check_setting(const std::string& text, const YAML::Node& value, const YAML:
   Job scratch;
   const std::vector<JobKey> keys = job_keys(scratch);
   const std::vector<std::string> path = split_key(text);
-  for (const char* other : {"bench", "output", "matrix", "cache", "include"})
+  for (const char* other : {"bench", "output", "matrix", "cache", "include", "executor", "slurm"})
     if (path.empty() || path[0] == other)
       throw EntryFault{"`" + text + "` cannot vary", "name a key of a stage, as in `solve.rays`", mark};
   const std::string joined = fmt::format("{}", fmt::join(path, "."));

@@ -54,6 +54,9 @@ std::vector<JobKey> trace_keys(TraceConfig& trace);
 /// The key `matrix`.
 JobKey matrix_key(std::vector<MatrixAxis>& matrix);
 
+/// Those of the section `slurm`.
+std::vector<JobKey> slurm_keys(SlurmConfig& slurm);
+
 /// Those of the section `bench`, which job_keys() ends with.
 std::vector<JobKey> bench_keys(BenchConfig& bench);
 

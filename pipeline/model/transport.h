@@ -61,4 +61,15 @@ struct Transport : TransportRows {
   bool changed = false;  ///< Since it was read from a file.
 };
 
+/// What one of several tasks casts of a Transport: rows of its part of the patches, and of its part of the vertices of
+/// the display mesh, numbered from its first.
+struct TransportShard {
+  TransportRows rows;
+  std::optional<TransportRows> display_rows;  ///< Absent: no display solution was asked for.
+  std::optional<DisplayMesh> mesh;            ///< Of the first shard alone, though each builds it.
+  std::int64_t cast = 0;                      ///< Rays; those for the mesh count in the first.
+  std::string key;
+  Provenance made;
+};
+
 }  // namespace patchlight

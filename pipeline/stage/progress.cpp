@@ -64,6 +64,18 @@ void Progress::error(const std::string& message, int exit_code) {
   write_json("error", message, exit_code);
 }
 
+void Progress::pass_on(const nlohmann::json& line) {
+  const auto text = [&](const char* key) {
+    return line.is_object() && line.contains(key) && line[key].is_string() ? line[key].get<std::string>() : "";
+  };
+  const std::string level = text("level");
+  if (level != "note" && level != "warning" && level != "error") return;
+  clear_line();
+  if (level != "note" || !options_.quiet)
+    fmt::print(stderr, "patchlight-{}: {}{}\n", text("stage"), level == "note" ? "" : level + ": ", text("message"));
+  if (json_) write_line(line);
+}
+
 double Progress::seconds() const {
   return in_seconds(Clock::now() - start_);
 }

@@ -52,6 +52,9 @@ class Progress {
   };
   void result(const StageResult& result);
 
+  /// Tells what another program told in its JSON log, in that program's name: notes, warnings and errors.
+  void pass_on(const nlohmann::json& line);
+
   /// From now on update() is about part `part` of `count` alike.
   void set_part(std::size_t part, std::size_t count);
 

@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <new>
 #include <optional>
+#include <regex>
 
 #include "pipeline/model/error.h"
 
@@ -26,6 +27,23 @@ void add_common_options(CLI::App& app, CommonOptions& options) {
   app.add_flag("--quiet", options.quiet, "Print warnings and errors alone");
   app.add_option("--log-json", options.log_json, "Append one JSON object a line to this file");
   app.set_version_flag("--version", patchlight_version());
+}
+
+CLI::Option* add_shard_option(CLI::App& app, std::optional<Shard>& shard, const std::string& help) {
+  const auto read = [&shard](const std::string& text) {
+    static const std::regex parts("([0-9]{1,4})/([0-9]{1,4})");
+    std::smatch numbers;
+    if (!std::regex_match(text, numbers, parts)) return false;
+    shard = {std::stoi(numbers[1]), std::stoi(numbers[2])};
+    return shard->index >= 1 && shard->index <= shard->count && shard->count <= kMostShards;
+  };
+  return app
+      .add_option_function<std::string>(
+          "--shard", [](const std::string&) {}, help)
+      ->type_name("k/K")
+      ->check([read](const std::string& text) {
+        return read(text) ? std::string() : fmt::format("expected k/K with 1 <= k <= K <= {}", kMostShards);
+      });
 }
 
 std::optional<int> parse_options(CLI::App& app, const std::string& name, int argc, char** argv) {
@@ -77,6 +95,8 @@ Provenance provenance(const Job& job, const Progress& progress) {
   kept.output.clear();  // the same wherever it is put
   kept.bench = {};
   kept.matrix.clear();
+  kept.executor = Job().executor;
+  kept.slurm = {};
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   const auto seconds = [](const timeval& time) { return double(time.tv_sec) + 1e-6 * double(time.tv_usec); };

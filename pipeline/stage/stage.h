@@ -7,11 +7,13 @@
 
 #include "pipeline/files/job.h"
 #include "pipeline/model/provenance.h"
+#include "pipeline/model/shard.h"
 #include "pipeline/stage/progress.h"
 
 namespace CLI {
 class App;
-}
+class Option;
+}  // namespace CLI
 
 namespace patchlight {
 
@@ -29,6 +31,9 @@ struct CommonOptions {
 std::string patchlight_version();
 
 void add_common_options(CLI::App& app, CommonOptions& options);
+
+/// Adds `--shard k/K`.
+CLI::Option* add_shard_option(CLI::App& app, std::optional<Shard>& shard, const std::string& help);
 
 /// Parses a command line; an exit code if the program is to end at once (help, version, wrong usage).
 std::optional<int> parse_options(CLI::App& app, const std::string& name, int argc, char** argv);

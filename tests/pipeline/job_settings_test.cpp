@@ -6,6 +6,31 @@ namespace {
 using test::JobFile;
 using test::kMinimal;
 
+TEST_F(JobFile, ReadsHowSlurmIsToRunIt) {
+  const Job job = read(std::string(kMinimal) +
+                       "executor: slurm\nslurm: {shards: 16, cpus: 4, partition: 'a,b', time: 1-12, retries: 0, "
+                       "options: [--mem=8G, --exclusive]}\n");
+  EXPECT_EQ(job.executor, "slurm");
+  EXPECT_EQ(job.slurm.shards, 16);
+  EXPECT_EQ(job.slurm.cpus, 4);
+  EXPECT_EQ(job.slurm.partition, "a,b");
+  EXPECT_EQ(job.slurm.time, "1-12");
+  EXPECT_EQ(job.slurm.retries, 0);
+  EXPECT_EQ(job.slurm.options, (std::vector<std::string>{"--mem=8G", "--exclusive"}));
+  EXPECT_EQ(effective_job(read(effective_job(job))), effective_job(job));
+  EXPECT_EQ(effective_job(read(kMinimal)).find("slurm"), std::string::npos);
+  for (const char* time : {"90", "1:30", "1:30:00", "2-12", "2-12:30", "2-12:30:15"})
+    EXPECT_EQ(read(kMinimal, {std::string("slurm.time=") + time}).slurm.time, time);
+  for (const char* bad :
+       {"executor=cloud", "slurm.shards=0", "slurm.shards=1001", "slurm.cpus=1.5", "slurm.retries=-1",
+        "slurm.partition=-p", "slurm.partition='a b'", "slurm.time=soon", "slurm.time=--wrap=x",
+        "slurm.options=--mem=8G", "slurm.options=[mem=8G]", "slurm.options=['--mem 8G']", "slurm.options=[script.sh]"})
+    EXPECT_ERROR(read(kMinimal, {bad}), ExitCode::bad_config, "bad value of `");
+  EXPECT_ERROR(read(kMinimal, {"slurm.options=[--array=1-9]"}), ExitCode::bad_config, "--array, which Patchlight sets");
+  EXPECT_ERROR(read(kMinimal, {"slurm.shard=2"}), ExitCode::bad_config, "did you mean `slurm.shards`?");
+  EXPECT_ERROR(read(std::string(kMinimal) + "matrix: {executor: [local, slurm]}"), ExitCode::bad_config, "cannot vary");
+}
+
 TEST_F(JobFile, ReadsEveryOverrideOfMaterialsAndNodes) {
   const std::string overrides =
       "{reflectance: [0.1, 0.2, 0.3], emission: [1, 2, 3], mirror: [0, 0, 0.5], light_group: a/b, patch_area: 0.01, "

@@ -1,0 +1,29 @@
+#pragma once
+#include <algorithm>
+#include <string>
+
+#include "pipeline/files/h5_store.h"
+#include "pipeline/model/transport.h"
+
+namespace patchlight {
+
+/// Writes rows below `folder` but for their `exposed` and `rays`.
+void write_rows(H5Writer& writer, const std::string& folder, const TransportRows& rows);
+
+/// Reads what write_rows() wrote. `elements` that rows may end on, beside as many as there are rows if `own`. `rays` of
+/// a row; 0: not by rays. Throws: Error (bad_data).
+void read_rows(const H5Reader& reader, const std::string& folder, std::int64_t elements, bool own, std::int64_t rays,
+               TransportRows& rows);
+
+/// Parts of rows that are exposed; empty: all. Throws: Error (bad_data).
+std::vector<float> read_exposed(const H5Reader& reader, std::int64_t rows);
+
+bool is_factor(float value);
+
+/// Refuses the dataset unless `good` holds for every value.
+template <class Values, class Good>
+void check_all(const H5Reader& reader, const std::string& dataset, const Values& values, Good good) {
+  if (!std::all_of(values.begin(), values.end(), good)) reader.refuse("a value out of bounds", dataset);
+}
+
+}  // namespace patchlight
