@@ -28,8 +28,8 @@ bool is_fresh_shard(const std::filesystem::path& file, const std::string& key);
 /// Throws: Error (cannot_create, io_error).
 void write_transport_shard(const std::filesystem::path& file, const TransportShard& shard);
 
-/// Reads a shard of the transport of `patches` and checks that all in it is within bounds. `mesh`: the display mesh
-/// that its rows belong to; null: its own. Throws: Error (missing_input, bad_data).
+/// Reads a shard of the transport of `patches` under `sky` cells of the environment and checks that all in it is within
+/// bounds. `mesh`: the display mesh that its rows belong to; null: its own. Throws: Error (missing_input, bad_data).
 TransportShard read_transport_shard(const std::filesystem::path& file, std::int64_t patches, int sky,
                                     const DisplayMesh* mesh);
 
