@@ -14,7 +14,6 @@ namespace {
 
 constexpr float kOpen = 0.75f;          // of the most exposed place: from there on, all of a place counts
 constexpr float kLeastExposed = 0.25f;  // part of a patch: the less there is, the noisier
-constexpr int kPilots = 64;             // places: where they are all open, or none, the others are too
 
 }  // namespace
 
@@ -24,9 +23,8 @@ float exposed_part(const PatchSet& scene, const RayScene& ray_scene, const Patch
   const PatchSampler sampler(scene.primitives[patch.primitive], patch);
   const float offset = ray_scene.offset(patch.primitive);
   std::vector<float> points;  // each with four rays that go all ways
-  float least = 1, most = 0;
+  float most = 0;
   for (int first = 0; first < rays / 4; first += 4) {
-    if (first == kPilots && (most == 0 || least >= kOpen * most)) break;
     const StratifiedDirections directions(scramble(random + std::uint64_t(first)));
     RayPacket packet;
     packet.clear();
@@ -44,7 +42,6 @@ float exposed_part(const PatchSet& scene, const RayScene& ray_scene, const Patch
     }
     for (int k = 0; k < 4; ++k) {
       const float open = points.emplace_back(backs[k] > 0 ? 0.25f * float(lit[k]) : 1.0f);
-      least = std::min(least, open);
       most = std::max(most, open);
     }
   }

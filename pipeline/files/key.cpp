@@ -18,7 +18,7 @@ namespace {
 
 // Raised whenever a stage computes something else from the same inputs.
 constexpr int kImportVersion = 4;
-constexpr int kTransportKeyVersion = 14;
+constexpr int kTransportKeyVersion = 15;
 constexpr int kSolveVersion = 15;
 constexpr int kTraceVersion = 7;
 
