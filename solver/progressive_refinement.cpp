@@ -168,7 +168,7 @@ void Refinement::add_lights() {
       const Vec3d added = positive(Vec3d(light.strength) * (0.5 * (double(of_halves[2 * i]) + of_halves[2 * i + 1])));
       group.direct[i] += added;
       group.unshot[i] += added * Vec3d(patch.reflectance);
-      group.emitted += patch.area * channel_sum(added);
+      group.emitted += patch.covered_area() * channel_sum(added);
     }
   }
 }
@@ -192,7 +192,7 @@ void Refinement::add_sky(Progress& progress) {
     const Vec3d added = positive(Vec3d(received[i].c[0], received[i].c[1], received[i].c[2]));
     group.by_rows[i] += added;
     group.unshot[i] += added * Vec3d(patch.reflectance);
-    group.emitted += patch.area * channel_sum(added);
+    group.emitted += patch.covered_area() * channel_sum(added);
   }
 }
 
