@@ -47,9 +47,8 @@ struct Material {
   std::string name;
   Color specular{0.0f};    ///< Mirror reflectance (the metallic part), each in [0,1]; the mean where textures vary it.
   float roughness = 1.0f;  ///< The same.
-  Color tint{
-      1.0f};  ///< Diffuse reflectance is this times the texture's colour and the vertices', where there are such.
-  float alpha = 1.0f;         ///< A masked primitive is there where this times the mask and the vertices' alpha
+  Color tint{1.0f};        ///< Diffuse reflectance is this times the colours of texture and vertices, if any.
+  float alpha = 1.0f;      ///< A masked primitive is there where this times the mask and the vertices' alpha
   float alpha_cutoff = 0.0f;  ///< is no less than this.
   Color metal{0.0f};          ///< Where textures or vertices vary it, `specular` is this times base colour and finish.
   float finish_roughness = 1.0f;  ///< What a texture's roughness is multiplied by.
