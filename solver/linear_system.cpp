@@ -30,15 +30,12 @@ bool is_black(const SpectrumField& field) {
 
 /// One source's system on its way. Between the steps stands the product of F: v of p, t of s.
 class BiCgStab {
-  const std::vector<double>& areas_;
-  SpectrumField& x_;
-
  public:
   SpectrumField p, v, s, t;
   LinearSolve result;
 
   BiCgStab(const std::vector<double>& areas, const SpectrumField& source, SpectrumField& x)
-      : areas_(areas), x_(x), p(areas.size()), v(p), s(p), t(p), r_(source) {
+      : p(areas.size()), v(p), s(p), t(p), areas_(areas), x_(x), r_(source) {
     source_square_ = sums_over_rows<1>(areas.size(),
                                        [&](std::size_t i) { return std::array{weighted(source[i], source[i], i)}; })[0];
   }
@@ -115,6 +112,8 @@ class BiCgStab {
     return false;
   }
 
+  const std::vector<double>& areas_;
+  SpectrumField& x_;
   SpectrumField r_, shadow_;
   Spectrum source_square_, rho_, r_square_, shadow_square_, alpha_;
 };
