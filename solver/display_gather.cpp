@@ -77,14 +77,17 @@ class LeafElements {
 /// One light group's display solution in the making.
 class Gather {
  public:
-  Gather(const PatchSet& scene, const Transport& transport, const LeafElements& leaves,
-         const SpectrumField& leaf_reflectance, EnergyField::Group& group)
+  Gather(const PatchSet& scene, const Transport& transport, const std::vector<Emitter>& emitters,
+         const LeafElements& leaves, const SpectrumField& leaf_reflectance, EnergyField::Group& group)
       : scene_(scene),
         transport_(transport),
         mesh_(transport.display->mesh),
+        emitters_(emitters),
         leaves_(leaves),
         leaf_reflectance_(leaf_reflectance),
         group_(group),
+        light_group_(std::int32_t(std::find(scene.light_groups.begin(), scene.light_groups.end(), group.name) -
+                                  scene.light_groups.begin())),
         patches_(scene.patches.size()),
         sent_(patches_ + mesh_.elements) {
     emit();
@@ -130,11 +133,10 @@ class Gather {
     direct_.resize(mesh_.elements);
     for (std::size_t i = 0; i < patches_; ++i)
       if (is_of_group(i)) others_[i] = Spectrum(scene_.patches[i].emission);
-    const std::vector<Emitter> emitters = emitters_apart(scene_);
-    for (std::size_t e = 0; e < emitters.size(); ++e) {
+    for (std::size_t e = 0; e < emitters_.size(); ++e) {
       const Transport::Emitter& emitter = transport_.emitters[e];
       const Spectrum exitance =
-          emitters[e].light >= 0 ? strength_of(scene_.lights[emitters[e].light]) : others_[emitter.first_patch];
+          emitters_[e].light >= 0 ? strength_of(scene_.lights[emitters_[e].light]) : others_[emitter.first_patch];
       std::fill_n(others_.begin() + emitter.first_patch, emitter.patches, Spectrum());
       if (exitance.sum() == 0) continue;
       for (std::int32_t k = 0; k < mesh_.elements; ++k)
@@ -143,13 +145,13 @@ class Gather {
   }
 
   Spectrum strength_of(const Light& light) const {
-    return scene_.light_groups[light.light_group] == group_.name ? Spectrum(light.strength) : Spectrum();
+    return light.light_group == light_group_ ? Spectrum(light.strength) : Spectrum();
   }
 
   void send_sky() {
     if (!scene_.environment) return;
     const Environment& sky = *scene_.environment;
-    const bool own = scene_.light_groups[sky.light_group] == group_.name;
+    const bool own = sky.light_group == light_group_;
     for (const Color& cell : sky.cells) sent_.push_back(own ? Spectrum(cell) * Spectrum(kPi) : Spectrum());
   }
 
@@ -172,8 +174,7 @@ class Gather {
   }
 
   bool is_of_group(std::size_t i) const {
-    const std::int32_t group = scene_.primitives[scene_.patches[i].primitive].light_group;
-    return group >= 0 && scene_.light_groups[group] == group_.name;
+    return scene_.primitives[scene_.patches[i].primitive].light_group == light_group_;
   }
 
   void send(std::size_t patch, std::int32_t element, const Spectrum& irradiance) {
@@ -196,9 +197,11 @@ class Gather {
   const PatchSet& scene_;
   const Transport& transport_;
   const DisplayMesh& mesh_;
+  const std::vector<Emitter>& emitters_;  ///< Those of `transport_`.
   const LeafElements& leaves_;
   const SpectrumField& leaf_reflectance_;
   EnergyField::Group& group_;
+  const std::int32_t light_group_;
   const std::size_t patches_;
   SpectrumField sent_;         ///< [elements]: radiosity; behind them, that of the environment's cells.
   SpectrumField others_;       ///< [patches], emitted by those that are not sampled apart.
@@ -211,12 +214,13 @@ class Gather {
 
 void gather_display(const PatchSet& scene, const Transport& transport, std::vector<EnergyField::Group>& groups) {
   const FormFactorRows rows(transport.display->rows);
+  const std::vector<Emitter> emitters = emitters_apart(scene);
   const LeafElements leaves(scene, transport.display->mesh);
   const SpectrumField reflectance = leaf_reflectance(scene, transport.display->mesh);
   for (std::size_t first = 0; first < groups.size(); first += FormFactorRows::kSideBySide) {
     std::vector<Gather> gathers;
     for (std::size_t g = first; g < std::min(groups.size(), first + FormFactorRows::kSideBySide); ++g)
-      gathers.emplace_back(scene, transport, leaves, reflectance, groups[g]);
+      gathers.emplace_back(scene, transport, emitters, leaves, reflectance, groups[g]);
     for (int pass = 0; pass < kPasses; ++pass) {
       std::vector<FormFactorRows::Exchange> fields;
       for (Gather& gather : gathers) fields.push_back(gather.begin_pass());
