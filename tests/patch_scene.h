@@ -97,4 +97,14 @@ class PatchScene {
   PatchSet scene_;
 };
 
+/// A light that shines down, twice as much red as green.
+inline Light light_at(const Vec3d& position, Light::Kind kind = Light::Kind::point) {
+  Light light;
+  light.kind = kind;
+  light.strength = Color(10.0f, 5.0f, 0.0f);
+  light.position = position;
+  light.direction = {0, -1, 0};
+  return light;
+}
+
 }  // namespace patchlight::test

@@ -8,16 +8,8 @@
 namespace patchlight {
 namespace {
 
+using test::light_at;
 using test::PatchScene;
-
-Light light_at(const Vec3d& position, Light::Kind kind = Light::Kind::point) {
-  Light light;
-  light.kind = kind;
-  light.strength = Color(10.0f, 5.0f, 0.0f);
-  light.position = position;
-  light.direction = {0, -1, 0};
-  return light;
-}
 
 /// A floor of 4 x 4 m about the origin.
 void add_floor(PatchScene& builder, float reflectance, int cells = 32) {

@@ -8,17 +8,9 @@
 namespace patchlight {
 namespace {
 
+using test::light_at;
 using test::PatchScene;
 using test::Solved;
-
-Light light_at(const Vec3d& position, Light::Kind kind = Light::Kind::point) {
-  Light light;
-  light.kind = kind;
-  light.strength = Color(10.0f, 5.0f, 0.0f);
-  light.position = position;
-  light.direction = {0, -1, 0};
-  return light;
-}
 
 /// A floor about the origin and what stands on it, seen from above in parallel, 4 x 4 m: pixel columns run along x,
 /// rows along z.
