@@ -125,9 +125,12 @@ PatchFault texture_fault(const PatchSet& scene) {
 }
 
 PatchFault mask_fault(const PatchSet& scene) {
-  for (const Primitive& p : scene.primitives)
+  for (const Primitive& p : scene.primitives) {
     if (p.mask != -1 && (!index_of(p.mask, scene.masks.size()) || p.shape != Primitive::Shape::quad))
-      return {"an index out of range", "/primitives/mask"};
+      return {"a mask that is not there, or of no quad", "/primitives/mask"};
+    if (p.back >= 0 && scene.primitives[p.back].mask != p.mask)
+      return {"two sides with different masks", "/primitives/mask"};
+  }
   for (const Texture& mask : scene.masks)
     for (const std::int32_t alpha : mask.texels)
       if (alpha < 0 || alpha > 255) return {"a value outside [0, 255]", "/masks/texel"};
@@ -223,10 +226,8 @@ PatchFault find_fault(const PatchSet& scene) {
     if (PatchFault fault = patch_fault(scene, patch)) return fault;
   }
   for (const Material& m : scene.materials)
-    if (!within(m.specular, 0.0f, 1.0f) || !within(m.tint, 0.0f, 1.0f) || !(m.roughness >= 0 && m.roughness <= 1))
-      return {"a value outside [0, 1]", "/materials"};
-  for (const Material& m : scene.materials)
-    if (!within(m.metal, 0.0f, 1.0f) || !within(m.emission_tint, 0.0f, 3e38f) ||
+    if (!within(m.specular, 0.0f, 1.0f) || !within(m.tint, 0.0f, 1.0f) || !within(m.metal, 0.0f, 1.0f) ||
+        !within(m.emission_tint, 0.0f, 3e38f) || !(m.roughness >= 0 && m.roughness <= 1) ||
         !(m.finish_roughness >= 0 && m.finish_roughness <= 1))
       return {"a value out of range", "/materials"};
   for (const Camera& camera : scene.cameras)

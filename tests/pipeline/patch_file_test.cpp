@@ -311,6 +311,11 @@ TEST(PatchFile, RefusesBrokenMasksAndFinishes) {
       {"/masks/texel", [](PatchSet& s) { s.masks[0].texels[1] = 256; }},
       {"/primitives/mask", [](PatchSet& s) { s.primitives[1].mask = 1; }},
       {"/primitives/mask", [](PatchSet& s) { s.primitives[1].mask = -2; }},
+      {"/primitives/mask",  // of one of two sides alone
+       [](PatchSet& s) {
+         s.primitives[0].back = 1;
+         s.primitives[1].back = 0;
+       }},
       {"/materials/alpha", [](PatchSet& s) { s.materials[0].alpha = NAN; }},
       {"/patches/coverage", [](PatchSet& s) { s.patches[0].coverage = 0; }},
       {"/primitives/color", [](PatchSet& s) { s.colors[0][0].y = 2; }},
