@@ -216,6 +216,7 @@ void apply_override(const MaterialOverride& change, const char* section, Surface
   if (change.emission) {
     material.emission = *change.emission;
     material.emission_texture = -1;
+    material.emission_tint = Color(0.0f);
   }
   if (change.reflectance || change.mirror) fix_finish(material);
   if (change.reflectance) {
@@ -272,6 +273,10 @@ void check_values(const GltfModel& model, SurfaceMaterial& material, Progress& p
     }
     if (!(material.tint[i] >= 0.0f && material.tint[i] <= 1.0f)) {
       refuse(model, material.name, fmt::format("the factor of its base colour is {}", material.tint[i]), "in [0, 1]");
+    }
+    if (!(material.metal[i] >= 0.0f && material.metal[i] <= 1.0f)) {
+      refuse(model, material.name, fmt::format("the factor of its metal's colour is {}", material.metal[i]),
+             "in [0, 1]");
     }
     lowered = lowered || reflectance > kHighestReflectance;
     reflectance = std::min(reflectance, kHighestReflectance);

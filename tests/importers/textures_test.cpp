@@ -136,6 +136,18 @@ TEST(Textures, UnlitMaterialsAreDiffuse) {
   EXPECT_THAT(importer.messages(), ::testing::HasSubstr("unlit materials are read as diffuse"));
 }
 
+TEST(Textures, MetalsBrighterThanLightAreRefusedByName) {
+  Importer importer;
+  write_row(importer.folder / "base.png",
+            {{100, 100, 100, 255}});  // so that what metal reflects in the mean is below 1
+  GltfBuilder gltf = textured_square(
+      {{"name", "chrome"},
+       {"pbrMetallicRoughness",
+        {{"metallicFactor", 1}, {"baseColorFactor", {2, 2, 2, 1}}, {"baseColorTexture", {{"index", 0}}}}}},
+      {"base.png"});
+  EXPECT_ERROR(importer.import(gltf), ExitCode::bad_data, "chrome");
+}
+
 TEST(Textures, BrokenMappingsOfEveryTextureAreRefused) {
   Importer importer;
   write_row(importer.folder / "row.png", {{255, 255, 0, 255}});
