@@ -19,7 +19,6 @@ constexpr int kLeastSamples = 1024;  // around, of a coarse image: cells are mea
 constexpr float kContrast = 8.0f;    // times the mean, above which light is a sun's
 constexpr std::size_t kMostSuns = 16;
 constexpr double kSunRadius = 4 * kPi / 180.0;  // of what makes one sun, at most
-constexpr double kLeastSun = 1e-3;              // part of all light that the last sun has at most
 
 float largest(const Color& c) {
   return std::max({c.x, c.y, c.z});
@@ -79,22 +78,25 @@ Light take_sun(const Environment& sky, const std::vector<Sample*>& bright) {
   return sun;
 }
 
-std::vector<Light> take_suns(const Environment& sky, std::vector<Sample>& samples) {
-  std::vector<Sample*> bright;
-  double all = 0.0;
-  for (Sample& sample : samples) {
-    all += double(largest(sample.radiance)) * sample.solid_angle;
-    if (largest(sample.radiance) > sky.clip) bright.push_back(&sample);
+/// Raises `sky.clip` until all that is above it is in few suns; where no suns are left, takes it away.
+std::vector<Light> take_suns(Environment& sky, std::vector<Sample>& samples) {
+  for (;; sky.clip *= 2) {
+    std::vector<Sample*> bright;
+    for (Sample& sample : samples) {
+      sample.excess = Color(0.0f);
+      if (largest(sample.radiance) > sky.clip) bright.push_back(&sample);
+    }
+    std::stable_sort(bright.begin(), bright.end(),
+                     [](const Sample* a, const Sample* b) { return largest(a->radiance) > largest(b->radiance); });
+    std::vector<Light> suns;
+    while (!bright.empty() && suns.size() < kMostSuns) {
+      suns.push_back(take_sun(sky, bright));
+      std::erase_if(bright, [](const Sample* sample) { return sample->excess != Color(0.0f); });
+    }
+    if (!bright.empty()) continue;
+    if (suns.empty()) sky.clip = 0.0f;
+    return suns;
   }
-  std::stable_sort(bright.begin(), bright.end(),
-                   [](const Sample* a, const Sample* b) { return largest(a->radiance) > largest(b->radiance); });
-  std::vector<Light> suns;
-  while (!bright.empty() && suns.size() < kMostSuns) {
-    suns.push_back(take_sun(sky, bright));
-    if (double(largest(suns.back().strength)) < kLeastSun * all) break;
-    std::erase_if(bright, [](const Sample* sample) { return sample->excess != Color(0.0f); });
-  }
-  return suns;
 }
 
 void read_image(const Job& job, Environment& sky, PatchSet& scene) {
@@ -152,7 +154,6 @@ void add_environment(const Job& job, PatchSet& scene, Progress& progress) {
   for (const Sample& sample : samples) mean += double(largest(sample.radiance)) * sample.solid_angle / (4 * kPi);
   sky.clip = kContrast * static_cast<float>(mean);
   std::vector<Light> suns = take_suns(sky, samples);
-  if (suns.empty()) sky.clip = 0.0f;
   for (std::size_t k = 0; k < suns.size(); ++k) {
     suns[k].name = fmt::format("{} sun {}", config.light_group, k + 1);
     suns[k].light_group = sky.light_group;

@@ -130,6 +130,40 @@ TEST(Environment, SmallBrightSpotsBecomeSuns) {
   EXPECT_GT(-imported(importer).lights.at(0).direction ^ Vec3d(0, 1, -1).normalized(), std::cos(0.1 * kPi / 180));
 }
 
+TEST(Environment, AllThatIsAboveTheClipIsInSuns) {
+  // A disk of 1 degree; beside it a single texel that is brighter and gives next to nothing, or 40 more disks.
+  Importer importer;
+  constexpr int kWidth = 512, kHeight = 256;
+  Environment grid;
+  grid.width = kWidth;
+  grid.height = kHeight;
+  const auto is_disk = [&](int x, int y, double turn, double height) {
+    const Vec3d to(std::cos(height) * std::cos(turn), std::sin(height), std::cos(height) * std::sin(turn));
+    return (direction_at(grid, x + 0.5, y + 0.5) ^ to) > std::cos(kPi / 180);
+  };
+  for (const bool many : {false, true}) {
+    importer.job.environment.image = write_sky(importer.folder / "sky.exr", kWidth, kHeight, [&](int x, int y) {
+      if (x == 3 && y == 20) return Color(2e4f);
+      if (is_disk(x, y, 0.5, 0.7)) return Color(1e4f);
+      for (int k = 0; many && k < 40; ++k)
+        if (is_disk(x, y, 0.6 + 0.14 * k, -0.3)) return Color(0.3e4f);
+      return Color(1.0f);
+    });
+    const PatchSet scene = imported(importer);
+    EXPECT_EQ(scene.lights.size(), 2u) << many;
+    const Environment& sky = *scene.environment;
+    ASSERT_GT(sky.clip, 0);
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x) {
+        const Vec3d to = direction_at(sky, x + 0.5, y + 0.5);
+        if (sky_radiance(sky, Vec3f(to)).x <= sky.clip) continue;
+        double nearest = -1;
+        for (const Light& sun : scene.lights) nearest = std::max(nearest, -sun.direction ^ to);
+        ASSERT_GT(nearest, std::cos(4 * kPi / 180)) << x << " " << y;
+      }
+  }
+}
+
 TEST(Environment, ImagesInTilesReadTheSame) {
   Importer importer;
   const auto color = [](int x, int y) { return Color(float(x) / 64, float(y) / 32, 1.0f); };
