@@ -84,7 +84,7 @@ std::string describe(const PatchSet& scene) {
   double area = 0;
   Imath::Box3d bounds;
   for (const Patch& patch : scene.patches) {
-    area += patch.area;
+    area += patch.covered_area();
     bounds.extendBy(patch.center);
   }
   std::string text = fmt::format("primitives  {} quads, {} triangles, {} spheres", quads, triangles, spheres);
