@@ -89,14 +89,9 @@ bool any_has(const PatchSet& scene, std::int32_t Primitive::*index) {
                      [&](const Primitive& p) { return p.*index >= 0; });
 }
 
-/// Whether textures or colours of vertices vary what some metal reflects.
 bool has_varied_metals(const PatchSet& scene) {
-  for (std::size_t i = 0; i < scene.primitives.size(); ++i) {
-    const Primitive& p = scene.primitives[i];
-    const bool varied =
-        p.texture >= 0 || p.finish_texture >= 0 || (!scene.colors.empty() && scene.colors[i] != kUncolored);
-    if (varied && scene.materials[p.material].metal != Color(0.0f)) return true;
-  }
+  for (std::size_t i = 0; i < scene.primitives.size(); ++i)
+    if (has_varied_metal(scene, std::int32_t(i))) return true;
   return false;
 }
 

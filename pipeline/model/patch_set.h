@@ -114,4 +114,16 @@ struct PatchSet {
   Provenance made;
 };
 
+/// Whether textures or vertices' colours say what primitive `i` reflects.
+inline bool is_colored(const PatchSet& scene, std::int32_t i) {
+  const Primitive& primitive = scene.primitives[i];
+  return primitive.texture >= 0 || primitive.finish_texture >= 0 ||
+         (!scene.colors.empty() && scene.colors[i] != kUncolored);
+}
+
+/// The same of what it reflects as a metal.
+inline bool has_varied_metal(const PatchSet& scene, std::int32_t i) {
+  return scene.materials[scene.primitives[i].material].metal != Color(0.0f) && is_colored(scene, i);
+}
+
 }  // namespace patchlight

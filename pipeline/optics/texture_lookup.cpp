@@ -94,10 +94,6 @@ Color base_color(const PatchSet& scene, std::int32_t i, double u, double v) {
   return texture_color(scene.textures[primitive.texture], texcoord_at(scene, i, u, v)) * color;
 }
 
-bool has_varied_metal(const PatchSet& scene, std::int32_t i) {
-  return scene.materials[scene.primitives[i].material].metal != Color(0.0f) && is_colored(scene, i);
-}
-
 }  // namespace
 
 Imath::V2d texcoord_at(const PatchSet& scene, std::int32_t i, double u, double v) {
@@ -107,12 +103,6 @@ Imath::V2d texcoord_at(const PatchSet& scene, std::int32_t i, double u, double v
 Color texture_color(const Texture& texture, const Imath::V2d& at) {
   const Vec3f color = value_at(texture, at, encoded);
   return {linear_of(color.x), linear_of(color.y), linear_of(color.z)};
-}
-
-bool is_colored(const PatchSet& scene, std::int32_t i) {
-  const Primitive& primitive = scene.primitives[i];
-  return primitive.texture >= 0 || primitive.finish_texture >= 0 ||
-         (!scene.colors.empty() && scene.colors[i] != kUncolored);
 }
 
 Color colored_reflectance(const PatchSet& scene, std::int32_t i, double u, double v) {

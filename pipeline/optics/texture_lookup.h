@@ -10,9 +10,6 @@ Imath::V2d texcoord_at(const PatchSet& scene, std::int32_t i, double u, double v
 /// 8-bit images filter.
 Color texture_color(const Texture& texture, const Imath::V2d& at);
 
-/// Whether textures or vertices' colours say what primitive `i` reflects.
-bool is_colored(const PatchSet& scene, std::int32_t i);
-
 /// Diffuse reflectance at (u,v) of primitive `i`, which is colored: its material's tint, and what its finish leaves of
 /// its metal, times texture and colours; in range beside its metallic part.
 Color colored_reflectance(const PatchSet& scene, std::int32_t i, double u, double v);
