@@ -14,21 +14,12 @@ JobKey color_key(std::optional<Color>& color) {
           [&color] { return color ? vector_node(*color) : Node(); }};
 }
 
-JobKey image_key(std::filesystem::path& image) {
-  return {"environment.image", "the same as an equirectangular image, .hdr or .exr",
-          [&image](const Node& n) {
-            image = parse<std::string>(n, "a path");
-            if (image.empty()) throw std::string("expected a path");
-          },
-          [&image] { return image.empty() ? Node() : Node(image.string()); }};
-}
-
 }  // namespace
 
 std::vector<JobKey> environment_keys(EnvironmentConfig& sky) {
   return {
       color_key(sky.color),
-      image_key(sky.image),
+      path_key("environment.image", sky.image, "the same as an equirectangular image, .hdr or .exr"),
       number_key("environment.strength", sky.strength, 0, 1e30, "what multiplies it"),
       number_key("environment.rotation", sky.rotation, -360, 360,
                  "degrees by which the image turns about the vertical axis, counter-clockwise from above"),

@@ -51,7 +51,7 @@ JobKey path_key(const std::string& path, std::filesystem::path& value, const std
             value = parse<std::string>(n, "a path");
             if (value.empty()) throw std::string("expected a path");
           },
-          [&value] { return Node(value.string()); }};
+          [&value] { return value.empty() ? Node() : Node(value.string()); }};
 }
 
 JobKey number_key(const std::string& path, double& value, double low, double high, const std::string& help) {
