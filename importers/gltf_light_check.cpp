@@ -52,7 +52,7 @@ GltfLight checked_light(const Json& item, const GltfPlace& place) {
   const Json* color = find_member(item, "color");
   for (int k = 0; k < 3; ++k) {
     const double strength = intensity * (color ? (*color)[k].get<double>() : 1.0);
-    if (!(strength >= 0.0 && strength <= std::numeric_limits<float>::max()))
+    if (!(strength >= 0.0 && strength <= 3e38))
       refuse_gltf(fmt::format("has a strength of {}", strength), place, "color");
     result.light.strength[k] = static_cast<float>(strength);
   }
