@@ -19,7 +19,6 @@ std::vector<Emitter> surfaces(const PatchSet& scene) {
     Emitter& surface = all[scene.patches[i].primitive];
     if (surface.patches++ == 0) surface.first_patch = i;
     surface.primitive = scene.patches[i].primitive;
-    surface.area += scene.patches[i].area;
   }
   return all;
 }
