@@ -54,7 +54,7 @@ std::string one_line(std::string text) {
 SlurmClient::SlurmClient(const Job& job, int cpus)
     : config_(job.slurm),
       cpus_(cpus),
-      folder_(KeyHasher().add(std::filesystem::absolute(job.output).lexically_normal().string()).hex().substr(0, 16)) {}
+      folder_(KeyHasher().add(std::filesystem::weakly_canonical(job.output).string()).hex().substr(0, 16)) {}
 
 std::string SlurmClient::submit(const Request& request) const {
   std::vector<std::string> arguments = config_.options;
@@ -69,7 +69,8 @@ std::string SlurmClient::submit(const Request& request) const {
   add("cpus-per-task", std::to_string(cpus_));
   add("array", ranges(request.tasks));
   if (!request.after.empty()) add("dependency", fmt::format("afterok:{}", fmt::join(request.after, ":")));
-  arguments.insert(arguments.end(), {"--kill-on-invalid-dep=yes", "--parsable", request.script.string()});
+  arguments.insert(arguments.end(),
+                   {"--kill-on-invalid-dep=yes", "--no-requeue", "--parsable", request.script.string()});
   const ProgramOutput answer = ask_slurm("sbatch", arguments);
   Progress::check_interrupted();
   const std::string job = answer.out.substr(0, answer.out.find_first_not_of("0123456789"));

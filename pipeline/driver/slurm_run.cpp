@@ -22,6 +22,7 @@ class SlurmRun {
       : command_(command), job_(job), cache_(cache), account_(account), progress_(progress) {}
 
   void run() {
+    cancel_leftovers();
     const auto import = [&] { return patches_freshness(job_, scene_); };
     if (account_.needs("import", stage_state(import, [&] { return may_restore() && cache_.restore_patches(job_); })))
       submit({{"import", command("import")}});
@@ -46,6 +47,17 @@ class SlurmRun {
 
  private:
   bool may_restore() const { return !command_.force; }
+
+  /// What a run that was killed has left in the queue must not write into what is judged here. Where Slurm is not, it
+  /// left nothing.
+  void cancel_leftovers() const {
+    if (slurm_files(slurm_folder(job_)).empty()) return;
+    try {
+      SlurmClient(job_, cpus()).cancel();
+    } catch (const Error& error) {
+      if (error.code() != ExitCode::unavailable) throw;
+    }
+  }
 
   /// With `arguments` before what hands the job on.
   std::vector<std::string> command(const std::string& stage, std::vector<std::string> arguments = {}) const {
@@ -95,7 +107,6 @@ class SlurmRun {
   void submit(const std::vector<SlurmStage>& stages) {
     if (stages.empty()) return;
     const SlurmClient client(job_, cpus());
-    client.cancel();  // what a run that was killed has left
     std::error_code ignored;
     if (!submitted_)
       for (const fs::path& file : slurm_files(slurm_folder(job_))) fs::remove(file, ignored);  // of earlier runs

@@ -47,11 +47,12 @@ std::string slurm_script(const SlurmStage& stage, const std::filesystem::path& f
 # Written by `patchlight run` for Slurm.
 task={task}
 place={place}.$task.{job}
-exec >>"$place.log" 2>&1 || exit 73
+exec >>"$place.log" 2>&1
 trap : TERM
 begin=$(date +%s.%N)
 {command}
 code=$?
+LC_ALL=C
 {{ echo "$code $begin $(date +%s.%N)"; times; }} >"$place.end.new" && mv "$place.end.new" "$place.end"
 exit $code
 )sh",

@@ -26,9 +26,9 @@ JobKey text_key(const std::string& path, std::string& value, const std::regex& g
 /// Long options that do not undo what the driver itself tells sbatch.
 void read_options(const Node& node, std::vector<std::string>& options) {
   static const std::regex option("--([a-z][a-z0-9-]*)(=[^\\x00-\\x1f]*)?");
-  static constexpr std::array<const char*, 13> kOwn{"array",     "chdir", "dependency", "error",  "input",
-                                                    "job-name",  "help",  "output",     "export", "parsable",
-                                                    "test-only", "wait",  "wrap"};
+  static constexpr std::array<const char*, 15> kOwn{"requeue", "no-requeue", "array",     "chdir", "dependency",
+                                                    "error",   "input",      "job-name",  "help",  "output",
+                                                    "export",  "parsable",   "test-only", "wait",  "wrap"};
   const std::string expected = "a list of long options of sbatch, such as [--mem=8G, --qos=high]";
   options.clear();
   for (const std::string& text : parse<std::vector<std::string>>(node, expected)) {
