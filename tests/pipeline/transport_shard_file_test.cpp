@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <functional>
+#include <iterator>
 #include <limits>
 
 #include "tests/expect_error.h"
@@ -63,6 +65,15 @@ TEST(TransportShardFile, ReadsBackWhatWasWritten) {
   EXPECT_TRUE(is_fresh_shard(folder / "shard.h5", "key"));
   EXPECT_FALSE(is_fresh_shard(folder / "shard.h5", "other"));
   EXPECT_FALSE(is_fresh_shard(folder / "none.h5", "key"));
+
+  std::fstream file(folder / "shard.h5", std::ios::in | std::ios::out | std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  const std::size_t shares = bytes.find(std::string(reinterpret_cast<const char*>(written.rows.shares.data()), 8));
+  ASSERT_NE(shares, std::string::npos);
+  file.seekp(std::streamoff(shares));
+  file.put(char(bytes[shares] ^ 1));
+  file.close();
+  EXPECT_FALSE(is_fresh_shard(folder / "shard.h5", "key")) << "with another byte in what only a merge reads";
 }
 
 TEST(TransportShardFile, HoldsTheDisplayMeshOfTheFirst) {
