@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <malloc.h>
 
 #include <CLI/CLI.hpp>
 #include <optional>
@@ -70,9 +69,6 @@ void solve_job(const Job& job, const PatchSet& scene, int shards, Progress& prog
 }  // namespace
 
 int main(int argc, char** argv) {
-  // Large blocks come and go: keep them instead of asking the system for cleared pages again and again.
-  mallopt(M_MMAP_THRESHOLD, 1 << 30);
-  mallopt(M_TRIM_THRESHOLD, 1 << 30);
   std::optional<Shard> shard;
   int shards = 0;
   const auto body = [&](const Job& job, Progress& progress) {

@@ -10,6 +10,7 @@
 #include <regex>
 
 #include "pipeline/model/error.h"
+#include "pipeline/stage/large_pages.h"
 
 namespace patchlight {
 
@@ -106,13 +107,14 @@ Provenance provenance(const Job& job, const Progress& progress) {
 
 int run_stage(const std::string& stage, int argc, char** argv, const std::function<void(const Job&, Progress&)>& body,
               const std::function<void(CLI::App&)>& more) {
+  use_large_pages();
   CLI::App app{"Runs the stage `" + stage + "` of a Patchlight job.", "patchlight-" + stage};
   std::string job_file;
   CommonOptions options;
   app.add_option("JOB.yaml", job_file, "The job file")->required();
   add_common_options(app, options);
   if (more) more(app);
-  app.footer(job_key_help());
+  app.footer(job_key_help);
   if (const auto exit_code = parse_options(app, "patchlight-" + stage, argc, argv)) return *exit_code;
   return with_progress(stage, options, [&](Progress& progress) {
     Progress::catch_signals();
