@@ -1,14 +1,11 @@
 #include "pipeline/optics/ray_scene.h"
 
 #include <ImathBox.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <new>
 
-#include "pipeline/model/error.h"
 #include "pipeline/optics/cutouts.h"
 #include "pipeline/optics/quad_shape.h"
 
@@ -16,7 +13,6 @@ namespace patchlight {
 
 namespace {
 
-constexpr unsigned kQuadGeometry = 0;
 constexpr unsigned kSphereGeometry = 1;
 
 // Intersection points of planes are good to about 8 units in the last place; of spheres, where two squares nearly
@@ -104,33 +100,16 @@ RayScene::RayScene(const PatchSet& scene, std::size_t few) {
   if (scene.primitives.size() - std::size_t(masked) <= few)
     few_.emplace();
   else
-    scene_ = new_embree_scene();
+    many_ = EmbreeTracer::start();
   if (masked > 0) {
-    masked_ = new_embree_scene();
+    masked_ = EmbreeTracer::start();
     patches_ = &scene;
   }
   add_quads(scene, largest(Vec3f(bounds.max - origin_)));
   add_spheres(scene);
   if (few_) few_->build();
-  for (RTCScene of_embree : {scene_, masked_})
-    // One thread builds, so that the tree, and with it who wins between touching surfaces, is always the same. (Saying
-    // so to the device would bind the whole program to one, as long as the device lives.)
-    if (of_embree) tbb::task_arena(1).execute([&] { rtcCommitScene(of_embree); });
-  if (device_ && rtcGetDeviceError(device_) == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
-}
-
-RayScene::~RayScene() {
-  for (RTCScene of_embree : {scene_, masked_})
-    if (of_embree) rtcReleaseScene(of_embree);
-  if (device_) rtcReleaseDevice(device_);
-}
-
-RTCScene RayScene::new_embree_scene() {
-  if (!device_) device_ = rtcNewDevice("set_affinity=0");
-  if (!device_) throw Error(ExitCode::unavailable, "Embree does not start", "", "check the processor and libembree3");
-  RTCScene scene = rtcNewScene(device_);
-  rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
-  return scene;
+  if (many_) many_->build();
+  if (masked_) masked_->build();
 }
 
 void RayScene::add_quads(const PatchSet& scene, float extent) {
@@ -162,32 +141,11 @@ void RayScene::add_quads(const PatchSet& scene, float extent) {
     quads_.push_back({std::int32_t(i), p.back, shape.x, shape.y, Vec3f(normal), !plane});
     if (!few_) corners.push_back(local);
   }
-  if (!corners.empty()) add_quads_to_embree(scene_, corners);
-  first_masked_ = unsigned(quads_.size());
+  if (!corners.empty()) many_->add_quads(corners);
+  if (masked.empty()) return;
+  masked_->add_filtered_quads(masked_corners, unsigned(quads_.size()),
+                              [this](auto&&... hit) { return is_met(hit...); });
   quads_.insert(quads_.end(), masked.begin(), masked.end());
-  if (!masked.empty()) add_quads_to_embree(masked_, masked_corners);
-}
-
-void RayScene::add_quads_to_embree(RTCScene to, const std::vector<std::array<Vec3f, 4>>& corners) {
-  RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_QUAD);
-  if (to == masked_) {
-    rtcSetGeometryUserData(geometry, this);
-    rtcSetGeometryIntersectFilterFunction(geometry, let_through);
-    rtcSetGeometryOccludedFilterFunction(geometry, let_through);
-  }
-  auto* vertices = static_cast<Vec3f*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                                               sizeof(Vec3f), 4 * corners.size()));
-  auto* indices = static_cast<unsigned*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4,
-                                                                 4 * sizeof(unsigned), corners.size()));
-  if (!vertices || !indices) throw std::bad_alloc();
-  for (std::size_t i = 0; i < corners.size(); ++i)
-    for (std::size_t k = 0; k < 4; ++k) {
-      vertices[4 * i + k] = corners[i][k];
-      indices[4 * i + k] = unsigned(4 * i + k);
-    }
-  rtcCommitGeometry(geometry);
-  rtcAttachGeometryByID(to, geometry, kQuadGeometry);
-  rtcReleaseGeometry(geometry);
 }
 
 void RayScene::add_spheres(const PatchSet& scene) {
@@ -206,52 +164,22 @@ void RayScene::add_spheres(const PatchSet& scene) {
     const bool outside = p.sphere_radius > 0;
     spheres_.push_back({outside ? std::int32_t(i) : p.back, outside ? p.back : std::int32_t(i), center});
   }
-  if (!balls.empty()) add_spheres_to_embree(balls);
-}
-
-void RayScene::add_spheres_to_embree(const std::vector<std::array<float, 4>>& balls) {
-  RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_SPHERE_POINT);
-  auto* vertices = static_cast<std::array<float, 4>*>(
-      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, 4 * sizeof(float), balls.size()));
-  if (!vertices) throw std::bad_alloc();
-  std::copy(balls.begin(), balls.end(), vertices);
-  rtcCommitGeometry(geometry);
-  rtcAttachGeometryByID(scene_, geometry, kSphereGeometry);
-  rtcReleaseGeometry(geometry);
+  if (!balls.empty()) many_->add_spheres(balls);
 }
 
 void RayScene::intersect(RayPacket& packet, bool coherent) const {
   if (few_)
     few_->intersect(packet.rays, wanted_lanes(packet));
   else
-    intersect_embree(scene_, packet, coherent);
-  if (masked_) intersect_embree(masked_, packet, coherent);
-}
-
-void RayScene::intersect_embree(RTCScene scene, RayPacket& packet, bool coherent) {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags = coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
-  rtcIntersect16(packet.valid.data(), scene, &context, &packet.rays);
+    many_->intersect(packet.valid, packet.rays, coherent);
+  if (masked_) masked_->intersect(packet.valid, packet.rays, coherent);
 }
 
 std::uint32_t RayScene::occluded(RayPacket& packet) const {
   const std::uint32_t wanted = wanted_lanes(packet);
   const std::uint32_t blocked =
-      few_ ? few_->occluded(packet.rays.ray, wanted) : occluded_embree(scene_, packet.rays.ray, wanted);
-  return masked_ ? blocked | occluded_embree(masked_, packet.rays.ray, wanted & ~blocked) : blocked;
-}
-
-std::uint32_t RayScene::occluded_embree(RTCScene scene, RTCRay16& rays, std::uint32_t wanted) {
-  alignas(64) std::array<int, RayPacket::kSize> valid;
-  for (int lane = 0; lane < RayPacket::kSize; ++lane) valid[lane] = -int(wanted >> lane & 1u);
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  rtcOccluded16(valid.data(), scene, &context, &rays);
-  std::uint32_t blocked = 0;
-  for (int lane = 0; lane < RayPacket::kSize; ++lane)
-    blocked |= std::uint32_t(valid[lane] != 0 && rays.tfar[lane] < 0) << lane;
-  return blocked;
+      few_ ? few_->occluded(packet.rays.ray, wanted) : many_->occluded(packet.rays.ray, wanted);
+  return masked_ ? blocked | masked_->occluded(packet.rays.ray, wanted & ~blocked) : blocked;
 }
 
 inline SurfaceHit RayScene::hit_on(unsigned geometry, unsigned index, float s, float t, const Vec3f& origin,
@@ -300,22 +228,11 @@ SurfaceHit RayScene::hit(const RayPacket& packet, int lane) const {
                 packet.rays.ray.tfar[lane]);
 }
 
-/// Takes back what rays have met where a mask says that nothing is there. What is left is numbered as a quad is.
-void RayScene::let_through(const RTCFilterFunctionNArguments* arguments) {
-  const auto& self = *static_cast<const RayScene*>(arguments->geometryUserPtr);
-  RTCRayN* const rays = arguments->ray;
-  RTCHitN* const hits = arguments->hit;
-  const unsigned count = arguments->N;
-  for (unsigned k = 0; k < count; ++k) {
-    if (arguments->valid[k] == 0) continue;
-    unsigned& index = RTCHitN_primID(hits, count, k);
-    index += self.first_masked_;
-    const Vec3f origin(RTCRayN_org_x(rays, count, k), RTCRayN_org_y(rays, count, k), RTCRayN_org_z(rays, count, k));
-    const Vec3f direction(RTCRayN_dir_x(rays, count, k), RTCRayN_dir_y(rays, count, k), RTCRayN_dir_z(rays, count, k));
-    const SurfaceHit hit = self.hit_on(kQuadGeometry, index, RTCHitN_u(hits, count, k), RTCHitN_v(hits, count, k),
-                                       origin, direction, RTCRayN_tfar(rays, count, k));
-    if (!is_there(*self.patches_, hit.primitive, hit.u, hit.v)) arguments->valid[k] = 0;
-  }
+/// Whether a masked quad is there where a ray comes to it.
+bool RayScene::is_met(unsigned quad, const Vec2f& at, const Vec3f& origin, const Vec3f& direction,
+                      float distance) const {
+  const SurfaceHit hit = hit_on(0, quad, at.x, at.y, origin, direction, distance);
+  return is_there(*patches_, hit.primitive, hit.u, hit.v);
 }
 
 Vec2f sphere_uv(const Vec3f& direction) {

@@ -1,6 +1,4 @@
 #pragma once
-#include <embree3/rtcore.h>
-
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -8,6 +6,7 @@
 #include <vector>
 
 #include "pipeline/model/patch_set.h"
+#include "pipeline/optics/embree_tracer.h"
 #include "pipeline/optics/packet_tracer.h"
 
 namespace patchlight {
@@ -51,7 +50,6 @@ class RayScene {
   static constexpr std::size_t kFew = 16384;
 
   explicit RayScene(const PatchSet& scene, std::size_t few = kFew);
-  ~RayScene();
   RayScene(const RayScene&) = delete;
   RayScene& operator=(const RayScene&) = delete;
 
@@ -86,12 +84,7 @@ class RayScene {
 
   void add_quads(const PatchSet& scene, float extent);
   void add_spheres(const PatchSet& scene);
-  RTCScene new_embree_scene();
-  void add_quads_to_embree(RTCScene to, const std::vector<std::array<Vec3f, 4>>& corners);
-  void add_spheres_to_embree(const std::vector<std::array<float, 4>>& balls);
-  static void intersect_embree(RTCScene scene, RayPacket& packet, bool coherent);
-  static std::uint32_t occluded_embree(RTCScene scene, RTCRay16& rays, std::uint32_t wanted);
-  static void let_through(const RTCFilterFunctionNArguments* arguments);
+  bool is_met(unsigned quad, const Vec2f& at, const Vec3f& origin, const Vec3f& direction, float distance) const;
   SurfaceHit hit_on(unsigned geometry, unsigned index, float s, float t, const Vec3f& origin, const Vec3f& direction,
                     float distance) const;
 
@@ -100,10 +93,8 @@ class RayScene {
   std::vector<float> offsets_;
   std::vector<Quad> quads_;
   std::vector<Sphere> spheres_;
-  RTCDevice device_ = nullptr;
-  RTCScene scene_ = nullptr;
-  RTCScene masked_ = nullptr;  ///< What has masks; null: nothing.
-  unsigned first_masked_ = 0;  ///< Of `quads_`.
+  std::unique_ptr<EmbreeTracer> many_;    ///< Where they are not few.
+  std::unique_ptr<EmbreeTracer> masked_;  ///< What has masks; null: nothing.
   const PatchSet* patches_ = nullptr;
 };
 
