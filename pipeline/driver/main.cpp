@@ -21,7 +21,7 @@ Command add_run(CLI::App& app) {
   sub->add_flag("--force", run.force, "Run every stage, stale or not");
   sub->add_flag("--explain", run.explain, "Say all reasons for which stages run or do not");
   add_common_options(*sub, run.common);
-  sub->footer(job_key_help());
+  sub->footer(job_key_help);
   return {sub, &run.common, [](Progress& progress) { return run_jobs(run, progress); }};
 }
 
@@ -32,7 +32,7 @@ Command add_status(CLI::App& app) {
   sub->add_option("JOB.yaml", status.job_files, "The job files")->required();
   sub->add_option("--variant", status.variant, "Only variants of the job's matrix with such a name (glob)");
   add_common_options(*sub, status.common);
-  sub->footer(job_key_help());
+  sub->footer(job_key_help);
   return {sub, &status.common, [](Progress&) { return show_status(status); }};
 }
 
@@ -42,7 +42,7 @@ Command add_clean(CLI::App& app) {
   sub->add_option("JOB.yaml", clean.job_file, "The job file")->required();
   sub->add_flag("--all", clean.all, "And all else that it made");
   add_common_options(*sub, clean.common);
-  sub->footer(job_key_help());
+  sub->footer(job_key_help);
   return {sub, &clean.common, [](Progress& progress) { return clean_job(clean, progress); }};
 }
 
@@ -70,7 +70,7 @@ Command add_relight(CLI::App& app) {
   sub->add_flag("--force", relight.force, "Make every frame, stale or not");
   sub->add_flag("--explain", relight.explain, "Say all reasons for which frames are made");
   add_common_options(*sub, relight.common);
-  sub->footer(job_key_help());
+  sub->footer(job_key_help);
   return {sub, &relight.common, [](Progress& progress) { return relight_jobs(relight, progress); }};
 }
 
@@ -81,7 +81,7 @@ Command add_report(CLI::App& app) {
   sub->add_option("JOB.yaml", report.job_file, "The job file")->required();
   sub->add_option("--variant", report.variant, "Only variants of the job's matrix with such a name (glob)");
   add_common_options(*sub, report.common);
-  sub->footer(job_key_help());
+  sub->footer(job_key_help);
   return {sub, &report.common, [](Progress& progress) { return write_report_page(report, progress); }};
 }
 
@@ -91,7 +91,7 @@ Command add_bench(CLI::App& app) {
       "bench", "Measure time, memory and error of a job over its `bench.sweep`; write tables, a plot and pictures");
   sub->add_option("JOB.yaml", bench.job_file, "The job file")->required();
   add_common_options(*sub, bench.common);
-  sub->footer(job_key_help());
+  sub->footer(job_key_help);
   return {sub, &bench.common, [](Progress& progress) { return bench_job(bench, progress); }};
 }
 

@@ -28,16 +28,7 @@ namespace fs = std::filesystem;
 constexpr int kMaxSide = 65536;
 constexpr std::int64_t kMostChannelValues = std::int64_t{1} << 31;
 
-constexpr std::array<std::pair<const char*, Imf::Compression>, 10> kCompressions{{{"none", Imf::NO_COMPRESSION},
-                                                                                  {"rle", Imf::RLE_COMPRESSION},
-                                                                                  {"zips", Imf::ZIPS_COMPRESSION},
-                                                                                  {"zip", Imf::ZIP_COMPRESSION},
-                                                                                  {"piz", Imf::PIZ_COMPRESSION},
-                                                                                  {"pxr24", Imf::PXR24_COMPRESSION},
-                                                                                  {"b44", Imf::B44_COMPRESSION},
-                                                                                  {"b44a", Imf::B44A_COMPRESSION},
-                                                                                  {"dwaa", Imf::DWAA_COMPRESSION},
-                                                                                  {"dwab", Imf::DWAB_COMPRESSION}}};
+static_assert(Imf::DWAB_COMPRESSION + 1 == kExrCompressions.size());
 
 [[noreturn]] void refuse(const std::string& what, const fs::path& file) {
   throw Error(ExitCode::bad_data, what, file.string(), "render it again");
@@ -208,19 +199,13 @@ Image read_pixels(const fs::path& file, bool with_layers) {
 
 }  // namespace
 
-std::vector<std::string> exr_compressions() {
-  std::vector<std::string> names;
-  for (const auto& [name, compression] : kCompressions) names.emplace_back(name);
-  return names;
-}
-
 void write_exr(const fs::path& file, const Image& image, const fs::path& temporary_folder, const ExrFormat& format) {
   TemporaryFile temporary(file, temporary_folder);
   std::ofstream stream = create(temporary);
   try {
     Imf::Header header(image.width, image.height);
-    for (const auto& [name, compression] : kCompressions)
-      if (name == format.compression) header.compression() = compression;
+    for (std::size_t k = 0; k < kExrCompressions.size(); ++k)
+      if (format.compression == kExrCompressions[k]) header.compression() = Imf::Compression(k);
     for (const auto& [name, value] : image.metadata) header.insert(name.c_str(), Imf::StringAttribute(value));
     Channels channels(header, image, format.pixel_type == "half");
     channels.add(channel_names("", "RGB"), image.pixels, true);

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -27,14 +28,15 @@ struct Image {
   std::vector<ImageLayer> layers{};
 };
 
+/// OpenEXR's compressions in its order, by the names that OpenImageIO has for them.
+inline constexpr std::array<const char*, 10> kExrCompressions{"none",  "rle", "zips", "zip",  "piz",
+                                                              "pxr24", "b44", "b44a", "dwaa", "dwab"};
+
 /// How an EXR is stored. Layers that are not colours are whole floats, and numbers whole numbers, in any case.
 struct ExrFormat {
   std::string pixel_type = "half";  ///< half or float.
-  std::string compression = "zip";  ///< One of exr_compressions().
+  std::string compression = "zip";  ///< One of kExrCompressions.
 };
-
-/// Those of OpenEXR, by the names that OpenImageIO has for them.
-std::vector<std::string> exr_compressions();
 
 /// Writes an EXR of one part, channels R, G, B and those of the layers, with `metadata` as header attributes. Atomic;
 /// until it is whole it stands in `temporary_folder`, or beside `file`. Throws: Error (cannot_create, io_error).

@@ -12,12 +12,12 @@ namespace {
 
 using Node = YAML::Node;
 
-JobKey text_key(const std::string& path, std::string& value, const std::regex& good, const std::string& expected,
+JobKey text_key(const std::string& path, std::string& value, const char* good, const std::string& expected,
                 const std::string& help) {
   return {path, help,
           [&value, good, expected](const Node& n) {
             const std::string read = parse<std::string>(n, expected);
-            if (!std::regex_match(read, good)) throw "expected " + expected;
+            if (!std::regex_match(read, std::regex(good))) throw "expected " + expected;
             value = read;
           },
           [&value] { return Node(value); }};
@@ -43,15 +43,15 @@ void read_options(const Node& node, std::vector<std::string>& options) {
 }  // namespace
 
 std::vector<JobKey> slurm_keys(SlurmConfig& slurm) {
-  static const std::regex name("[^\\x00-\\x20-][^\\x00-\\x20]*");
-  static const std::regex time("[0-9]+|([0-9]+:)?[0-9]+:[0-9]{2}|[0-9]+-[0-9]+(:[0-9]{2}){0,2}");
+  static constexpr const char* kName = "[^\\x00-\\x20-][^\\x00-\\x20]*";
+  static constexpr const char* kTime = "[0-9]+|([0-9]+:)?[0-9]+:[0-9]{2}|[0-9]+-[0-9]+(:[0-9]{2}){0,2}";
   return {
       integer_key("slurm.shards", slurm.shards, 1, kMostShards,
                   "tasks that rows of form factors are shared by, and frames; 1: not shared"),
       integer_key("slurm.cpus", slurm.cpus, 1, 4096, "of a task, unless --threads says how many"),
-      text_key("slurm.partition", slurm.partition, name, "the name of a partition, or several with commas",
+      text_key("slurm.partition", slurm.partition, kName, "the name of a partition, or several with commas",
                "where tasks run; absent: as Slurm has it"),
-      text_key("slurm.time", slurm.time, time, "a time as sbatch takes it: minutes, 1:30:00 or 2-12",
+      text_key("slurm.time", slurm.time, kTime, "a time as sbatch takes it: minutes, 1:30:00 or 2-12",
                "most that a task may take; absent: as Slurm has it"),
       {"slurm.options", "more for sbatch, as [--mem=8G]", [&slurm](const Node& n) { read_options(n, slurm.options); },
        [&slurm] { return Node(slurm.options); }},

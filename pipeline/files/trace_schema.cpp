@@ -96,7 +96,8 @@ std::vector<JobKey> trace_keys(TraceConfig& trace) {
       flag_key("trace.cull_backfaces", trace.cull_backfaces, "look through the backs of single-sided surfaces"),
       layers_key(trace.layers),
       choice_key("trace.pixel_type", trace.pixel_type, {"half", "float"}, "of light and colours in the EXR"),
-      choice_key("trace.compression", trace.compression, exr_compressions(), "of the EXR"),
+      choice_key("trace.compression", trace.compression, {kExrCompressions.begin(), kExrCompressions.end()},
+                 "of the EXR"),
       view_key(trace.view),
       number_key("trace.exposure", trace.exposure, -100, 100, "stops by which the PNG is brighter than the EXR"),
   };

@@ -44,7 +44,7 @@ TEST(ImageFile, KeepsLayersAndNumbersByEveryLosslessCompression) {
 TEST(ImageFile, HalvesAreForLightAloneAndNumbersAreExactByAnyCompression) {
   const test::TemporaryFolder folder;
   const Image image = with_layers();
-  for (const std::string& compression : exr_compressions()) {
+  for (const std::string compression : kExrCompressions) {
     write_exr(folder / "a.exr", image, {}, {"half", compression});
     const Image read = read_exr_layers(folder / "a.exr");
     EXPECT_EQ(read.layers[3].values, image.layers[3].values) << compression;
