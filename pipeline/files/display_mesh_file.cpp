@@ -65,17 +65,19 @@ void check_vertices(const H5Reader& reader, const DisplayMesh& mesh, std::int64_
 void write_display_mesh(H5Writer& writer, const DisplayMesh& mesh) {
   std::vector<std::int32_t> cells, facets, patches, midpoints;
   std::vector<float> places;
+  cells.reserve(6 * mesh.cells.size());
+  patches.reserve(2 * mesh.vertices.size());
+  places.reserve(2 * mesh.vertices.size());
   for (const auto& cell : mesh.cells) {
-    cells.insert(cells.end(), {cell.children, cell.cut});
-    cells.insert(cells.end(), cell.corners.begin(), cell.corners.end());
+    const auto& c = cell.corners;
+    cells.insert(cells.end(), {cell.children, cell.cut, c[0], c[1], c[2], c[3]});
   }
   for (const auto& facet : mesh.facets) {
     facets.push_back(facet.patch);
     facets.insert(facets.end(), facet.corners.begin(), facet.corners.end());
   }
   for (const auto& vertex : mesh.vertices) {
-    patches.push_back(vertex.patch);
-    patches.push_back(vertex.hidden);
+    patches.insert(patches.end(), {vertex.patch, vertex.hidden});
     places.insert(places.end(), {vertex.u, vertex.v});
   }
   for (const auto& ends : mesh.midpoints) midpoints.insert(midpoints.end(), ends.begin(), ends.end());
@@ -93,6 +95,7 @@ DisplayMesh read_display_mesh(const H5Reader& reader, std::int64_t patches) {
   mesh.roots = reader.dataset<std::int32_t>("/display/mesh/roots", patches);
   patches = std::int64_t(mesh.roots.size());
   const std::vector<std::int32_t> cells = reader.dataset<std::int32_t>(kCells, -1, 6);
+  mesh.cells.reserve(cells.size() / 6);
   for (std::size_t k = 0; k < cells.size(); k += 6)
     mesh.cells.push_back({cells[k], -1, cells[k + 1] != 0, {cells[k + 2], cells[k + 3], cells[k + 4], cells[k + 5]}});
   const std::vector<std::int32_t> facets = reader.dataset<std::int32_t>(kFacets, -1, 5);
@@ -101,6 +104,7 @@ DisplayMesh read_display_mesh(const H5Reader& reader, std::int64_t patches) {
   const std::vector<float> places = reader.dataset<float>(kVertices, -1, 2);
   const auto count = std::int64_t(places.size() / 2);
   const std::vector<std::int32_t> owners = reader.dataset<std::int32_t>("/display/mesh/vertex_patch", count, 2);
+  mesh.vertices.reserve(std::size_t(count));
   for (std::int64_t k = 0; k < count; ++k)
     mesh.vertices.push_back({owners[2 * k], places[2 * k], places[2 * k + 1], owners[2 * k + 1] != 0});
   const std::vector<std::int32_t> ends = reader.dataset<std::int32_t>("/display/mesh/midpoints", -1, 2);

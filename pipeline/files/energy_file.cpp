@@ -17,10 +17,8 @@ namespace patchlight {
 namespace {
 
 void write_colors(H5Writer& writer, const std::string& name, const std::vector<Color>& colors) {
-  std::vector<float> values;
-  values.reserve(3 * colors.size());
-  for (const Color& c : colors) values.insert(values.end(), {c.x, c.y, c.z});
-  writer.dataset<float>(name, values, 3);
+  static_assert(sizeof(Color) == 3 * sizeof(float));
+  writer.dataset<float>(name, {colors.empty() ? nullptr : colors.front().getValue(), 3 * colors.size()}, 3);
 }
 
 std::vector<Color> read_colors(const H5Reader& reader, const std::string& name, std::int64_t rows) {

@@ -1,6 +1,7 @@
 #include "pipeline/files/transport_rows_file.h"
 
-#include <cmath>
+#include <algorithm>
+#include <limits>
 
 namespace patchlight {
 
@@ -26,10 +27,6 @@ void read_mirrored(const H5Reader& reader, const std::string& folder, std::int64
 }
 
 }  // namespace
-
-bool is_factor(float value) {
-  return std::isfinite(value);
-}
 
 void write_rows(H5Writer& writer, const std::string& folder, const TransportRows& rows) {
   const std::vector<std::int64_t> starts(rows.starts.begin(), rows.starts.end());
@@ -60,7 +57,8 @@ void read_rows(const H5Reader& reader, const std::string& folder, std::int64_t e
     reader.refuse("rows that do not follow each other", folder + "/rows/start");
   rows.starts.assign(starts.begin(), starts.end());
   if (own) elements += rows.rows();
-  check_all(reader, folder + "/rows/patch", rows.ends, [&](std::int32_t j) { return j >= 0 && j < elements; });
+  const auto count = std::uint32_t(std::min<std::int64_t>(elements, std::numeric_limits<std::int32_t>::max()));
+  check_all(reader, folder + "/rows/patch", rows.ends, [=](std::int32_t j) { return std::uint32_t(j) < count; });
   if (rays == 0) {
     rows.weights = reader.dataset<float>(folder + "/rows/weight", std::int64_t(rows.ends.size()));
     check_all(reader, folder + "/rows/weight", rows.weights, is_factor);
