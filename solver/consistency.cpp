@@ -28,12 +28,18 @@ std::vector<double> exposed_areas(const PatchSet& scene, const Transport& transp
 double reciprocity_error(const Transport& transport, const FormFactorRows& rows, const std::vector<double>& areas) {
   const std::size_t n = areas.size();
   std::vector<double> seen_of(n);
+  const auto is_patch = [&](std::uint64_t at) { return std::size_t(transport.ends[at]) < n; };
   for (std::size_t k = 0; k + 1 < transport.starts.size(); ++k) {
     const std::uint64_t begin = transport.starts[k], end = transport.starts[k + 1];
-    const double share = 0.5 * areas[k / 2] * (transport.rays > 0 ? double(transport.shares[k]) : 1.0);
-    for (std::uint64_t at = begin; at < end; ++at)
-      if (std::size_t(transport.ends[at]) < n)
-        seen_of[transport.ends[at]] += share * (transport.rays > 0 ? 1.0 : double(transport.weights[at]));
+    const double area = 0.5 * areas[k / 2];
+    if (transport.rays > 0) {
+      const double share = area * double(transport.shares[k]);
+      for (std::uint64_t at = begin; at < end; ++at)
+        if (is_patch(at)) seen_of[transport.ends[at]] += share;
+    } else {
+      for (std::uint64_t at = begin; at < end; ++at)
+        if (is_patch(at)) seen_of[transport.ends[at]] += area * double(transport.weights[at]);
+    }
   }
   for (const auto& m : transport.mirrored)
     if (std::size_t(m.patch) < n) seen_of[m.patch] += 0.5 * areas[m.row] * Spectrum(m.weight).sum() / 3;

@@ -19,35 +19,6 @@ namespace {
 
 constexpr int kPasses = 3;  // the first sees whole patches only; the third is for what stands on them
 
-/// Of elements of leaves, as textures and shaders have it there. Shape: [mesh.elements].
-SpectrumField leaf_reflectance(const PatchSet& scene, const DisplayMesh& mesh) {
-  constexpr int kAcross = 4;
-  std::vector<MaterialShader> shaders = compile_shaders(scene);
-  SpectrumField reflectance;
-  for (const Patch& leaf : leaf_patches(scene, mesh)) {
-    const Primitive& primitive = scene.primitives[leaf.primitive];
-    const bool shaded = primitive.shader >= 0 && shaders[primitive.shader].reflects();
-    Spectrum sum(leaf.reflectance);
-    if (shaded || is_colored(scene, leaf.primitive)) {
-      sum = Spectrum();
-      const PatchSampler sampler(primitive, leaf);
-      const int across = leaf.u0 == leaf.u1 ? 1 : kAcross;  // a corner is of no size
-      int count = 0;
-      for (int k = 0; k < across * across; ++k) {
-        const Imath::V2d at =
-            sampler.uv((float(k % across) + 0.5f) / float(across), (float(k / across) + 0.5f) / float(across));
-        if (primitive.mask >= 0 && !is_there(scene, leaf.primitive, at.x, at.y)) continue;
-        ++count;
-        sum += Spectrum(shaded ? shaded_reflectance(scene, shaders[primitive.shader], leaf.primitive, at.x, at.y)
-                               : colored_reflectance(scene, leaf.primitive, at.x, at.y));
-      }
-      sum = count > 0 ? sum * Spectrum(1.0 / count) : Spectrum(leaf.reflectance);
-    }
-    reflectance.push_back(sum);
-  }
-  return reflectance;
-}
-
 /// The mesh's elements, each with its patch and the vertices that it lies between.
 class LeafElements {
  public:
@@ -74,11 +45,47 @@ class LeafElements {
   std::vector<std::int32_t> patch_of_;  ///< [cells].
 };
 
+/// Of elements of leaves, as textures and shaders have it there; of whole patches, what they have. Shape:
+/// [mesh.elements].
+SpectrumField leaf_reflectance(const PatchSet& scene, const DisplayMesh& mesh, const LeafElements& leaves) {
+  constexpr int kAcross = 4;
+  std::vector<MaterialShader> shaders = compile_shaders(scene);
+  SpectrumField reflectance(mesh.elements);
+  leaves.for_each([&](std::size_t patch, std::int32_t element, auto) {
+    reflectance[element] = Spectrum(scene.patches[patch].reflectance);
+  });
+  for (std::size_t i = 0; i < scene.patches.size(); ++i) {
+    const Patch& patch = scene.patches[i];
+    const Primitive& primitive = scene.primitives[patch.primitive];
+    const bool shaded = primitive.shader >= 0 && shaders[primitive.shader].reflects();
+    const bool divided =
+        mesh.roots[i] >= 0 && (mesh.cells[mesh.roots[i]].children >= 0 || mesh.cells[mesh.roots[i]].cut);
+    if (!divided || (!shaded && !is_colored(scene, patch.primitive))) continue;
+    for_each_leaf(scene, mesh, i, [&](std::int32_t element, const Patch& leaf) {
+      const PatchSampler sampler(primitive, leaf);
+      const int across = leaf.u0 == leaf.u1 ? 1 : kAcross;  // a corner is of no size
+      Spectrum sum;
+      int count = 0;
+      for (int k = 0; k < across * across; ++k) {
+        const Imath::V2d at =
+            sampler.uv((float(k % across) + 0.5f) / float(across), (float(k / across) + 0.5f) / float(across));
+        if (primitive.mask >= 0 && !is_there(scene, patch.primitive, at.x, at.y)) continue;
+        ++count;
+        sum += Spectrum(shaded ? shaded_reflectance(scene, shaders[primitive.shader], patch.primitive, at.x, at.y)
+                               : colored_reflectance(scene, patch.primitive, at.x, at.y));
+      }
+      if (count > 0) reflectance[element] = sum * Spectrum(1.0 / count);
+    });
+  }
+  return reflectance;
+}
+
 /// One light group's display solution in the making.
 class Gather {
  public:
   Gather(const PatchSet& scene, const Transport& transport, const std::vector<Emitter>& emitters,
-         const LeafElements& leaves, const SpectrumField& leaf_reflectance, EnergyField::Group& group)
+         const LeafElements& leaves, const SpectrumField& leaf_reflectance, EnergyField::Group& group,
+         RadiosityTable& sent, std::size_t field)
       : scene_(scene),
         transport_(transport),
         mesh_(transport.display->mesh),
@@ -89,18 +96,20 @@ class Gather {
         light_group_(std::int32_t(std::find(scene.light_groups.begin(), scene.light_groups.end(), group.name) -
                                   scene.light_groups.begin())),
         patches_(scene.patches.size()),
-        sent_(patches_ + mesh_.elements) {
+        sent_(sent),
+        field_(field) {
     emit();
     send_sky();
     interpolate_photons();
   }
 
-  /// What rows are to gather: in the first pass of patches, then of what the pass before found at the leaves.
+  /// Sends what rows are to gather: in the first pass of patches, then of what the pass before found at the leaves.
   FormFactorRows::Exchange begin_pass() {
     if (at_vertices_.empty()) {
       for (std::size_t i = 0; i < patches_; ++i)
-        sent_[i] = others_[i] + Spectrum(scene_.patches[i].reflectance) *
-                                    (Spectrum(group_.direct[i]) + Spectrum(group_.indirect[i]));
+        sent_.set(field_, i,
+                  others_[i] + Spectrum(scene_.patches[i].reflectance) *
+                                   (Spectrum(group_.direct[i]) + Spectrum(group_.indirect[i])));
       leaves_.for_each([&](std::size_t patch, std::int32_t element, auto) { send(patch, element, from_patch(patch)); });
       at_vertices_.resize(mesh_.gathered);
     } else {
@@ -110,7 +119,7 @@ class Gather {
         send(patch, element, sum * Spectrum(1.0 / double(corners.size())));
       });
     }
-    return {&sent_, &at_vertices_};
+    return {nullptr, &at_vertices_};
   }
 
   /// Adds what comes from emitters by way of mirrors.
@@ -130,34 +139,38 @@ class Gather {
   /// Light of emitters: of those apart, at leaves; of others, wherever rays end on them.
   void emit() {
     others_.resize(patches_);
-    direct_.resize(mesh_.elements);
+    direct_.assign(mesh_.elements, Color(0.0f));
     for (std::size_t i = 0; i < patches_; ++i)
       if (is_of_group(i)) others_[i] = Spectrum(scene_.patches[i].emission);
     for (std::size_t e = 0; e < emitters_.size(); ++e) {
       const Transport::Emitter& emitter = transport_.emitters[e];
-      const Spectrum exitance =
-          emitters_[e].light >= 0 ? strength_of(scene_.lights[emitters_[e].light]) : others_[emitter.first_patch];
+      const Color exitance = exitance_of(emitters_[e]);
       std::fill_n(others_.begin() + emitter.first_patch, emitter.patches, Spectrum());
-      if (exitance.sum() == 0) continue;
+      if (exitance == Color(0.0f)) continue;
       for (std::int32_t k = 0; k < mesh_.elements; ++k)
-        direct_[k] += exitance * Spectrum(0.5 * (emitter.display[2 * k] + emitter.display[2 * k + 1]));
+        direct_[k] += exitance * (0.5f * (emitter.display[2 * k] + emitter.display[2 * k + 1]));
     }
   }
 
-  Spectrum strength_of(const Light& light) const {
-    return light.light_group == light_group_ ? Spectrum(light.strength) : Spectrum();
+  /// Of an emitter that is sampled apart; zero in other groups.
+  Color exitance_of(const Emitter& emitter) const {
+    if (emitter.light < 0)
+      return is_of_group(emitter.first_patch) ? scene_.patches[emitter.first_patch].emission : Color(0.0f);
+    const Light& light = scene_.lights[emitter.light];
+    return light.light_group == light_group_ ? light.strength : Color(0.0f);
   }
 
   void send_sky() {
     if (!scene_.environment) return;
     const Environment& sky = *scene_.environment;
-    const bool own = sky.light_group == light_group_;
-    for (const Color& cell : sky.cells) sent_.push_back(own ? Spectrum(cell) * Spectrum(kPi) : Spectrum());
+    if (sky.light_group != light_group_) return;
+    for (std::size_t k = 0; k < sky.cells.size(); ++k)
+      sent_.set(field_, patches_ + mesh_.elements + k, Spectrum(sky.cells[k]) * Spectrum(kPi));
   }
 
   /// What patches and their elements emit that are sampled apart.
   SpectrumField emitted_apart() const {
-    SpectrumField apart(sent_.size());
+    SpectrumField apart(sent_.elements());
     for (const auto& emitter : transport_.emitters)
       for (std::int32_t j = emitter.first_patch; j < emitter.first_patch + emitter.patches; ++j)
         if (is_of_group(j)) apart[j] = Spectrum(scene_.patches[j].emission);
@@ -178,7 +191,8 @@ class Gather {
   }
 
   void send(std::size_t patch, std::int32_t element, const Spectrum& irradiance) {
-    sent_[patches_ + element] = others_[patch] + leaf_reflectance_[element] * (direct_[element] + irradiance);
+    sent_.set(field_, patches_ + element,
+              others_[patch] + leaf_reflectance_[element] * (Spectrum(direct_[element]) + irradiance));
   }
 
   Spectrum from_patch(std::size_t i) const {
@@ -203,10 +217,11 @@ class Gather {
   EnergyField::Group& group_;
   const std::int32_t light_group_;
   const std::size_t patches_;
-  SpectrumField sent_;         ///< [elements]: radiosity; behind them, that of the environment's cells.
+  RadiosityTable& sent_;  ///< Of patches, of the mesh's elements, and of the environment's cells.
+  const std::size_t field_;
   SpectrumField others_;       ///< [patches], emitted by those that are not sampled apart.
   SpectrumField by_photons_;   ///< [gathered], of emitters apart; empty: rows tell it.
-  SpectrumField direct_;       ///< [mesh elements], of emitters apart.
+  std::vector<Color> direct_;  ///< [mesh elements], of emitters apart.
   SpectrumField at_vertices_;  ///< [gathered]; empty before the first pass.
 };
 
@@ -216,15 +231,18 @@ void gather_display(const PatchSet& scene, const Transport& transport, std::vect
   const FormFactorRows rows(transport.display->rows);
   const std::vector<Emitter> emitters = emitters_apart(scene);
   const LeafElements leaves(scene, transport.display->mesh);
-  const SpectrumField reflectance = leaf_reflectance(scene, transport.display->mesh);
-  for (std::size_t first = 0; first < groups.size(); first += FormFactorRows::kSideBySide) {
+  const SpectrumField reflectance = leaf_reflectance(scene, transport.display->mesh, leaves);
+  const std::size_t elements = scene.patches.size() + transport.display->mesh.elements + scene.sky_cells();
+  for (std::size_t first = 0; first < groups.size(); first += RadiosityTable::kMostFields) {
+    const std::size_t count = std::min(groups.size() - first, RadiosityTable::kMostFields);
+    RadiosityTable sent(count, elements, RadiosityTable::Precision::single);
     std::vector<Gather> gathers;
-    for (std::size_t g = first; g < std::min(groups.size(), first + FormFactorRows::kSideBySide); ++g)
-      gathers.emplace_back(scene, transport, emitters, leaves, reflectance, groups[g]);
+    for (std::size_t f = 0; f < count; ++f)
+      gathers.emplace_back(scene, transport, emitters, leaves, reflectance, groups[first + f], sent, f);
     for (int pass = 0; pass < kPasses; ++pass) {
       std::vector<FormFactorRows::Exchange> fields;
       for (Gather& gather : gathers) fields.push_back(gather.begin_pass());
-      rows.receive(fields, nullptr, FormFactorRows::Precision::single);
+      rows.receive(sent, fields);
       for (Gather& gather : gathers) gather.end_pass(rows);
     }
     for (Gather& gather : gathers) gather.finish();

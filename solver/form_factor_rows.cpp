@@ -1,7 +1,6 @@
 #include "solver/form_factor_rows.h"
 
 #include <algorithm>
-#include <memory>
 
 #include "pipeline/optics/vector_code.h"
 #include "solver/parallel_rows.h"
@@ -10,16 +9,18 @@ namespace patchlight {
 
 namespace {
 
-/// Adds what stands at `places` of a table [elements][kWidth] to `sum` [kWidth]. Four by four are added as they are
+/// Adds what stands at `places` of a table [elements][kWidth] to `sum` [kWidth]. Eight by eight are added as they are
 /// stored, in pairs: where they are equal that is exact.
 template <class Number, int kWidth>
 VECTOR_CODE void add_equal(std::span<const std::int32_t> places, const Number* table, double* sum) {
   const auto at = [&](std::size_t k) { return table + std::size_t(places[k]) * kWidth; };
   double total[kWidth] = {};
   std::size_t k = 0;
-  for (; k + 4 <= places.size(); k += 4) {
+  for (; k + 8 <= places.size(); k += 8) {
     const Number *a = at(k), *b = at(k + 1), *c = at(k + 2), *d = at(k + 3);
-    for (int i = 0; i < kWidth; ++i) total[i] += double((a[i] + b[i]) + (c[i] + d[i]));
+    const Number *e = at(k + 4), *f = at(k + 5), *g = at(k + 6), *h = at(k + 7);
+    for (int i = 0; i < kWidth; ++i)
+      total[i] += double(((a[i] + b[i]) + (c[i] + d[i])) + ((e[i] + f[i]) + (g[i] + h[i])));
   }
   for (; k < places.size(); ++k)
     for (int i = 0; i < kWidth; ++i) total[i] += double(at(k)[i]);
@@ -46,25 +47,8 @@ FormFactorRows::FormFactorRows(const TransportRows& rows, int sky) : transport_(
 }
 
 template <class Number, int kWidth>
-void FormFactorRows::receive_packed(std::span<const Exchange> fields, const SpectrumField* factor) const {
-  const std::size_t given = fields[0].radiosity->size();
-  const std::size_t elements = sky_ > 0 ? std::size_t(transport_.rows()) + std::size_t(sky_) : given;
-  struct alignas(64) Line {
-    Number values[std::max(kWidth, int(64 / sizeof(Number)))];
-  };
-  constexpr std::size_t kPerLine = sizeof(Line) / sizeof(Number) / kWidth;
-  const auto lines = std::make_unique_for_overwrite<Line[]>(elements / kPerLine + 1);
-  Number* const table = lines[0].values;
-  std::fill(table + given * kWidth, table + elements * kWidth, Number(0));
-  for_each_row(given, [&](std::size_t i) {
-    Number* const to = table + i * kWidth;
-    for (std::size_t f = 0; f < fields.size(); ++f) {
-      const Spectrum value = factor ? (*fields[f].radiosity)[i] * (*factor)[i] : (*fields[f].radiosity)[i];
-      for (int c = 0; c < 3; ++c) to[3 * f + c] = Number(value.c[c]);
-    }
-    std::fill(to + 3 * fields.size(), to + kWidth, Number(0));
-  });
-
+void FormFactorRows::receive_packed(const RadiosityTable& radiosity, std::span<const Exchange> fields) const {
+  const Number* const table = radiosity.values<Number>();
   const auto half = [&](std::size_t k, double* sum) {
     const std::uint64_t begin = transport_.starts[k];
     const auto places = std::span(transport_.ends).subspan(begin, transport_.starts[k + 1] - begin);
@@ -96,21 +80,33 @@ void FormFactorRows::receive_packed(std::span<const Exchange> fields, const Spec
 }
 
 template <class Number>
-void FormFactorRows::receive_stored(std::span<const Exchange> fields, const SpectrumField* factor) const {
-  if (fields.size() == 1)
-    receive_packed<Number, 4>(fields, factor);
-  else if (fields.size() == 2)
-    receive_packed<Number, 8>(fields, factor);
+void FormFactorRows::receive_stored(const RadiosityTable& table, std::span<const Exchange> fields) const {
+  if (table.width() == 4)
+    receive_packed<Number, 4>(table, fields);
+  else if (table.width() == 8)
+    receive_packed<Number, 8>(table, fields);
   else
-    receive_packed<Number, 16>(fields, factor);
+    receive_packed<Number, 16>(table, fields);
+}
+
+void FormFactorRows::receive(const RadiosityTable& table, std::span<const Exchange> fields) const {
+  if (table.precision() == Precision::single)
+    receive_stored<float>(table, fields);
+  else
+    receive_stored<double>(table, fields);
 }
 
 void FormFactorRows::receive(std::span<const Exchange> fields, const SpectrumField* factor, Precision precision) const {
   if (fields.empty()) return;
-  if (precision == Precision::single)
-    receive_stored<float>(fields, factor);
-  else
-    receive_stored<double>(fields, factor);
+  const std::size_t given = fields[0].radiosity->size();
+  RadiosityTable table(fields.size(), sky_ > 0 ? std::size_t(transport_.rows()) + std::size_t(sky_) : given, precision);
+  for_each_row(given, [&](std::size_t i) {
+    for (std::size_t f = 0; f < fields.size(); ++f) {
+      const Spectrum& value = (*fields[f].radiosity)[i];
+      table.set(f, i, factor ? value * (*factor)[i] : value);
+    }
+  });
+  receive(table, fields);
 }
 
 void FormFactorRows::receive(const SpectrumField& radiosity, SpectrumField& irradiance) const {

@@ -4,15 +4,14 @@
 #include <vector>
 
 #include "pipeline/model/transport.h"
-#include "solver/spectrum.h"
+#include "solver/radiosity_table.h"
 
 namespace patchlight {
 
 /// Rows of form factors as a linear operator from radiosity to irradiance, both W/m2.
 class FormFactorRows {
  public:
-  /// How radiosity is kept while rows gather it; sums are in double precision always.
-  enum class Precision { single, full };
+  using Precision = RadiosityTable::Precision;
 
   /// What a linear system's tolerance asks for.
   static Precision precision_for(double tolerance) { return tolerance < 1e-5 ? Precision::full : Precision::single; }
@@ -24,15 +23,16 @@ class FormFactorRows {
     SpectrumField* deviation = nullptr;        ///< [rows], if asked for: half the difference of a row's halves.
   };
 
-  /// Fields that one pass over the rows can gather: what a pass costs is to come by an element at all.
-  static constexpr int kSideBySide = 5;
-
   /// `sky`: cells of the environment, behind as many elements as there are rows, that rows may end on; 0: rows end on
   /// what fields have alone.
   explicit FormFactorRows(const TransportRows& rows, int sky = 0);
 
-  /// What rows receive of up to kSideBySide fields, each of them times `factor` [elements] if there is one. Fields may
-  /// leave out the environment, which is black then.
+  /// What rows receive of a table's fields, one for each of `fields`, whose own radiosity is not read. Sums are in
+  /// double precision always.
+  void receive(const RadiosityTable& table, std::span<const Exchange> fields) const;
+
+  /// What rows receive of up to RadiosityTable::kMostFields fields, each of them times `factor` [elements] if there is
+  /// one. Fields may leave out the environment, which is black then.
   void receive(std::span<const Exchange> fields, const SpectrumField* factor, Precision precision) const;
 
   /// What rows receive of `radiosity`, in full precision.
@@ -47,10 +47,10 @@ class FormFactorRows {
 
  private:
   template <class Number, int kWidth>
-  void receive_packed(std::span<const Exchange> fields, const SpectrumField* factor) const;
+  void receive_packed(const RadiosityTable& table, std::span<const Exchange> fields) const;
 
   template <class Number>
-  void receive_stored(std::span<const Exchange> fields, const SpectrumField* factor) const;
+  void receive_stored(const RadiosityTable& table, std::span<const Exchange> fields) const;
 
   const TransportRows& transport_;
   const int sky_;

@@ -13,7 +13,7 @@ namespace {
 constexpr std::array<int, 6> kWidths{1, 5, 7, 9, 13, 19};  // windows along either side of a grid
 
 /// Weights of a window's values in the value, at each of its places, of the parabola that fits them best: [m][m].
-std::vector<double> projection(int m) {
+std::vector<double> find_projection(int m) {
   std::vector<std::vector<double>> basis;
   for (int degree = 0; degree < std::min(m, 3); ++degree) {
     std::vector<double> q(m);
@@ -35,11 +35,21 @@ std::vector<double> projection(int m) {
   return weights;
 }
 
+/// The same, found once for each size of window.
+const std::vector<double>& projection(int m) {
+  static const auto all = [] {
+    std::array<std::vector<double>, kWidths.back() + 1> found;
+    for (int k = 1; k <= kWidths.back(); ++k) found[k] = find_projection(k);
+    return found;
+  }();
+  return all[m];
+}
+
 /// Smooths along one side of a grid of `lines` lines of `cells` values, `step` apart.
 void smooth_lines(const SpectrumField& from, SpectrumField& to, int lines, int line_step, int cells, int step,
                   int width) {
   const int m = std::min(width, cells);
-  const std::vector<double> weights = projection(m);
+  const std::vector<double>& weights = projection(m);
   for (int line = 0; line < lines; ++line)
     for (int i = 0; i < cells; ++i) {
       const int start = std::clamp(i - m / 2, 0, cells - m);

@@ -28,14 +28,15 @@ bool is_black(const SpectrumField& field) {
   return std::all_of(field.begin(), field.end(), [](const Spectrum& value) { return value.sum() == 0; });
 }
 
-/// One source's system on its way. Between the steps stands the product of F: v of p, t of s.
+/// One source's system on its way. Between the steps stands the product of F: v of p, t of the residual, which is the
+/// paper's s halfway.
 class BiCgStab {
  public:
-  SpectrumField p, v, s, t;
+  SpectrumField p, v, r, t;
   LinearSolve result;
 
   BiCgStab(const std::vector<double>& areas, const SpectrumField& source, SpectrumField& x)
-      : p(areas.size()), v(p), s(p), t(p), areas_(areas), x_(x), r_(source) {
+      : p(areas.size()), v(p), r(source), t(p), areas_(areas), x_(x) {
     source_square_ = sums_over_rows<1>(areas.size(),
                                        [&](std::size_t i) { return std::array{weighted(source[i], source[i], i)}; })[0];
   }
@@ -44,25 +45,25 @@ class BiCgStab {
 
   /// Before the first step; `p` holds x, `v` F of it, if it has a start.
   void begin(bool started) {
-    if (started) for_each_row(size(), [&](std::size_t i) { r_[i] -= x_[i] - v[i]; });
-    shadow_ = p = r_;
+    if (started) for_each_row(size(), [&](std::size_t i) { r[i] -= x_[i] - v[i]; });
+    shadow_ = p = r;
     rho_ = r_square_ = shadow_square_ =
-        sums_over_rows<1>(size(), [&](std::size_t i) { return std::array{weighted(r_[i], r_[i], i)}; })[0];
+        sums_over_rows<1>(size(), [&](std::size_t i) { return std::array{weighted(r[i], r[i], i)}; })[0];
     note(worst(r_square_, source_square_));
   }
 
-  /// From v = F p to s; true if that is near enough already.
+  /// From v = F p to the residual halfway; true if that is near enough already.
   bool first_half(double tolerance) {
     const auto [shadow_v] = sums_over_rows<1>(size(), [&](std::size_t i) {
       v[i] = p[i] - v[i];
       return std::array{weighted(shadow_[i], v[i], i)};
     });
     alpha_ = ratio(rho_, shadow_v);
-    const auto [s_square] = sums_over_rows<1>(size(), [&](std::size_t i) {
-      s[i] = r_[i] - alpha_ * v[i];
-      return std::array{weighted(s[i], s[i], i)};
+    const auto [square] = sums_over_rows<1>(size(), [&](std::size_t i) {
+      r[i] -= alpha_ * v[i];
+      return std::array{weighted(r[i], r[i], i)};
     });
-    const double halfway = worst(s_square, source_square_);
+    const double halfway = worst(square, source_square_);
     if (halfway > tolerance) return false;
     for_each_row(size(), [&](std::size_t i) { x_[i] += alpha_ * p[i]; });
     ++result.iterations;
@@ -70,17 +71,17 @@ class BiCgStab {
     return true;
   }
 
-  /// From t = F s to the next p.
+  /// From t = F r to the next p.
   void second_half() {
-    const auto [t_s, t_square] = sums_over_rows<2>(size(), [&](std::size_t i) {
-      t[i] = s[i] - t[i];
-      return std::array{weighted(t[i], s[i], i), weighted(t[i], t[i], i)};
+    const auto [t_r, t_square] = sums_over_rows<2>(size(), [&](std::size_t i) {
+      t[i] = r[i] - t[i];
+      return std::array{weighted(t[i], r[i], i), weighted(t[i], t[i], i)};
     });
-    const Spectrum omega = ratio(t_s, t_square);
+    const Spectrum omega = ratio(t_r, t_square);
     const auto [rho_next, r_square] = sums_over_rows<2>(size(), [&](std::size_t i) {
-      x_[i] += alpha_ * p[i] + omega * s[i];
-      r_[i] = s[i] - omega * t[i];
-      return std::array{weighted(shadow_[i], r_[i], i), weighted(r_[i], r_[i], i)};
+      x_[i] += alpha_ * p[i] + omega * r[i];
+      r[i] -= omega * t[i];
+      return std::array{weighted(shadow_[i], r[i], i), weighted(r[i], r[i], i)};
     });
     const Spectrum beta = ratio(rho_next, rho_) * ratio(alpha_, omega);
     rho_ = rho_next;
@@ -88,10 +89,10 @@ class BiCgStab {
     ++result.iterations;
     note(worst(r_square_, source_square_));
     if (is_breakdown()) {
-      shadow_ = p = r_;
+      shadow_ = p = r;
       rho_ = shadow_square_ = r_square_;
     } else {
-      for_each_row(size(), [&](std::size_t i) { p[i] = r_[i] + beta * (p[i] - omega * v[i]); });
+      for_each_row(size(), [&](std::size_t i) { p[i] = r[i] + beta * (p[i] - omega * v[i]); });
     }
   }
 
@@ -114,7 +115,7 @@ class BiCgStab {
 
   const std::vector<double>& areas_;
   SpectrumField& x_;
-  SpectrumField r_, shadow_;
+  SpectrumField shadow_;
   Spectrum source_square_, rho_, r_square_, shadow_square_, alpha_;
 };
 
@@ -168,7 +169,7 @@ std::vector<LinearSolve> solve_irradiance(const FormFactorRows& rows, const Spec
     step(residual);
     apply(&BiCgStab::p, &BiCgStab::v);
     std::erase_if(active, [&](BiCgStab* system) { return system->first_half(tolerance); });
-    apply(&BiCgStab::s, &BiCgStab::t);
+    apply(&BiCgStab::r, &BiCgStab::t);
     for (BiCgStab* system : active) system->second_half();
   }
   std::vector<LinearSolve> results;

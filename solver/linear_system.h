@@ -19,7 +19,7 @@ struct LinearSolve {
 };
 
 /// Solves x = source + F (reflectance x) for the irradiance x of each source by BiCGSTAB (van der Vorst 1992), all
-/// channels and up to FormFactorRows::kSideBySide sources side by side, in the inner product weighted by `areas`.
+/// channels and up to RadiosityTable::kMostFields sources side by side, in the inner product weighted by `areas`.
 /// Starts from the x given. `step` is called with the worst residual before each iteration.
 /// The same for any number of threads, and whatever stands beside a source.
 std::vector<LinearSolve> solve_irradiance(const FormFactorRows& rows, const SpectrumField& reflectance,

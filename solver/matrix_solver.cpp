@@ -43,14 +43,20 @@ struct System {
 
 /// Irradiance of one light group, and how far half the samples are from it.
 struct GroupSolution {
-  SpectrumField apart, by_rows;  ///< Straight from emitters, sampled apart and not.
-  SpectrumField by_mirrors;      ///< From emitters by way of mirrors.
-  SpectrumField by_photons;      ///< The part of it that photons brought, of emitters sampled apart; empty: none.
-  SpectrumField reflected;       ///< From what patches reflect.
-  SpectrumField apart_deviation, by_rows_deviation, by_mirrors_deviation, reflected_deviation;
+  SpectrumField apart;       ///< Straight from emitters that are sampled apart.
+  SpectrumField by_rows;     ///< Straight from others; empty: none.
+  SpectrumField by_mirrors;  ///< From emitters by way of mirrors; empty: none.
+  SpectrumField by_photons;  ///< The part of it that photons brought, of emitters sampled apart; empty: none.
+  SpectrumField reflected;   ///< From what patches reflect.
+  SpectrumField apart_deviation, by_rows_deviation, by_mirrors_deviation, reflected_deviation;  ///< As those are.
   SpectrumField from_outside;  ///< What no patch sends: of lights and the environment; empty: none.
   bool sky = false;            ///< Whether it holds the light of the environment, by the rows.
   LinearSolve linear;
+
+  void expect_mirrors(std::size_t patches) {
+    by_mirrors.resize(patches);
+    by_mirrors_deviation.resize(patches);
+  }
 
   /// `factors`: of both halves of each patch.
   template <class Factor>
@@ -87,6 +93,10 @@ Emission emission_of(const System& system, std::int32_t group) {
   return emission;
 }
 
+void add(const SpectrumField& field, SpectrumField& sum) {
+  for (std::size_t i = 0; i < field.size(); ++i) sum[i] += field[i];
+}
+
 bool is_black(const SpectrumField& field) {
   return std::all_of(field.begin(), field.end(), [](const Spectrum& s) { return s.sum() == 0; });
 }
@@ -111,12 +121,16 @@ void add_rows(const System& system, const Emission& emission, GroupSolution& sol
   const std::size_t n = system.areas.size();
   if (is_black(emission.others)) return;
   solution.by_rows.resize(n);
+  solution.by_rows_deviation.resize(n);
   const Exchange field{&emission.others, &solution.by_rows, &solution.by_rows_deviation};
   system.rows.receive({&field, 1}, nullptr, FormFactorRows::Precision::full);
-  system.rows.receive_mirrored(emission.others, solution.by_mirrors, solution.by_mirrors_deviation);
-  for (std::size_t i = 0; i < n; ++i) {
-    solution.by_rows[i] -= solution.by_mirrors[i];
-    solution.by_rows_deviation[i] -= solution.by_mirrors_deviation[i];
+  if (!system.transport.mirrored.empty()) {
+    solution.expect_mirrors(n);
+    system.rows.receive_mirrored(emission.others, solution.by_mirrors, solution.by_mirrors_deviation);
+    for (std::size_t i = 0; i < n; ++i) {
+      solution.by_rows[i] -= solution.by_mirrors[i];
+      solution.by_rows_deviation[i] -= solution.by_mirrors_deviation[i];
+    }
   }
   if (emission.others.size() == n) return;
   solution.sky = true;
@@ -135,6 +149,7 @@ void add_photons(const System& system, const Emission& emission, GroupSolution& 
     const Spectrum exitance = emission.apart[k];
     if (emitter.mirrored.empty() || exitance.sum() == 0) continue;
     solution.by_photons.resize(n);
+    solution.expect_mirrors(n);
     for (std::size_t i = 0; i < n; ++i) {
       const Spectrum a(emitter.mirrored[2 * i]), b(emitter.mirrored[2 * i + 1]);
       const Spectrum received = exitance * (a + b) * Spectrum(0.5);
@@ -150,8 +165,7 @@ void add_photons(const System& system, const Emission& emission, GroupSolution& 
 GroupSolution emitted_light(const System& system, std::int32_t group) {
   const Emission emission = emission_of(system, group);
   GroupSolution solution;
-  for (auto* field : {&solution.apart, &solution.by_mirrors, &solution.reflected, &solution.apart_deviation,
-                      &solution.by_rows_deviation, &solution.by_mirrors_deviation, &solution.reflected_deviation})
+  for (auto* field : {&solution.apart, &solution.apart_deviation, &solution.reflected, &solution.reflected_deviation})
     field->resize(system.areas.size());
   add_emitters(system, emission, solution);
   add_rows(system, emission, solution);
@@ -164,16 +178,11 @@ void add_reflected_light(const System& system, std::span<GroupSolution> groups, 
   const std::size_t n = system.areas.size();
   const auto precision = FormFactorRows::precision_for(tolerance);
   std::vector<SpectrumField> sent, sources(groups.size(), SpectrumField(n)), indirect(sources);
-  for (const GroupSolution& group : groups) {
-    SpectrumField& direct = sent.emplace_back(group.apart);
-    if (!group.by_rows.empty())
-      for (std::size_t i = 0; i < n; ++i) direct[i] += group.by_rows[i];
-  }
+  for (const GroupSolution& group : groups) add(group.by_rows, sent.emplace_back(group.apart));
   std::vector<Exchange> fields;
   for (std::size_t g = 0; g < groups.size(); ++g) fields.push_back({&sent[g], &sources[g]});
   system.rows.receive(fields, &system.reflectance, precision);
-  for (std::size_t g = 0; g < groups.size(); ++g)
-    for (std::size_t i = 0; i < n; ++i) sources[g][i] += groups[g].by_mirrors[i];
+  for (std::size_t g = 0; g < groups.size(); ++g) add(groups[g].by_mirrors, sources[g]);
 
   std::vector<LinearSolve> solves =
       solve_irradiance(system.rows, system.reflectance, system.areas, sources, tolerance, kMostIterations, indirect,
@@ -184,7 +193,7 @@ void add_reflected_light(const System& system, std::span<GroupSolution> groups, 
 
   // One more pass, whose halves tell their deviation.
   for (std::size_t g = 0; g < groups.size(); ++g) {
-    for (std::size_t i = 0; i < n; ++i) sent[g][i] += indirect[g][i];
+    add(indirect[g], sent[g]);
     fields[g] = {&sent[g], &groups[g].reflected, &groups[g].reflected_deviation};
     groups[g].linear = std::move(solves[g]);
   }
@@ -209,13 +218,12 @@ EnergyField solve_matrix(const PatchSet& scene, const SolveConfig& config, int r
   const std::size_t n = system.areas.size();
   std::vector<GroupSolution> groups;
   for (std::size_t g = 0; g < scene.light_groups.size(); ++g) groups.push_back(emitted_light(system, std::int32_t(g)));
-  for (std::size_t g = 0; g < groups.size(); g += FormFactorRows::kSideBySide)
-    add_reflected_light(
-        system,
-        std::span(groups).subspan(g).first(std::min<std::size_t>(groups.size() - g, FormFactorRows::kSideBySide)),
-        config.tolerance, progress);
-  SpectrumField reflected(n), reflected_deviation(n), by_mirrors(n), by_mirrors_deviation(n);
-  SpectrumField by_sky(n), by_sky_deviation(n), from_outside(n);
+  for (std::size_t g = 0; g < groups.size(); g += RadiosityTable::kMostFields)
+    add_reflected_light(system,
+                        std::span(groups).subspan(g).first(std::min(groups.size() - g, RadiosityTable::kMostFields)),
+                        config.tolerance, progress);
+  SpectrumField reflected(n), reflected_deviation(n), from_outside(n);
+  SpectrumField by_mirrors, by_mirrors_deviation, by_sky, by_sky_deviation;
   for (std::size_t g = 0; g < groups.size(); ++g) {
     const GroupSolution& group = groups[g];
     energy.iterations += group.linear.iterations;
@@ -223,13 +231,15 @@ EnergyField solve_matrix(const PatchSet& scene, const SolveConfig& config, int r
     energy.residual = std::max(energy.residual, group.linear.residual);
     if (group.linear.residual > config.tolerance)
       warn_of_residual(scene.light_groups[g], group.linear, config, progress);
-    for (std::size_t i = 0; i < n; ++i) {
-      reflected[i] += group.reflected[i];
-      reflected_deviation[i] += group.reflected_deviation[i];
-      by_mirrors[i] += group.by_mirrors[i];
-      by_mirrors_deviation[i] += group.by_mirrors_deviation[i];
+    add(group.reflected, reflected);
+    add(group.reflected_deviation, reflected_deviation);
+    add(group.from_outside, from_outside);
+    if (!group.by_mirrors.empty()) {
+      by_mirrors.resize(n);
+      by_mirrors_deviation.resize(n);
+      add(group.by_mirrors, by_mirrors);
+      add(group.by_mirrors_deviation, by_mirrors_deviation);
     }
-    for (std::size_t i = 0; i < group.from_outside.size(); ++i) from_outside[i] += group.from_outside[i];
     if (!group.sky) continue;
     by_sky = group.by_rows;
     by_sky_deviation = group.by_rows_deviation;
@@ -238,34 +248,35 @@ EnergyField solve_matrix(const PatchSet& scene, const SolveConfig& config, int r
   const PatchLookup lookup(scene);
   const IrradianceFilter filter(lookup, scene.primitives.size(), reflected, reflected_deviation, system.reflectance,
                                 reflected);
-  const IrradianceFilter mirror_filter(lookup, scene.primitives.size(), by_mirrors, by_mirrors_deviation,
-                                       system.reflectance, reflected);
+  std::optional<IrradianceFilter> mirror_filter, sky_filter;
   SampledSolution all{SpectrumField(n), SpectrumField(n), {{&filter, reflected_deviation}}, energy.residual};
-  if (!is_black(by_mirrors)) all.filtered.push_back({&mirror_filter, by_mirrors_deviation});
-  std::optional<IrradianceFilter> sky_filter;
-  if (scene.environment) {
+  if (!is_black(by_mirrors)) {
+    mirror_filter.emplace(lookup, scene.primitives.size(), by_mirrors, by_mirrors_deviation, system.reflectance,
+                          reflected);
+    all.filtered.push_back({&*mirror_filter, by_mirrors_deviation});
+  }
+  if (!by_sky.empty()) {
     sky_filter.emplace(lookup, scene.primitives.size(), by_sky, by_sky_deviation, system.reflectance, by_sky);
     all.filtered.push_back({&*sky_filter, by_sky_deviation});
   }
   for (std::size_t g = 0; g < groups.size(); ++g) {
-    GroupSolution& solution = groups[g];
+    GroupSolution solution = std::move(groups[g]);
     if (solution.sky) {
       solution.by_rows = sky_filter->apply(solution.by_rows);
-      solution.by_rows_deviation.assign(n, Spectrum());
+      solution.by_rows_deviation.clear();
     }
-    SpectrumField direct = solution.apart, indirect = filter.apply(solution.reflected);
-    by_mirrors = mirror_filter.apply(solution.by_mirrors);
-    for (std::size_t i = 0; i < n; ++i) {
-      if (!solution.by_rows.empty()) direct[i] += solution.by_rows[i];
-      indirect[i] += by_mirrors[i];
-      all.irradiance[i] += direct[i] + indirect[i];
-      all.deviation[i] += solution.by_rows_deviation[i] + solution.apart_deviation[i];
-    }
+    SpectrumField direct = std::move(solution.apart), indirect = filter.apply(solution.reflected);
+    add(solution.by_rows, direct);
+    if (mirror_filter && !solution.by_mirrors.empty()) add(mirror_filter->apply(solution.by_mirrors), indirect);
+    add(direct, all.irradiance);
+    add(indirect, all.irradiance);
+    add(solution.by_rows_deviation, all.deviation);
+    add(solution.apart_deviation, all.deviation);
     const std::string& name = scene.light_groups[g];
     energy.groups.push_back(
         {name, to_colors(direct, name), to_colors(indirect, name), to_colors(solution.by_rows, name)});
-    if (!solution.by_photons.empty())
-      energy.groups.back().by_photons = to_colors(mirror_filter.apply(solution.by_photons), name);
+    if (mirror_filter && !solution.by_photons.empty())
+      energy.groups.back().by_photons = to_colors(mirror_filter->apply(solution.by_photons), name);
   }
   energy.estimate = estimate_error(scene, system.rows, system.reflectance, system.areas, all);
   const std::vector<double> exposed = exposed_areas(scene, transport);

@@ -19,7 +19,7 @@ namespace {
 // Raised whenever a stage computes something else from the same inputs.
 constexpr int kImportVersion = 4;
 constexpr int kTransportKeyVersion = 15;
-constexpr int kSolveVersion = 15;
+constexpr int kSolveVersion = 16;
 constexpr int kTraceVersion = 7;
 
 XXH3_state_t* state_of(void* state) {

@@ -122,24 +122,29 @@ std::array<Patch, 4> quarters(const PatchSet& scene, const Patch& p) {
           part_of(scene, p, u, v, p.u1, p.v1)};
 }
 
-std::vector<Patch> leaf_patches(const PatchSet& scene, const DisplayMesh& mesh) {
-  std::vector<Patch> parts(mesh.cells.size()), leaves(mesh.elements);
-  for (std::size_t i = 0; i < mesh.roots.size(); ++i)
-    if (mesh.roots[i] >= 0) parts[mesh.roots[i]] = scene.patches[i];
-  for (std::size_t i = 0; i < mesh.cells.size(); ++i) {
+void for_each_leaf(const PatchSet& scene, const DisplayMesh& mesh, std::size_t patch,
+                   const std::function<void(std::int32_t, const Patch&)>& act) {
+  const auto visit = [&](const auto& self, std::int32_t i, const Patch& part) -> void {
     const DisplayMesh::Cell& cell = mesh.cells[i];
     if (cell.children >= 0) {
-      const std::array<Patch, 4> parts_of_cell = quarters(scene, parts[i]);
-      std::copy(parts_of_cell.begin(), parts_of_cell.end(), parts.begin() + cell.children);
+      const std::array<Patch, 4> parts = quarters(scene, part);
+      for (int k = 0; k < 4; ++k) self(self, cell.children + k, parts[k]);
     } else if (!cell.cut) {
-      leaves[cell.leaf] = parts[i];
+      act(cell.leaf, part);
     } else {
       for (int k = 0; k < 4; ++k) {
         const DisplayMesh::Vertex& at = mesh.vertices[cell.corners[k]];
-        leaves[cell.leaf + k] = part_of(scene, parts[i], at.u, at.v, at.u, at.v);
+        act(cell.leaf + k, part_of(scene, part, at.u, at.v, at.u, at.v));
       }
     }
-  }
+  };
+  if (mesh.roots[patch] >= 0) visit(visit, mesh.roots[patch], scene.patches[patch]);
+}
+
+std::vector<Patch> leaf_patches(const PatchSet& scene, const DisplayMesh& mesh) {
+  std::vector<Patch> leaves(mesh.elements);
+  for (std::size_t i = 0; i < mesh.roots.size(); ++i)
+    for_each_leaf(scene, mesh, i, [&](std::int32_t element, const Patch& leaf) { leaves[element] = leaf; });
   return leaves;
 }
 

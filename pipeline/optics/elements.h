@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -64,8 +65,12 @@ Patch part_of(const PatchSet& scene, const Patch& patch, float u0, float v0, flo
 /// The quarters of a patch, in rows of growing u.
 std::array<Patch, 4> quarters(const PatchSet& scene, const Patch& patch);
 
-/// The elements of leaves as patches of their own, with the colours of the patches that they are parts of; corners are
-/// of no size. Shape: [mesh.elements].
+/// Calls act(element, part) for the elements of one patch's leaves as patches of their own, with the patch's colours;
+/// corners are of no size.
+void for_each_leaf(const PatchSet& scene, const DisplayMesh& mesh, std::size_t patch,
+                   const std::function<void(std::int32_t, const Patch&)>& act);
+
+/// All elements of leaves as patches of their own. Shape: [mesh.elements].
 std::vector<Patch> leaf_patches(const PatchSet& scene, const DisplayMesh& mesh);
 
 }  // namespace patchlight

@@ -103,7 +103,7 @@ TEST(LinearSystem, SourcesSideBySideAreSolvedAsAlone) {
   const std::vector<double> areas(kPatches, 0.5);
   for (const double tolerance : {1e-4, 1e-9}) {
     std::vector<SpectrumField> sources, together;
-    for (int k = 0; k < FormFactorRows::kSideBySide; ++k) {
+    for (int k = 0; k < int(RadiosityTable::kMostFields); ++k) {
       SpectrumField& source = sources.emplace_back(random_field(0.0f, 2.0f));
       for (int i = 0; i < 7 * k; ++i) source[i] = Spectrum();  // of other numbers of iterations
       together.emplace_back(kPatches);
