@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "pipeline/driver/bench_report.h"
+#include "pipeline/files/temporary_file.h"
 #include "pipeline/model/error.h"
 
 namespace patchlight {

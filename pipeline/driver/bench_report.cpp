@@ -137,17 +137,6 @@ std::vector<bool> on_pareto_front(const std::vector<Measurement>& measurements) 
   return result;
 }
 
-void write_text(const std::filesystem::path& file, const std::string& text) {
-  TemporaryFile temporary(file);
-  std::ofstream stream(temporary.path(), std::ios::binary);
-  if (!stream)
-    throw Error(ExitCode::cannot_create, "cannot create the file", file.string(), "check that its folder is writable");
-  stream << text;
-  stream.close();
-  if (!stream) throw Error(ExitCode::io_error, "cannot write the file", file.string(), "check the space on the disk");
-  temporary.commit();
-}
-
 void write_report(const Job& job, const CommonOptions& common, const Reference& reference,
                   const std::vector<Measurement>& measurements) {
   const std::vector<bool> pareto = on_pareto_front(measurements);

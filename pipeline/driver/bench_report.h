@@ -15,9 +15,6 @@ std::vector<bool> on_pareto_front(const std::vector<Measurement>& measurements);
 void write_report(const Job& job, const CommonOptions& common, const Reference& reference,
                   const std::vector<Measurement>& measurements);
 
-/// Writes a whole text file, or leaves the one that stands there. Throws: Error (cannot_create, io_error).
-void write_text(const std::filesystem::path& file, const std::string& text);
-
 /// Needs gnuplot. Throws: Error (unavailable) without it.
 void check_gnuplot();
 

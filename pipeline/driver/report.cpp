@@ -12,6 +12,7 @@
 #include "pipeline/files/frame_list.h"
 #include "pipeline/files/image_file.h"
 #include "pipeline/files/patch_file.h"
+#include "pipeline/files/temporary_file.h"
 #include "pipeline/model/error.h"
 
 namespace patchlight {

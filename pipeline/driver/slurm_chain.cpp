@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <csignal>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -24,9 +26,10 @@ constexpr int kUnseen = 2, kLate = 60;     // answers: what a task that did well
 
 /// Whether a task did not end by itself.
 bool is_killed(int exit_code) {
-  constexpr int kHangup = 129, kInterrupt = 130, kKill = 137, kTerminate = 143;
-  return exit_code == int(ExitCode::interrupted) || exit_code == kHangup || exit_code == kInterrupt ||
-         exit_code == kKill || exit_code == kTerminate;
+  constexpr int kBySignal = 128;  // and more, as a shell tells it
+  constexpr std::array kSignals{SIGHUP, SIGINT, SIGKILL, SIGTERM};
+  return exit_code == int(ExitCode::interrupted) ||
+         std::find(kSignals.begin(), kSignals.end(), exit_code - kBySignal) != kSignals.end();
 }
 
 /// Of the contract, whatever a shell makes of it.
@@ -37,18 +40,14 @@ ExitCode contract_code(int exit_code) {
                                                                                      : ExitCode::internal;
 }
 
-void write_text(const std::filesystem::path& file, const std::string& text) {
-  TemporaryFile temporary(file);
-  std::ofstream stream(temporary.path(), std::ios::binary);
-  if (!(stream << text).flush())
-    throw Error(ExitCode::io_error, "cannot write the file", file.string(), "check the disk and its permissions");
-  temporary.commit();
-}
-
 }  // namespace
 
 bool SlurmChain::Stage::done() const {
   return std::all_of(tasks.begin(), tasks.end(), [](const Task& task) { return task.done; });
+}
+
+bool SlurmChain::Stage::submitted() const {
+  return std::all_of(tasks.begin(), tasks.end(), [](const Task& task) { return task.done || !task.job.empty(); });
 }
 
 void SlurmChain::run(const std::vector<SlurmStage>& stages, const Done& done) {
@@ -95,6 +94,32 @@ void SlurmChain::submit_from(std::size_t first) {
   }
 }
 
+/// Has done again what the stage under way has lost, and what was to come after.
+void SlurmChain::submit_again() {
+  const Clock::time_point now = Clock::now();
+  if (!stages_[front_].submitted()) {
+    std::vector<std::string> later;
+    for (std::size_t i = front_ + 1; i < stages_.size(); ++i)
+      for (Task& task : stages_[i].tasks) {
+        if (!task.job.empty() && std::find(later.begin(), later.end(), task.job) == later.end())
+          later.push_back(task.job);
+        task.job.clear();
+      }
+    client_.cancel(later);
+  }
+  if (refused_ && now - asked_to_submit_ < kAsk) return;
+  asked_to_submit_ = now;
+  try {
+    submit_from(front_);
+    refused_.reset();
+  } catch (const Error& error) {  // Slurm may be restarting
+    if (error.code() != ExitCode::unavailable || (refused_ && now - *refused_ > kMostSilence)) throw;
+    if (refused_) return;
+    refused_ = now;
+    progress_.warning(fmt::format("{}: tried again for ten minutes", error.what()));
+  }
+}
+
 /// Looks at what tasks have written. Returns false when all is done.
 bool SlurmChain::advance(const Done& done) {
   Progress::check_interrupted();
@@ -113,16 +138,9 @@ bool SlurmChain::advance(const Done& done) {
   }
   const bool doubt = std::any_of(stage.tasks.begin(), stage.tasks.end(), [](const Task& t) { return t.unseen > 0; });
   if (Clock::now() - asked_ > (doubt ? kAskAgain : kAsk)) ask_slurm(stage);
-  if (std::any_of(stage.tasks.begin(), stage.tasks.end(), [](const Task& t) { return !t.done && t.job.empty(); })) {
-    std::vector<std::string> later;
-    for (std::size_t i = front_ + 1; i < stages_.size(); ++i)
-      for (Task& task : stages_[i].tasks) {
-        if (std::find(later.begin(), later.end(), task.job) == later.end()) later.push_back(task.job);
-        task.job.clear();
-      }
-    client_.cancel(later);  // what was to come after the lost task
-    submit_from(front_);
-  }
+  if (!std::all_of(stages_.begin() + std::ptrdiff_t(front_), stages_.end(),
+                   [](const Stage& each) { return each.submitted(); }))
+    submit_again();
   show(stage);
   return true;
 }

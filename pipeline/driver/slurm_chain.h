@@ -2,6 +2,7 @@
 #include <chrono>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -52,9 +53,11 @@ class SlurmChain {
     std::vector<Task> tasks;
     bool is_array() const { return what.shards > 0; }
     bool done() const;
+    bool submitted() const;
   };
 
   void submit_from(std::size_t first);
+  void submit_again();
   bool advance(const Done& done);
   void look_at(Stage& stage, Task& task);
   void ask_slurm(Stage& stage);
@@ -71,9 +74,10 @@ class SlurmChain {
   Progress& progress_;
   std::vector<Stage> stages_;
   std::size_t front_ = 0;  ///< The stage that is under way.
-  Clock::time_point asked_{}, answered_{};
-  std::string waits_for_;           ///< What Slurm says that tasks wait for.
-  std::set<std::string> warnings_;  ///< That were passed on.
+  Clock::time_point asked_{}, answered_{}, asked_to_submit_{};
+  std::optional<Clock::time_point> refused_;  ///< Since when Slurm takes nothing more.
+  std::string waits_for_;                     ///< What Slurm says that tasks wait for.
+  std::set<std::string> warnings_;            ///< That were passed on.
 };
 
 }  // namespace patchlight

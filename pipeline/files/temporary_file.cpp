@@ -92,4 +92,15 @@ void TemporaryFile::commit() {
                 "check that the folder is writable");
 }
 
+void write_text(const fs::path& file, const std::string& text) {
+  TemporaryFile temporary(file);
+  std::ofstream stream(temporary.path(), std::ios::binary);
+  if (!stream)
+    throw Error(ExitCode::cannot_create, "cannot create the file", file.string(), "check that its folder is writable");
+  stream << text;
+  stream.close();
+  if (!stream) throw Error(ExitCode::io_error, "cannot write the file", file.string(), "check the space on the disk");
+  temporary.commit();
+}
+
 }  // namespace patchlight

@@ -1,5 +1,6 @@
 #pragma once
 #include <filesystem>
+#include <string>
 
 namespace patchlight {
 
@@ -24,5 +25,8 @@ class TemporaryFile {
   std::filesystem::path target_;
   std::filesystem::path path_;
 };
+
+/// Writes a text file whole or not at all. Throws: Error (cannot_create, io_error).
+void write_text(const std::filesystem::path& file, const std::string& text);
 
 }  // namespace patchlight

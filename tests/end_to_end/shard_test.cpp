@@ -126,6 +126,34 @@ TEST_F(Shards, NeedASlurmThatAnswers) {
   EXPECT_EQ(run_by_slurm("/nowhere").code, 0) << "all is up to date";
 }
 
+TEST_F(Shards, AreHandedToSlurmAgainWhereItLosesThemAndThenTakesNoneForAWhile) {
+  fs::create_directory(folder_ / "bin");
+  folder_.write("bin/sbatch", R"sh(#!/bin/sh
+cd "$(dirname "$0")"
+count=$(($(cat count 2>/dev/null || echo 0) + 1))
+echo $count >count
+for script; do :; done
+case $count in
+  2 | 3) echo $count ;; # the solve and the frames are never heard of again
+  4) echo 'Socket timed out' >&2; exit 1 ;;
+  *) SLURM_JOB_ID=$count SLURM_ARRAY_JOB_ID=$count SLURM_ARRAY_TASK_ID=1 sh "$script" && echo $count ;;
+esac
+)sh");
+  folder_.write("bin/scancel", "#!/bin/sh\necho \"$@\" >>\"$(dirname \"$0\")/cancelled\"\n");
+  folder_.write("bin/squeue", "#!/bin/sh\n");
+  for (const char* name : {"bin/sbatch", "bin/scancel", "bin/squeue"})
+    fs::permissions(folder_ / name, fs::perms::owner_all);
+  const Outcome outcome =
+      run_program(folder_, "patchlight", {"run", "job.yaml", "--set=executor=slurm", "--set=slurm.shards=1"},
+                  "PATH=" + (folder_ / "bin").string() + ":$PATH");
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("`solve` was lost"));
+  EXPECT_THAT(outcome.err, HasSubstr("Socket timed out"));
+  EXPECT_EQ(test::read_text(folder_ / "bin/count"), "6\n");
+  EXPECT_THAT(test::read_text(folder_ / "bin/cancelled"), HasSubstr("--quiet 3\n")) << "what came after the lost one";
+  EXPECT_EQ(run_program(folder_, "patchlight", {"status", "job.yaml"}).code, 0);
+}
+
 TEST_F(Shards, AreCleanedAway) {
   ASSERT_EQ(run("patchlight-import", {}).code, 0);
   ASSERT_EQ(solve({"--shard=1/2"}).code, 0);
