@@ -97,6 +97,7 @@ class Estimator {
   double draw(std::uint64_t index) const {
     const auto signs = [&](const SpectrumField& deviation, std::uint64_t which) {
       SpectrumField drawn;
+      drawn.reserve(areas_.size());
       for (std::size_t i = 0; i < areas_.size(); ++i)
         drawn.push_back(signed_by(deviation[i], scramble(scramble(index) + i) >> which & 1));
       return drawn;

@@ -6,6 +6,8 @@
 #include <array>
 #include <cmath>
 
+#include "pipeline/optics/vector_code.h"
+
 namespace patchlight {
 
 namespace {
@@ -46,8 +48,8 @@ const std::vector<double>& projection(int m) {
 }
 
 /// Smooths along one side of a grid of `lines` lines of `cells` values, `step` apart.
-void smooth_lines(const SpectrumField& from, SpectrumField& to, int lines, int line_step, int cells, int step,
-                  int width) {
+VECTOR_CODE void smooth_lines(const SpectrumField& from, SpectrumField& to, int lines, int line_step, int cells,
+                              int step, int width) {
   const int m = std::min(width, cells);
   const std::vector<double>& weights = projection(m);
   for (int line = 0; line < lines; ++line)
