@@ -1,10 +1,10 @@
-#include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 
 #include <map>
 #include <set>
 
 #include "tests/expect_error.h"
+#include "tests/importers/expect_color.h"
 #include "tests/importers/gltf_builder.h"
 
 namespace patchlight::test {
@@ -27,10 +27,6 @@ struct Imported {
 Imported imported(const Json& material, const Json& node = Json::object(),
                   const std::vector<MaterialOverride>& changes = {}) {
   return Imported(material, node, changes);
-}
-
-void expect_color(const Color& actual, const Vec3d& expected) {
-  for (int i = 0; i < 3; ++i) EXPECT_NEAR(actual[i], expected[i], 1e-6 * (1 + expected[i]));
 }
 
 MaterialOverride change(const std::string& pattern) {
@@ -242,190 +238,6 @@ TEST(Materials, JobCutsMaterialsAndNodesAsFineAsItSays) {
 TEST(Materials, PatternThatMatchesNothingIsWarnedOf) {
   EXPECT_THAT(imported({{"name", "wall"}}, {}, {change("wal")}).importer.messages(),
               ::testing::HasSubstr("materials.wal "));
-}
-
-/// A PNG of 2 x 1 texels.
-void write_png(const std::filesystem::path& file, const std::array<unsigned char, 6>& texels) {
-  const auto image = OIIO::ImageOutput::create(file.string());
-  ASSERT_TRUE(image && image->open(file.string(), OIIO::ImageSpec(2, 1, 3, OIIO::TypeDesc::UINT8)));
-  ASSERT_TRUE(image->write_image(OIIO::TypeDesc::UINT8, texels.data()));
-  image->close();
-}
-
-GltfBuilder textured(const std::string& slot, const std::string& uri) {
-  Json material{{"name", "tiles"},
-                {"pbrMetallicRoughness", {{"metallicFactor", slot == "metallicRoughnessTexture" ? 1 : 0}}}};
-  material["pbrMetallicRoughness"][slot] = {{"index", 0}};
-  GltfBuilder gltf = single_mesh(grid(1), material);
-  gltf.json["textures"] = {{{"source", 0}}};
-  gltf.json["images"] = {{{"uri", uri}}};
-  return gltf;
-}
-
-TEST(Materials, WithoutCoordinatesATextureCountsByItsLinearMean) {
-  Importer importer;
-  write_png(importer.folder / "tiles.png", {255, 0, 188, 0, 0, 188});
-  GltfBuilder gltf = textured("baseColorTexture", "tiles.png");
-  const PatchSet scene = importer.import(gltf);
-  const double grey = std::pow((188 / 255.0 + 0.055) / 1.055, 2.4);
-  EXPECT_NEAR(scene.patches[0].reflectance.x, 0.5, 1e-4);
-  EXPECT_NEAR(scene.patches[0].reflectance.y, 0.0, 1e-6);
-  EXPECT_NEAR(scene.patches[0].reflectance.z, grey, 1e-4);
-  ASSERT_EQ(scene.sources.size(), 2u);
-  EXPECT_EQ(scene.sources[1].path, "tiles.png");
-  EXPECT_EQ(scene.primitives[0].texture, -1);
-}
-
-/// The textured square with coordinates that span the image once, cut into two patches side by side.
-GltfBuilder mapped(const std::string& uri) {
-  GltfBuilder gltf = textured("baseColorTexture", uri);
-  gltf.primitive(0)["attributes"]["TEXCOORD_0"] =
-      gltf.accessor(std::vector<float>{0, 0, 1, 0, 0, 1, 1, 1}, 5126, "VEC2");
-  gltf.json["accessors"].back()["count"] = 4;
-  gltf.json["samplers"] = {{{"magFilter", 9728}, {"wrapS", 33071}, {"wrapT", 33648}}};
-  gltf.json["textures"][0]["sampler"] = 0;
-  return gltf;
-}
-
-TEST(Materials, PatchesTakeTheTextureWhereTheyLie) {
-  Importer importer;
-  importer.job.import.patch_area = 1.0 / 16;
-  write_png(importer.folder / "tiles.png", {255, 0, 188, 0, 0, 188});
-  GltfBuilder gltf = mapped("tiles.png");
-  gltf.json["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"] = {0.5, 1, 1, 1};
-  const PatchSet scene = importer.import(gltf);
-  ASSERT_EQ(scene.textures.size(), 1u);
-  EXPECT_EQ(scene.textures[0].texels, (std::vector<std::int32_t>{0xff00bc, 0x0000bc}));
-  EXPECT_EQ(scene.textures[0].wrap, (std::array{Texture::Wrap::clamp, Texture::Wrap::mirror}));
-  EXPECT_TRUE(scene.textures[0].nearest);
-  EXPECT_EQ(scene.primitives[0].texture, 0);
-  for (const Patch& patch : scene.patches) EXPECT_NEAR(patch.reflectance.x, patch.center.x < 0.5 ? 0.5 : 0.0, 1e-5);
-}
-
-TEST(Materials, TexturesLieByTheSetAndTheTransformThatTheyName) {
-  Importer importer;
-  write_png(importer.folder / "tiles.png", {255, 0, 188, 0, 0, 188});
-  GltfBuilder gltf = mapped("tiles.png");
-  gltf.primitive(0)["attributes"]["TEXCOORD_3"] =
-      gltf.accessor(std::vector<Vec2f>{{2, 0}, {3, 0}, {2, 1}, {3, 1}}, 5126, "VEC2");
-  Json& info = gltf.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"];
-  info["extensions"]["KHR_texture_transform"] = {
-      {"texCoord", 3}, {"offset", {0.5, 10}}, {"scale", {2, 4}}, {"rotation", kPi / 2}};
-  gltf.json["extensionsRequired"] = {"KHR_texture_transform"};
-  const PatchSet scene = importer.import(gltf);
-  ASSERT_EQ(scene.texcoords.size(), 1u);
-  for (std::size_t i = 0; i < 4; ++i) {
-    const Vec3d& corner = scene.primitives[0].corners[i];
-    // Scaled to (4 + 2x, 4y), turned counter-clockwise where v grows downwards to (4y, -4 - 2x), moved.
-    EXPECT_NEAR(scene.texcoords[0][i].x, 4 * corner.y + 0.5, 1e-5);
-    EXPECT_NEAR(scene.texcoords[0][i].y, -4 - 2 * corner.x + 10, 1e-5);
-  }
-  info["extensions"]["KHR_texture_transform"]["offset"] = {1};
-  EXPECT_ERROR(importer.import(gltf), ExitCode::bad_data, "offset");
-}
-
-TEST(Materials, ColoursOfVerticesTintThePatches) {
-  Importer importer;
-  importer.job.import.patch_area = 1.0 / 16;
-  GltfBuilder gltf = single_mesh(
-      grid(1), {{"pbrMetallicRoughness", {{"metallicFactor", 0}, {"baseColorFactor", {0.5, 0.5, 0.5, 1}}}}});
-  gltf.primitive(0)["attributes"]["COLOR_0"] = gltf.accessor(
-      std::vector<std::uint8_t>{0, 51, 102, 255, 255, 51, 102, 0, 0, 51, 204, 255, 255, 51, 204, 0}, 5121, "VEC4");
-  gltf.json["accessors"].back().update({{"count", 4}, {"normalized", true}});
-  const PatchSet scene = importer.import(gltf);
-  ASSERT_EQ(scene.primitives.size(), 1u);
-  for (const Patch& patch : scene.patches)
-    expect_color(patch.reflectance, Vec3d(patch.center.x, 0.2, 0.4 + 0.4 * patch.center.y) * 0.5);
-
-  importer.job.materials = {change("*")};
-  importer.job.materials[0].reflectance = Color(0.25f);
-  EXPECT_EQ(importer.import(gltf).patches[0].reflectance, Color(0.25f));
-  gltf.json["accessors"].back()["normalized"] = false;
-  EXPECT_ERROR(importer.import(gltf), ExitCode::bad_data, "COLOR_0 must be VEC3 or VEC4");
-}
-
-TEST(Materials, TrianglesOfUnlikeColoursStayApart) {
-  Importer importer;
-  Mesh square = grid(1);
-  square.positions = {square.positions[0], square.positions[1], square.positions[3],
-                      square.positions[0], square.positions[3], square.positions[2]};
-  square.indices.clear();
-  GltfBuilder gltf =
-      single_mesh(square, {{"pbrMetallicRoughness", {{"metallicFactor", 0}, {"baseColorFactor", {0.5, 0.5, 0.5, 1}}}}});
-  const Vec3f red(0.5f, 0, 0), blue(0, 0, 0.5f);
-  gltf.primitive(0)["attributes"]["COLOR_0"] =
-      gltf.accessor(std::vector{red, red, red, blue, blue, blue}, 5126, "VEC3");
-  const PatchSet scene = importer.import(gltf);
-  ASSERT_EQ(scene.primitives.size(), 2u);
-  for (const Patch& patch : scene.patches)
-    expect_color(patch.reflectance, Vec3d(patch.primitive == 0 ? red : blue) * 0.5);
-}
-
-TEST(Materials, AnOverriddenReflectanceHasNoTexture) {
-  Importer importer;
-  importer.job.materials = {change("tiles")};
-  importer.job.materials[0].reflectance = Color(0.25f);
-  write_png(importer.folder / "tiles.png", {255, 0, 188, 0, 0, 188});
-  GltfBuilder gltf = mapped("tiles.png");
-  const PatchSet scene = importer.import(gltf);
-  EXPECT_EQ(scene.primitives[0].texture, -1);
-  for (const Patch& patch : scene.patches) EXPECT_EQ(patch.reflectance, Color(0.25f));
-}
-
-TEST(Materials, TexturedBallsKeepTheirCoordinates) {
-  Importer importer;
-  write_png(importer.folder / "tiles.png", {255, 0, 188, 0, 0, 188});
-  const Mesh ball = uv_sphere(32, 16);
-  for (const bool mapped : {false, true}) {
-    GltfBuilder gltf = textured("baseColorTexture", "tiles.png");
-    gltf.json["nodes"][0]["mesh"] = gltf.mesh(ball, 0);
-    if (mapped)
-      gltf.primitive(1)["attributes"]["TEXCOORD_0"] =
-          gltf.accessor(std::vector<Vec2f>(ball.positions.size(), Vec2f(0.25f)), 5126, "VEC2");
-    const PatchSet scene = importer.import(gltf);
-    EXPECT_EQ(scene.primitives[0].shape, mapped ? Primitive::Shape::quad : Primitive::Shape::sphere);
-    EXPECT_EQ(scene.primitives[0].texture, mapped ? 0 : -1);
-  }
-}
-
-TEST(Materials, BrokenSamplersAreRefused) {
-  Importer importer;
-  write_png(importer.folder / "tiles.png", {255, 0, 188, 0, 0, 188});
-  GltfBuilder gltf = mapped("tiles.png");
-  gltf.json["textures"][0]["sampler"] = 1;
-  EXPECT_ERROR(importer.import(gltf), ExitCode::bad_data, "sampler");
-}
-
-TEST(Materials, MetallicRoughnessTextureIsLinear) {
-  Importer importer;
-  write_png(importer.folder / "finish.png", {0, 51, 102, 0, 51, 102});
-  GltfBuilder gltf = textured("metallicRoughnessTexture", "finish.png");
-  const PatchSet scene = importer.import(gltf);
-  expect_color(scene.materials[0].specular, {0.4, 0.4, 0.4});
-  EXPECT_NEAR(scene.materials[0].roughness, 0.2, 1e-5);
-}
-
-TEST(Materials, MissingTextureIsMissingInput) {
-  Importer importer;
-  GltfBuilder gltf = textured("baseColorTexture", "absent.png");
-  EXPECT_ERROR(importer.import(gltf), ExitCode::missing_input, "absent.png");
-}
-
-TEST(Materials, OtherAndDamagedImagesAreRefused) {
-  Importer importer;
-  importer.folder.write("image.exr", "\x76\x2f\x31\x01 an OpenEXR file");
-  importer.folder.write("image.jpg", "\xff\xd8\xff and then nothing");
-  for (const char* file : {"image.exr", "image.jpg"}) {
-    GltfBuilder gltf = textured("baseColorTexture", file);
-    EXPECT_ERROR(importer.import(gltf), ExitCode::bad_data, "images[0]");
-  }
-}
-
-TEST(Materials, TexturesOfUnusedMaterialsAreNotRead) {
-  Importer importer;
-  GltfBuilder gltf = textured("baseColorTexture", "absent.png");
-  gltf.primitive(0).erase("material");
-  EXPECT_EQ(importer.import(gltf).primitives.size(), 1u);
 }
 
 }  // namespace
