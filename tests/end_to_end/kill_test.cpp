@@ -1,18 +1,11 @@
-#include <fcntl.h>
 #include <gmock/gmock.h>
-#include <signal.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <chrono>
 #include <map>
 #include <random>
 #include <thread>
 
-#include "tests/end_to_end/program.h"
-
-extern char** environ;
+#include "tests/end_to_end/background_program.h"
 
 namespace patchlight::test {
 namespace {
@@ -25,33 +18,12 @@ class Kill : public ProgramTest {
  protected:
   void SetUp() override { small_job(folder_); }
 
-  /// Starts `patchlight run` with the job's output in `output`, as the leader of a process group of its own.
+  /// Starts `patchlight run` with the job's output in `output`.
   pid_t start(const std::string& output, const std::string& set = "solve.rays=1000") {
-    const std::string program = (fs::path(PATCHLIGHT_PROGRAMS) / "patchlight").string();
-    const std::string job = (folder_ / "job.yaml").string(), folder = (folder_ / output).string();
-    const std::string log = (folder_ / (output + ".log")).string();
-    std::vector<std::string> words{program,       "run", job, "--output=" + folder, "--set=import.patch_area=0.001",
-                                   "--set=" + set};
-    std::vector<char*> argv;
-    for (std::string& word : words) argv.push_back(word.data());
-    argv.push_back(nullptr);
-    posix_spawnattr_t group;
-    posix_spawnattr_init(&group);
-    posix_spawnattr_setflags(&group, POSIX_SPAWN_SETPGROUP);
-    posix_spawn_file_actions_t files;
-    posix_spawn_file_actions_init(&files);
-    posix_spawn_file_actions_addopen(&files, STDERR_FILENO, log.c_str(), O_CREAT | O_APPEND | O_WRONLY, 0600);
-    pid_t child = 0;
-    EXPECT_EQ(posix_spawn(&child, program.c_str(), &files, &group, argv.data(), environ), 0);
-    posix_spawn_file_actions_destroy(&files);
-    posix_spawnattr_destroy(&group);
-    return child;
-  }
-
-  int wait(pid_t child) {
-    int status = 0;
-    waitpid(child, &status, 0);
-    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    return start_program("patchlight",
+                         {"run", (folder_ / "job.yaml").string(), "--output=" + (folder_ / output).string(),
+                          "--set=import.patch_area=0.001", "--set=" + set},
+                         folder_ / (output + ".log"));
   }
 
   void expect_same_bits(const std::string& output) {
@@ -69,7 +41,7 @@ class Kill : public ProgramTest {
   /// Seconds that an undisturbed run takes, into `whole`.
   double run_whole() {
     const auto begin = Clock::now();
-    EXPECT_EQ(wait(start("whole")), 0);
+    EXPECT_EQ(wait_for(start("whole")), 0);
     return std::chrono::duration<double>(Clock::now() - begin).count();
   }
 };
@@ -87,8 +59,8 @@ TEST_F(Kill, AtTwentyMomentsLeavesWhatARerunMakesWhole) {
       kill(run, SIGKILL);  // the stage lives on
     else
       kill(-run, SIGKILL);
-    killed += wait(run) == 128 + SIGKILL;
-    EXPECT_EQ(wait(start(output)), 0) << read_text(folder_ / (output + ".log"));
+    killed += wait_for(run) == 128 + SIGKILL;
+    EXPECT_EQ(wait_for(start(output)), 0) << read_text(folder_ / (output + ".log"));
     expect_same_bits(output);
     fs::remove_all(folder_ / output);
   }
@@ -102,8 +74,8 @@ TEST_F(Kill, TwoRunsOfOneJobAtOnceDoNotHarmEachOther) {
     const pid_t first = start(output);
     std::this_thread::sleep_for(std::chrono::duration<double>(part * whole));
     const pid_t second = start(output);
-    EXPECT_EQ(wait(first), 0);
-    EXPECT_EQ(wait(second), 0);
+    EXPECT_EQ(wait_for(first), 0);
+    EXPECT_EQ(wait_for(second), 0);
     expect_same_bits(output);
     const std::string log = read_text(folder_ / (output + ".log"));
     EXPECT_THAT(log, HasSubstr("waits for another run in")) << "of which the other starts nothing";
@@ -120,9 +92,9 @@ TEST_F(Kill, RunsWithOtherSettingsInOneFolderEachGetWhatTheyAskFor) {
     const pid_t first = start(output);
     std::this_thread::sleep_for(std::chrono::duration<double>(part * whole));
     const pid_t second = start(output, "solve.rays=300");
-    EXPECT_EQ(wait(first), 0);
-    EXPECT_EQ(wait(second), 0);
-    EXPECT_EQ(wait(start(output)), 0);
+    EXPECT_EQ(wait_for(first), 0);
+    EXPECT_EQ(wait_for(second), 0);
+    EXPECT_EQ(wait_for(start(output)), 0);
     expect_same_bits(output);
   }
 }

@@ -15,6 +15,11 @@ using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
+/// Of a status that the system gives: 128 + n after signal n.
+inline int exit_code(int status) {
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
 /// What a program did.
 struct Outcome {
   int code = -1;  ///< Exit code; 128 + n after signal n.
@@ -36,8 +41,7 @@ inline Outcome run_program(const TemporaryFolder& folder, const std::string& pro
   for (const auto& argument : arguments) command += " " + quoted(argument);
   command += " >stdout.txt 2>stderr.txt </dev/null";
   const int status = std::system(command.c_str());
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), read_text(folder / "stdout.txt"),
-          read_text(folder / "stderr.txt")};
+  return {exit_code(status), read_text(folder / "stdout.txt"), read_text(folder / "stderr.txt")};
 }
 
 /// Programs run in a folder of the test's own.

@@ -3,7 +3,7 @@
 #include <map>
 #include <set>
 
-#include "tests/end_to_end/program.h"
+#include "tests/end_to_end/background_program.h"
 #include "tests/end_to_end/slurm_cluster.h"
 
 namespace patchlight {
@@ -14,7 +14,9 @@ using test::Outcome;
 using test::read_text;
 using test::run_program;
 using test::SlurmCluster;
+using test::start_program;
 using test::TemporaryFolder;
+using test::wait_for;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -50,26 +52,10 @@ class Slurm : public ::testing::Test {
 
   /// Starts `patchlight run`, whose messages go to a file.
   pid_t start(const std::vector<std::string>& more = {}) {
-    std::vector<std::string> words{(fs::path(PATCHLIGHT_PROGRAMS) / "patchlight").string(), "run",
-                                   (folder_ / "job.yaml").string()};
-    words.insert(words.end(), more.begin(), more.end());
-    std::vector<char*> argv;
-    for (std::string& word : words) argv.push_back(word.data());
-    argv.push_back(nullptr);
-    posix_spawn_file_actions_t files;
-    posix_spawn_file_actions_init(&files);
-    posix_spawn_file_actions_addopen(&files, STDERR_FILENO, (folder_ / "messages").c_str(),
-                                     O_CREAT | O_TRUNC | O_WRONLY, 0600);
-    pid_t child = 0;
-    EXPECT_EQ(posix_spawn(&child, words[0].c_str(), &files, nullptr, argv.data(), environ), 0);
-    posix_spawn_file_actions_destroy(&files);
-    return child;
-  }
-
-  static int wait(pid_t child) {
-    int status = 0;
-    waitpid(child, &status, 0);
-    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    std::vector<std::string> arguments{"run", (folder_ / "job.yaml").string()};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    fs::remove(folder_ / "messages");
+    return start_program("patchlight", arguments, folder_ / "messages");
   }
 
   std::string messages() const { return read_text(folder_ / "messages"); }
@@ -151,11 +137,12 @@ class Slurm : public ::testing::Test {
     kill_task(task);
     std::map<int, std::set<Identity>> seen;
     int status = 0;
-    while (waitpid(driver, &status, WNOHANG) == 0) {
+    const bool ended = SlurmCluster::within(kPatience, [&] {
       see(seen);
-      std::this_thread::sleep_for(std::chrono::milliseconds(2));
-    }
-    EXPECT_EQ(WEXITSTATUS(status), 0) << messages();
+      return waitpid(driver, &status, WNOHANG) == driver;
+    });
+    ASSERT_TRUE(ended) << messages();
+    EXPECT_EQ(test::exit_code(status), 0) << messages();
     EXPECT_THAT(messages(), HasSubstr("task 2 of 3 of `rows` was "));
     EXPECT_EQ(seen[1].size(), 1u) << "it was cast again";
     EXPECT_EQ(seen[3].size(), 1u) << "it was cast again";
@@ -244,7 +231,7 @@ TEST_F(Slurm, DoesAKilledTaskOfFramesAgain) {
   const pid_t task = hold("patchlight-trace", std::string("--shard\0003/3", 11));
   ASSERT_TRUE(SlurmCluster::within(kPatience, [&] { return fs::exists(folder_ / "out/frames/spin.0004.png"); }));
   ::kill(task, SIGKILL);
-  EXPECT_EQ(wait(driver), 0) << messages();
+  EXPECT_EQ(wait_for(driver), 0) << messages();
   EXPECT_EQ(logs("trace.1."), 1);
   EXPECT_EQ(logs("trace.3."), 2);
   EXPECT_EQ(logs("solve.1."), 1);
@@ -261,7 +248,7 @@ TEST_F(Slurm, GivesUpATaskThatIsLostAgainAndAgain) {
     })) << messages();
     SlurmCluster::within(kPatience, [&] { return ::kill(task, 0) != 0; });
   }
-  EXPECT_EQ(wait(driver), 75);
+  EXPECT_EQ(wait_for(driver), 75);
   EXPECT_THAT(messages(), HasSubstr("task 1 of 3 of `rows` was killed, 2 times"));
   EXPECT_THAT(messages(), HasSubstr("out/slurm/rows.1."));
   EXPECT_TRUE(SlurmCluster::within(kPatience, queue_is_empty));
@@ -290,7 +277,7 @@ TEST_F(Slurm, GoesOnAfterAnInterruptWhereItWas) {
   pid_t task = hold("patchlight-solve", std::string("--shard\0002/3", 11));
   ASSERT_TRUE(SlurmCluster::within(kPatience, [&] { return fs::exists(shard(1)) && fs::exists(shard(3)); }));
   ::kill(driver, SIGINT);
-  EXPECT_EQ(wait(driver), 75) << messages();
+  EXPECT_EQ(wait_for(driver), 75) << messages();
   ::kill(task, SIGCONT);
   EXPECT_TRUE(SlurmCluster::within(kPatience, queue_is_empty)) << "it is cancelled";
 
@@ -298,14 +285,14 @@ TEST_F(Slurm, GoesOnAfterAnInterruptWhereItWas) {
   task = hold("patchlight-solve", std::string("--shard\0002/3", 11));
   EXPECT_EQ(logs("rows.1.") + logs("rows.3."), 0) << "they are there";
   ::kill(driver, SIGKILL);
-  wait(driver);
+  wait_for(driver);
   EXPECT_FALSE(queue_is_empty());
   driver = start();
   EXPECT_TRUE(SlurmCluster::within(kPatience, [&] {
     return SlurmCluster::output("squeue --noheader --states=all --format=%T").find("CANCELLED") != std::string::npos;
   }));
   ::kill(task, SIGCONT);
-  EXPECT_EQ(wait(driver), 0) << messages();
+  EXPECT_EQ(wait_for(driver), 0) << messages();
   expect_local_bits(folder_, "job.yaml", "out");
 }
 
