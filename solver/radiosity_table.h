@@ -16,8 +16,7 @@ class RadiosityTable {
   static constexpr std::size_t kMostFields = 5;
 
   RadiosityTable(std::size_t fields, std::size_t elements, Precision precision)
-      : fields_(fields),
-        elements_(elements),
+      : elements_(elements),
         precision_(precision),
         width_(fields > 2   ? 16
                : fields > 1 ? 8
@@ -31,7 +30,6 @@ class RadiosityTable {
       put(reinterpret_cast<double*>(lines_.get()) + element * width_ + 3 * field, value);
   }
 
-  std::size_t fields() const { return fields_; }
   std::size_t elements() const { return elements_; }
   Precision precision() const { return precision_; }
 
@@ -56,7 +54,7 @@ class RadiosityTable {
     for (int c = 0; c < 3; ++c) to[c] = Number(value.c[c]);
   }
 
-  std::size_t fields_, elements_;
+  std::size_t elements_;
   Precision precision_;
   std::size_t width_;
   std::unique_ptr<Line[]> lines_;
