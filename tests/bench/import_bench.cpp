@@ -5,6 +5,7 @@
 
 #include <fstream>
 
+#include "pipeline/stage/large_pages.h"
 #include "tests/importers/gltf_builder.h"
 
 namespace patchlight::test {
@@ -62,4 +63,8 @@ BENCHMARK_CAPTURE(import_floor, flat, false)
 }  // namespace
 }  // namespace patchlight::test
 
-BENCHMARK_MAIN();
+int main(int argc, char** argv) {
+  patchlight::use_large_pages();  // as the program does
+  benchmark::Initialize(&argc, argv);
+  benchmark::RunSpecifiedBenchmarks();
+}
