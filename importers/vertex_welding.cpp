@@ -1,7 +1,10 @@
 #include "importers/vertex_welding.h"
 
 #include <algorithm>
+#include <bit>
+#include <cstdint>
 #include <numeric>
+#include <random>
 #include <tuple>
 
 namespace patchlight {
@@ -15,10 +18,24 @@ struct EdgeUse {
   bool upward = false;  ///< From low to high.
 
   auto edge() const { return std::tie(low, high); }
-  auto order() const { return std::tie(low, high, triangle); }
+  auto order() const { return std::tie(high, triangle); }  ///< Among those of one low vertex.
 };
 
-std::vector<EdgeUse> sorted_edge_uses(const std::vector<std::int32_t>& weld,
+/// Sorts items by a key in [0, keys), and those of one key by their order().
+template <class Item, class Key>
+std::vector<Item> sorted_by(Key Item::*key, std::size_t keys, const std::vector<Item>& items) {
+  std::vector<std::uint32_t> ends(keys + 1, 0);
+  for (const Item& item : items) ++ends[std::size_t(item.*key) + 1];
+  std::partial_sum(ends.begin(), ends.end(), ends.begin());
+  std::vector<Item> sorted(items.size());
+  for (const Item& item : items) sorted[ends[std::size_t(item.*key)]++] = item;
+  const auto before = [](const Item& a, const Item& b) { return a.order() < b.order(); };
+  for (std::size_t k = 0, begin = 0; k < keys; begin = ends[k++])
+    std::sort(sorted.begin() + std::ptrdiff_t(begin), sorted.begin() + std::ptrdiff_t(ends[k]), before);
+  return sorted;
+}
+
+std::vector<EdgeUse> sorted_edge_uses(const std::vector<std::int32_t>& weld, std::size_t vertices,
                                       const std::vector<std::int32_t>& triangles) {
   std::vector<EdgeUse> uses;
   uses.reserve(triangles.size() * 3);
@@ -29,8 +46,7 @@ std::vector<EdgeUse> sorted_edge_uses(const std::vector<std::int32_t>& weld,
       uses.push_back({std::min(from, to), std::max(from, to), triangle, from < to});
     }
   }
-  std::sort(uses.begin(), uses.end(), [](const EdgeUse& a, const EdgeUse& b) { return a.order() < b.order(); });
-  return uses;
+  return sorted_by(&EdgeUse::low, vertices, uses);
 }
 
 /// Sets of triangles that belong to one surface.
@@ -65,46 +81,44 @@ void DisjointSets::join(std::int32_t a, std::int32_t b) {
 }
 
 std::vector<std::int32_t> weld_corners(const std::vector<Vec3d>& positions) {
-  std::vector<std::int32_t> order(positions.size());
-  std::iota(order.begin(), order.end(), 0);
-  // Comparison takes -0 for 0.
-  const auto coordinates = [&](std::int32_t corner) {
-    const Vec3d& p = positions[corner];
-    return std::tie(p.x, p.y, p.z);
+  // In a table of places by hash, with a factor of this run's own: no file can know which places meet there.
+  static const std::uint64_t factor = std::uint64_t(std::random_device()()) << 32 | std::random_device()() | 1;
+  const std::size_t slots = std::bit_ceil(2 * positions.size() + 1);
+  const auto slot_of = [&](const Vec3d& p) {
+    std::uint64_t hash = 0;
+    for (int k = 0; k < 3; ++k) {  // -0 is 0
+      hash = (hash ^ std::bit_cast<std::uint64_t>(p[k] + 0.0)) * factor;
+      hash ^= hash >> 32;
+    }
+    return std::size_t(hash) & (slots - 1);
   };
-  std::sort(order.begin(), order.end(), [&](std::int32_t a, std::int32_t b) {
-    const auto pa = coordinates(a);
-    const auto pb = coordinates(b);
-    return pa < pb || (pa == pb && a < b);
-  });
-  std::vector<std::int32_t> first(positions.size());
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    const bool same = i > 0 && coordinates(order[i]) == coordinates(order[i - 1]);
-    first[order[i]] = same ? first[order[i - 1]] : order[i];
-  }
-  std::vector<std::int32_t> number(positions.size());
+  std::vector<std::int32_t> first(slots, -1), number(positions.size());
   std::int32_t count = 0;
   for (std::size_t corner = 0; corner < positions.size(); ++corner) {
-    const bool is_first = first[corner] == static_cast<std::int32_t>(corner);
-    number[corner] = is_first ? count++ : number[first[corner]];
+    std::size_t slot = slot_of(positions[corner]);
+    while (first[slot] >= 0 && positions[first[slot]] != positions[corner]) slot = (slot + 1) & (slots - 1);
+    const bool is_first = first[slot] < 0;
+    if (is_first) first[slot] = static_cast<std::int32_t>(corner);
+    number[corner] = is_first ? count++ : number[first[slot]];
   }
   return number;
 }
 
 std::vector<std::int32_t> part_surfaces(const std::vector<std::int32_t>& weld,
                                         const std::vector<std::int32_t>& triangles) {
-  DisjointSets sets = surfaces(sorted_edge_uses(weld, triangles), weld.size() / 3);
+  const std::size_t vertices = weld.empty() ? 0 : std::size_t(*std::max_element(weld.begin(), weld.end())) + 1;
+  DisjointSets sets = surfaces(sorted_edge_uses(weld, vertices, triangles), weld.size() / 3);
   struct Corner {
     std::int32_t weld, surface, corner;
     auto vertex() const { return std::tie(weld, surface); }
-    auto order() const { return std::tie(weld, surface, corner); }
+    auto order() const { return std::tie(surface, corner); }
   };
   std::vector<Corner> corners;
   corners.reserve(triangles.size() * 3);
   for (const std::int32_t triangle : triangles) {
     for (int i = 0; i < 3; ++i) corners.push_back({weld[3 * triangle + i], sets.find(triangle), 3 * triangle + i});
   }
-  std::sort(corners.begin(), corners.end(), [](const Corner& a, const Corner& b) { return a.order() < b.order(); });
+  corners = sorted_by(&Corner::weld, vertices, corners);
   std::vector<std::int32_t> number(weld.size(), -1);
   std::int32_t count = 0;
   for (std::size_t i = 0; i < corners.size(); ++i) {
