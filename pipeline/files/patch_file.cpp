@@ -4,6 +4,7 @@
 #include <array>
 
 #include "pipeline/files/h5_store.h"
+#include "pipeline/files/key.h"
 #include "pipeline/files/patch_check.h"
 #include "pipeline/files/patch_environment.h"
 #include "pipeline/files/patch_lights.h"
@@ -184,6 +185,23 @@ void read_cameras(const H5Reader& reader, std::vector<Camera>& cameras) {
   });
 }
 
+/// Of what each primitive reflects as a metal and where its cut-outs are, whatever its material's place: rays go on
+/// there.
+std::string finish_key(const PatchSet& scene) {
+  KeyHasher hasher;
+  for (std::size_t i = 0; i < scene.primitives.size(); ++i) {
+    const auto material = std::size_t(scene.primitives[i].material);
+    if (material >= scene.materials.size()) continue;  // a broken scene, refused when it is read
+    const Material& m = scene.materials[material];
+    if (m.specular == Color(0.0f) && m.metal == Color(0.0f) && scene.primitives[i].mask < 0) continue;
+    hasher.add(std::int64_t(i));
+    for (const Color& color : {m.specular, m.metal})
+      for (int k = 0; k < 3; ++k) hasher.add(double(color[k]));
+    for (const float value : {m.roughness, m.finish_roughness, m.alpha, m.alpha_cutoff}) hasher.add(double(value));
+  }
+  return hasher.hex();
+}
+
 }  // namespace
 
 void write_patches(const std::filesystem::path& file, PatchSet& scene) {
@@ -210,10 +228,10 @@ void write_patches(const std::filesystem::path& file, PatchSet& scene) {
                      "/primitives/light_group", "/light_groups/", "/primitives/material", "/materials/specular",
                      "/materials/roughness", "/lights/kind", "/lights/light_group", "/lights/strength", "/lights/shape",
                      "/environment/cells", "/environment/light_group"}));
-  scene.geometry_key = writer.key_of(
+  const std::string surfaces = writer.key_of(
       with_textures({"/patches/center", "/patches/primitive", "/patches/uv", "/primitives/type", "/primitives/corners",
-                     "/primitives/sphere", "/primitives/back", "/primitives/material", "/materials/specular",
-                     "/materials/roughness", "/environment/rows"}));
+                     "/primitives/sphere", "/primitives/back", "/environment/rows"}));
+  scene.geometry_key = KeyHasher().add(surfaces).add(finish_key(scene)).hex();
   scene.frames_key = writer.key_of({"/primitives/smooth_vertices", "/shaders/", "/primitives/shader",
                                     "/primitives/texcoord", "/textures/", "/primitives/texture", "/materials/tint",
                                     "/primitives/color", "/primitives/emission_tex", "/primitives/finish_tex",

@@ -94,6 +94,8 @@ TEST_F(Rerun, CastsNoRayForAnotherColourOrAStrongerLamp) {
   EXPECT_THAT(cast(), HasSubstr(" 0 rays"));
   EXPECT_EQ(stages(run({"--set", "materials.light.emission=[30, 20, 10]"})), "import solve trace");
   EXPECT_THAT(cast(), HasSubstr(" 0 rays"));
+  EXPECT_EQ(stages(run({"--set", "nodes.*wall.reflectance=[0.2, 0.3, 0.4]"})), "import solve trace");
+  EXPECT_THAT(cast(), HasSubstr(" 0 rays"));
   EXPECT_EQ(stages(run({"--set", "materials.red.mirror=[0.5, 0.5, 0.5]"})), "import solve trace");
   EXPECT_THAT(cast(), Not(HasSubstr(" 0 rays"))) << "a mirror sends rays elsewhere";
 }

@@ -69,6 +69,8 @@ TEST(PatchFile, KeepsTheKeysOfWhatDidNotChange) {
   PatchSet scene = sample(), moved = sample(), repainted = sample(), polished = sample(), smoothed = sample();
   moved.cameras[0].to_world.translate(Vec3d(0, 1, 0));
   repainted.patches[0].reflectance = Color(0.1f);
+  scene.materials[0].specular = moved.materials[0].specular = repainted.materials[0].specular =
+      smoothed.materials[0].specular = polished.materials[0].specular = Color(0.25f);
   polished.materials[0].roughness = 0.01f;
   smoothed.primitives[0].smooth_vertices[0] = 7;
   write_patches(folder / "a.h5", scene);
@@ -81,6 +83,13 @@ TEST(PatchFile, KeepsTheKeysOfWhatDidNotChange) {
   EXPECT_NE(scene.frames_key, smoothed.frames_key);
   EXPECT_NE(scene.key, polished.key);
   EXPECT_NE(scene.geometry_key, polished.geometry_key);  // its mirrors send light elsewhere
+  PatchSet renamed = sample();
+  renamed.materials.push_back(renamed.materials[0]);
+  renamed.materials[0].specular = renamed.materials.back().specular = Color(0.25f);
+  renamed.materials.back().name = "of one node";
+  renamed.primitives[0].material = std::int32_t(renamed.materials.size()) - 1;
+  write_patches(folder / "f.h5", renamed);
+  EXPECT_EQ(scene.geometry_key, renamed.geometry_key) << "it reflects as it did";
   EXPECT_EQ(scene.geometry_key, repainted.geometry_key);
   EXPECT_NE(scene.key, repainted.key);
   EXPECT_EQ(scene.frames_key, repainted.frames_key);
