@@ -219,24 +219,21 @@ void write_patches(const std::filesystem::path& file, PatchSet& scene) {
   write_texture_datasets(writer, scene);
 
   const std::vector<std::string> textures = transport_textures(scene);
-  const auto with_textures = [&](std::vector<std::string> names) {
+  const std::string finish = finish_key(scene);
+  const auto key_of = [&](std::vector<std::string> names) {
     names.insert(names.end(), textures.begin(), textures.end());
-    return names;
+    return KeyHasher().add(writer.key_of(names)).add(finish).hex();
   };
-  scene.key = writer.key_of(
-      with_textures({"/patches/", "/primitives/type", "/primitives/corners", "/primitives/sphere", "/primitives/back",
-                     "/primitives/light_group", "/light_groups/", "/primitives/material", "/materials/specular",
-                     "/materials/roughness", "/lights/kind", "/lights/light_group", "/lights/strength", "/lights/shape",
-                     "/environment/cells", "/environment/light_group"}));
-  const std::string surfaces = writer.key_of(
-      with_textures({"/patches/center", "/patches/primitive", "/patches/uv", "/primitives/type", "/primitives/corners",
-                     "/primitives/sphere", "/primitives/back", "/environment/rows"}));
-  scene.geometry_key = KeyHasher().add(surfaces).add(finish_key(scene)).hex();
-  scene.frames_key = writer.key_of({"/primitives/smooth_vertices", "/shaders/", "/primitives/shader",
-                                    "/primitives/texcoord", "/textures/", "/primitives/texture", "/materials/tint",
-                                    "/primitives/color", "/primitives/emission_tex", "/primitives/finish_tex",
-                                    "/materials/metal", "/materials/finish_roughness", "/materials/emission_tint",
-                                    "/environment/size", "/environment/texels", "/environment/view"});
+  scene.key = key_of({"/patches/", "/primitives/type", "/primitives/corners", "/primitives/sphere", "/primitives/back",
+                      "/primitives/light_group", "/light_groups/", "/lights/kind", "/lights/light_group",
+                      "/lights/strength", "/lights/shape", "/environment/cells", "/environment/light_group"});
+  scene.geometry_key = key_of({"/patches/center", "/patches/primitive", "/patches/uv", "/primitives/type",
+                               "/primitives/corners", "/primitives/sphere", "/primitives/back", "/environment/rows"});
+  scene.frames_key = writer.key_of(
+      {"/primitives/smooth_vertices", "/primitives/material", "/shaders/", "/primitives/shader", "/primitives/texcoord",
+       "/textures/", "/primitives/texture", "/materials/tint", "/primitives/color", "/primitives/emission_tex",
+       "/primitives/finish_tex", "/materials/metal", "/materials/finish_roughness", "/materials/emission_tint",
+       "/environment/size", "/environment/texels", "/environment/view"});
   writer.attribute("format", kPatchFormat);
   writer.attribute("version", std::int64_t(kPatchVersion));
   writer.attribute("key", scene.key);

@@ -180,11 +180,10 @@ void write_texture_datasets(H5Writer& writer, const PatchSet& scene) {
 
 std::vector<std::string> transport_textures(const PatchSet& scene) {
   std::vector<std::string> names;
-  if (!scene.masks.empty())
-    names = {"/masks/", "/primitives/mask", "/primitives/alpha", "/primitives/texcoord", "/materials/alpha"};
+  if (!scene.masks.empty()) names = {"/masks/", "/primitives/mask", "/primitives/alpha", "/primitives/texcoord"};
   if (has_varied_metals(scene))
     names.insert(names.end(), {"/textures/", "/primitives/texture", "/primitives/texcoord", "/primitives/color",
-                               "/primitives/finish", "/materials/metal", "/materials/finish_roughness"});
+                               "/primitives/finish"});
   return names;
 }
 

@@ -81,6 +81,14 @@ TEST(PatchFile, KeepsMasksAndColoursOfVertices) {
   EXPECT_EQ(read.colors, scene.colors);
   EXPECT_NE(scene.geometry_key, plain.geometry_key);
   EXPECT_EQ(read_text(folder / "plain.h5").find("coverage"), std::string::npos);
+  PatchSet renamed = masked_sample(), sharper = masked_sample();
+  renamed.materials.push_back(renamed.materials[0]);
+  renamed.primitives[0].material = std::int32_t(renamed.materials.size()) - 1;
+  sharper.materials[0].alpha_cutoff = 0.25f;
+  write_patches(folder / "renamed.h5", renamed);
+  write_patches(folder / "sharper.h5", sharper);
+  EXPECT_EQ(renamed.geometry_key, scene.geometry_key) << "its holes are where they were";
+  EXPECT_NE(sharper.geometry_key, scene.geometry_key);
 }
 
 TEST(PatchFile, RefusesBrokenMasksAndColoursOfVertices) {
