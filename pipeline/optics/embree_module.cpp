@@ -10,9 +10,6 @@ namespace patchlight {
 
 namespace {
 
-constexpr unsigned kQuads = 0;
-constexpr unsigned kSpheres = 1;
-
 class Tracer : public EmbreeTracer {
  public:
   explicit Tracer(RTCDevice device) : device_(device), scene_(rtcNewScene(device)) {

@@ -12,9 +12,11 @@
 namespace patchlight {
 
 /// Quads and spheres in a tree of Embree's, which is loaded when there is one to build: it takes longer than many
-/// programs work. Rays meet quads as geometry 0, spheres as geometry 1.
+/// programs work.
 class EmbreeTracer {
  public:
+  static constexpr unsigned kQuads = 0, kSpheres = 1;  ///< Geometries, as a ray's hit tells them.
+
   /// Whether a ray meets a quad where it comes to it: quad, (u,v) on it, origin, direction, distance.
   using Filter = std::function<bool(unsigned, const Vec2f&, const Vec3f&, const Vec3f&, float)>;
 

@@ -13,8 +13,6 @@ namespace patchlight {
 
 namespace {
 
-constexpr unsigned kSphereGeometry = 1;
-
 // Intersection points of planes are good to about 8 units in the last place; of spheres, where two squares nearly
 // cancel, to about 32.
 constexpr float kPlaneOffset = 0x1p-20f;
@@ -186,7 +184,7 @@ inline SurfaceHit RayScene::hit_on(unsigned geometry, unsigned index, float s, f
                                    const Vec3f& direction, float distance) const {
   SurfaceHit result;
   result.t = distance;
-  if (geometry == kSphereGeometry) {
+  if (geometry == EmbreeTracer::kSpheres) {
     const Sphere& sphere = spheres_[index];
     const Vec3f out = origin + direction * distance - sphere.center;
     const bool outer = (out ^ direction) < 0;
@@ -231,7 +229,7 @@ SurfaceHit RayScene::hit(const RayPacket& packet, int lane) const {
 /// Whether a masked quad is there where a ray comes to it.
 bool RayScene::is_met(unsigned quad, const Vec2f& at, const Vec3f& origin, const Vec3f& direction,
                       float distance) const {
-  const SurfaceHit hit = hit_on(0, quad, at.x, at.y, origin, direction, distance);
+  const SurfaceHit hit = hit_on(EmbreeTracer::kQuads, quad, at.x, at.y, origin, direction, distance);
   return is_there(*patches_, hit.primitive, hit.u, hit.v);
 }
 
