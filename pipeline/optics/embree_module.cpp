@@ -3,6 +3,7 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <limits>
 #include <new>
 #include <utility>
 
@@ -55,13 +56,18 @@ class Tracer : public EmbreeTracer {
   void intersect(const std::array<int, 16>& valid, RTCRayHit16& rays, bool coherent) const override {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
+    for (int lane = 0; lane < 16; ++lane)
+      if (valid[lane] == 0) leave_out(rays.ray, lane);
     context.flags = coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
     rtcIntersect16(valid.data(), scene_, &context, &rays);
   }
 
   std::uint32_t occluded(RTCRay16& rays, std::uint32_t wanted) const override {
     alignas(64) std::array<int, 16> valid;
-    for (int lane = 0; lane < 16; ++lane) valid[lane] = -int(wanted >> lane & 1u);
+    for (int lane = 0; lane < 16; ++lane) {
+      valid[lane] = -int(wanted >> lane & 1u);
+      if (valid[lane] == 0) leave_out(rays, lane);
+    }
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     rtcOccluded16(valid.data(), scene_, &context, &rays);
@@ -71,6 +77,12 @@ class Tracer : public EmbreeTracer {
   }
 
  private:
+  /// Where registers hold less than sixteen lanes Embree does not look at `valid`, but at a ray's ends.
+  static void leave_out(RTCRay16& rays, int lane) {
+    rays.tnear[lane] = std::numeric_limits<float>::infinity();
+    rays.tfar[lane] = -std::numeric_limits<float>::infinity();
+  }
+
   RTCGeometry new_quads(const std::vector<std::array<Vec3f, 4>>& corners) {
     RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_QUAD);
     auto* vertices = static_cast<Vec3f*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,

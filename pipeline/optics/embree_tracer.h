@@ -36,10 +36,10 @@ class EmbreeTracer {
   /// After all is added, before the first ray.
   virtual void build() = 0;
 
-  /// `valid`: -1 for rays that are cast, else 0.
+  /// `valid`: -1 for rays that are cast, else 0; these lose their ends.
   virtual void intersect(const std::array<int, 16>& valid, RTCRayHit16& rays, bool coherent) const = 0;
 
-  /// The rays among `wanted` in whose way something stands, as bits.
+  /// The rays among `wanted` in whose way something stands, as bits. All lose their ends.
   virtual std::uint32_t occluded(RTCRay16& rays, std::uint32_t wanted) const = 0;
 };
 
