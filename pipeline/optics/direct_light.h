@@ -109,7 +109,9 @@ class DirectLight {
     const DirectLight* light_ = nullptr;
     Vec3d point_{0.0}, normal_{0.0};
     double height_ = 0.0;             ///< Above a polygon's plane; 0: sees nothing.
+    double short_ = 1.0;              ///< Part of the way to it after which rays end.
     double solid_angle_ = 0.0;        ///< Of a polygon that is sampled by it; 0: by area.
+    Vec3d to_first_{0.0};             ///< A polygon's corner 0, from the point.
     std::array<Triangle, 2> halves_;  ///< Where it is.
   };
   /// Beyond `far` radii of the emitter area and solid angle are taken to be the same.
@@ -136,8 +138,9 @@ class DirectLight {
   int count_ = 0;        ///< Corners.
   /// Counter-clockwise as seen from the lit side.
   std::array<Vec3d, 4> corners_{Vec3d(0.0), Vec3d(0.0), Vec3d(0.0), Vec3d(0.0)};
-  Vec3d normal_{0.0};                              ///< Of a polygon; along a spot's axis or a sun's light.
-  std::array<double, 2> areas_{0, 0};              ///< Of the triangles 0 1 2 and 0 2 3.
+  Vec3d normal_{0.0};  ///< Of a polygon; along a spot's axis or a sun's light.
+  std::array<Vec3d, 3> sides_{Vec3d(0.0), Vec3d(0.0), Vec3d(0.0)};  ///< Of a polygon, from corner 0 to the others.
+  double area_ = 0.0, first_share_ = 1.0;          ///< Of a polygon, and the triangle 0 1 2 as a part of it.
   double least_cosine_ = -2.0, per_cosine_ = 1.0;  ///< How a spot's light falls off: outside a cone, and towards it.
 };
 

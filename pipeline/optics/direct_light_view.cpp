@@ -50,7 +50,10 @@ DirectLight::View DirectLight::view(const Vec3d& point, const Vec3f& normal, dou
   view.normal_ = Vec3d(normal);
   if (kind_ != Kind::polygon) return view;
   view.height_ = (point - center_) ^ normal_;
-  if (view.height_ <= 0 || (point - center_).length2() >= far * far * radius_ * radius_) return view;
+  if (view.height_ <= 0) return view;
+  view.to_first_ = corners_[0] - point;
+  view.short_ = std::max(0.0, 1 - gap_ / view.height_);
+  if ((point - center_).length2() >= far * far * radius_ * radius_) return view;
   double all = 0;
   for (int k = 0; k + 2 < count_; ++k) {
     view.halves_[k] = View::Triangle(corners_[0] - point, corners_[k + 1] - point, corners_[k + 2] - point);
@@ -84,14 +87,13 @@ double DirectLight::View::density(const Vec3f& direction) const {
   const double slope = -(Vec3d(direction) ^ light_->normal_);
   if (slope <= 0 || height_ <= 0) return 0.0;
   const double distance = height_ / slope;
-  return distance * distance / ((light_->areas_[0] + light_->areas_[1]) * slope);
+  return distance * distance / (light_->area_ * slope);
 }
 
 DirectLight::Sample DirectLight::View::of_polygon(double x, double y) const {
   if (height_ <= 0) return {};
   Vec3d direction;
-  double pdf = 0;  // per solid angle
-  double distance = 0;
+  double distance = 0, size = 0;  // sr, of all of it, as if it were as large everywhere as there
   if (solid_angle_ > 0) {
     const double share = halves_[0].area / solid_angle_;
     direction = x < share || light_->count_ == 3 ? halves_[0].direction(std::min(x / share, 1.0), y)
@@ -99,11 +101,9 @@ DirectLight::Sample DirectLight::View::of_polygon(double x, double y) const {
     const double slope = -(direction ^ light_->normal_);
     if (slope <= 0) return {};
     distance = height_ / slope;
-    pdf = 1 / solid_angle_;
+    size = solid_angle_;
   } else {
-    const auto& areas = light_->areas_;
-    const auto& corners = light_->corners_;
-    const double all = areas[0] + areas[1], share = areas[0] / all;
+    const double share = light_->first_share_;
     const int k = x < share ? 0 : 1;
     double s = k == 0 ? x / share : (x - share) / (1 - share), t = y;
     if (t > s) {  // Heitz 2019: the unit square onto a triangle
@@ -113,17 +113,15 @@ DirectLight::Sample DirectLight::View::of_polygon(double x, double y) const {
       t *= 0.5;
       s -= t;
     }
-    direction = corners[0] * (1 - s - t) + corners[k + 1] * s + corners[k + 2] * t - point_;
-    distance = direction.length();
-    direction /= distance;
-    const double slope = -(direction ^ light_->normal_);
-    if (!(slope > 0)) return {};
-    pdf = distance * distance / (all * slope);
+    direction = to_first_ + light_->sides_[k] * s + light_->sides_[k + 1] * t;
+    const double squared = direction.length2(), inverse = 1 / std::sqrt(squared);
+    direction *= inverse;
+    distance = squared * inverse;
+    size = light_->area_ * height_ * inverse * inverse * inverse;
   }
   const double cosine = direction ^ normal_;
   if (cosine <= 0) return {};
-  const double end = std::max(0.0, distance - light_->gap_ * distance / height_);
-  return {Vec3f(direction), float(end), float(cosine / (kPi * pdf))};
+  return {Vec3f(direction), float(distance * short_), float(cosine * size * (1 / kPi))};
 }
 
 DirectLight::Sample DirectLight::View::of_sphere(double x, double y) const {
