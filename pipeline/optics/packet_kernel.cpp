@@ -40,32 +40,45 @@ inline bool any(const Ints& mask) {
 #endif
 }
 
-/// One over the directions; a large number for one over nothing, so that all stay numbers.
-struct alignas(64) Inverse {
-  float of[3][kLanes];
+/// What rays have in common for all boxes: the way to the plane where an axis has the value p is p * inverse - start.
+struct alignas(64) Slabs {
+  float inverse[3][kLanes], start[3][kLanes];
+  bool mixed = false;              ///< Some rays go one way along an axis, some the other.
+  std::int32_t first[3], last[3];  ///< Of a box's planes, which they meet first and last, if not.
 
-  explicit Inverse(const Rays& r) {
-    constexpr float kSteep = 1e30f;
-    for (int k = 0; k < 3; ++k)
+  explicit Slabs(const Rays& r) {
+    constexpr float kSteep = 1e30f;  // for one over nothing, so that all stay numbers
+    for (int k = 0; k < 3; ++k) {
+      bool forwards = false, backwards = false;
       for (int lane = 0; lane < kLanes; lane += kWidth) {
         const Floats d = load(r.direction[k] + lane);
-        store(of[k] + lane, (d > 1 / kSteep) | (d < -1 / kSteep) ? 1.0f / d : kSteep - Floats{});
+        const Floats i = (d > 1 / kSteep) | (d < -1 / kSteep) ? 1.0f / d : kSteep - Floats{};
+        store(inverse[k] + lane, i);
+        store(start[k] + lane, load(r.origin[k] + lane) * i);
+        const Ints wanted = load(r.near + lane) <= load(r.far + lane);
+        forwards = forwards || any(wanted & (i > 0.0f));
+        backwards = backwards || any(wanted & (i < 0.0f));
       }
+      mixed = mixed || (forwards && backwards);
+      first[k] = backwards ? k + 3 : k;
+      last[k] = backwards ? k : k + 3;
+    }
   }
 };
 
-inline bool reaches(const Rays& r, const Inverse& inverses, const Node& n) {
-  for (int lane = 0; lane < kLanes; lane += kWidth) {
-    Floats enter = load(r.near + lane), leave = load(r.far + lane);
-    for (int k = 0; k < 3; ++k) {
-      const Floats origin = load(r.origin[k] + lane), inverse = load(inverses.of[k] + lane);
-      const Floats a = (n.low[k] - origin) * inverse, b = (n.high[k] - origin) * inverse;
-      enter = most(least(a, b), enter);  // in this order, what is not a number changes nothing
-      leave = least(most(a, b), leave);
-    }
-    if (any(enter <= leave)) return true;
+/// Which lanes of a vector go through a box.
+template <bool kMixed>
+inline Ints reached(const Rays& r, const Slabs& slabs, const Node& n, int lane) {
+  Floats enter = load(r.near + lane), leave = load(r.far + lane);
+  for (int k = 0; k < 3; ++k) {
+    const Floats inverse = load(slabs.inverse[k] + lane), start = load(slabs.start[k] + lane);
+    const Floats a = n.planes[kMixed ? k : slabs.first[k]] * inverse - start;
+    const Floats b = n.planes[kMixed ? k + 3 : slabs.last[k]] * inverse - start;
+    // In this order, what is not a number changes nothing.
+    enter = most(kMixed ? least(a, b) : a, enter);
+    leave = least(kMixed ? most(a, b) : b, leave);
   }
-  return false;
+  return enter <= leave;
 }
 
 /// The lanes of a vector, kept in registers over the surfaces of a leaf.
@@ -132,24 +145,24 @@ std::uint32_t blocked(const Rays& rays) {
   return bits;
 }
 
-}  // namespace
-
 /// Nodes from near to far, as the first lane goes.
-void JOIN(trace_by_, PACKET_WIDTH)(const Tree& tree, Rays& rays, std::uint32_t wanted) {
-  const Inverse inverses(rays);
+template <bool kMixed>
+void walk(const Tree& tree, Rays& rays, const Slabs& slabs, std::uint32_t wanted) {
   std::int32_t stack[kDeepest + 2];
   int waiting = 0;
   stack[waiting++] = 0;
   while (waiting > 0) {
     const Node& node = tree.nodes[stack[--waiting]];
-    if (!reaches(rays, inverses, node)) continue;
+    int lane = 0;
+    while (lane < kLanes && !any(reached<kMixed>(rays, slabs, node, lane))) lane += kWidth;
+    if (lane == kLanes) continue;
     if (node.count == 0) {
       const bool backwards = rays.direction[node.axis][0] < 0;
       stack[waiting++] = node.first + !backwards;
       stack[waiting++] = node.first + backwards;
       continue;
     }
-    for (int lane = 0; lane < kLanes; lane += kWidth) {
+    do {
       Lanes lanes(rays, lane);
       for (std::int32_t k = node.first; k < node.first + node.count; ++k) {
         const Item& item = tree.items[k];
@@ -159,9 +172,18 @@ void JOIN(trace_by_, PACKET_WIDTH)(const Tree& tree, Rays& rays, std::uint32_t w
           lanes.meet(tree.balls[item.shape], item.surface);
       }
       lanes.store_to(rays, lane);
-    }
+      do lane += kWidth;
+      while (lane < kLanes && !any(reached<kMixed>(rays, slabs, node, lane)));
+    } while (lane < kLanes);
     if (wanted != 0 && (wanted & ~blocked(rays)) == 0) return;
   }
+}
+
+}  // namespace
+
+void JOIN(trace_by_, PACKET_WIDTH)(const Tree& tree, Rays& rays, std::uint32_t wanted) {
+  const Slabs slabs(rays);
+  slabs.mixed ? walk<true>(tree, rays, slabs, wanted) : walk<false>(tree, rays, slabs, wanted);
 }
 
 }  // namespace patchlight::packet

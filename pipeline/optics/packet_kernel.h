@@ -26,7 +26,7 @@ struct Item {
 };
 
 struct Node {
-  float low[3], high[3];
+  float planes[6];     ///< Of its box: low and then high.
   std::int32_t first;  ///< Of its items, or the first of two children.
   std::int32_t count;  ///< 0: it has children.
   std::int32_t axis;   ///< Along which its children stand.

@@ -22,7 +22,7 @@ packet::Rays rays_of(const RTCRay16& r, const float* near, float* far, float* s,
 
 packet::Trace packet::fastest() {
   if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq")) return trace_by_16;
-  return __builtin_cpu_supports("avx2") ? trace_by_8 : trace_by_4;
+  return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") ? trace_by_8 : trace_by_4;
 }
 
 void PacketTracer::trace(packet::Rays& rays, std::uint32_t wanted) const {

@@ -35,7 +35,6 @@ class PacketTracer {
  private:
   void add_facet(const Vec3d& corner, const Vec3d& along_s, const Vec3d& along_t, const Vec2f& shape, double precision,
                  bool second);
-  void split(std::int32_t node, std::int32_t begin, std::int32_t end, int depth);
   void trace(packet::Rays& rays, std::uint32_t wanted) const;
 
   const packet::Trace trace_ = packet::fastest();

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "pipeline/optics/packet_tracer.h"
 #include "pipeline/optics/quad_shape.h"
@@ -45,6 +46,95 @@ Item item_about(std::int32_t surface, std::size_t shape, const Imath::Box3d& box
   copy_to(item.high, box.max);
   return item;
 }
+
+/// Makes a tree by the surface area heuristic (MacDonald and Booth 1990), exactly: every place between two items, along
+/// every axis. Items are sorted once along each and stay so, whatever node they go to.
+class TreeBuilder {
+ public:
+  TreeBuilder(std::vector<Item>& items, std::vector<packet::Node>& nodes)
+      : items_(items), nodes_(nodes), above_(items.size()), goes_left_(items.size()), right_(items.size()) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto key = [&](std::int32_t k) {
+        return std::pair(items[k].low[axis] + items[k].high[axis], items[k].surface);
+      };
+      orders_[axis].resize(items.size());
+      std::iota(orders_[axis].begin(), orders_[axis].end(), 0);
+      std::sort(orders_[axis].begin(), orders_[axis].end(),
+                [&](std::int32_t a, std::int32_t b) { return key(a) < key(b); });
+    }
+  }
+
+  /// Sets the nodes, and puts the items in the order of their leaves.
+  void build() {
+    nodes_.resize(1);
+    split(0, 0, std::int32_t(items_.size()), 0);
+    std::vector<Item> sorted;
+    sorted.reserve(items_.size());
+    for (const std::int32_t k : orders_[0]) sorted.push_back(items_[k]);
+    items_ = std::move(sorted);
+  }
+
+ private:
+  void split(std::int32_t at, std::int32_t begin, std::int32_t end, int depth) {
+    const std::int32_t count = end - begin;
+    Bounds all;
+    for (std::int32_t k = begin; k < end; ++k) all.add(items_[orders_[0][k]]);
+    float best = float(count) - 2 * kBox;  // of not splitting, over the cost of a surface
+    int axis = -1;
+    std::int32_t left = 0;
+    for (int k = 0; k < 3 && depth < packet::kDeepest; ++k) {
+      const std::int32_t* order = orders_[k].data() + begin;
+      Bounds sum;
+      for (std::int32_t i = count; i-- > 1;) {
+        sum.add(items_[order[i]]);
+        above_[i] = sum.half_area();
+      }
+      sum = {};
+      for (std::int32_t i = 1; i < count; ++i) {
+        sum.add(items_[order[i - 1]]);
+        const float cost = (sum.half_area() * float(i) + above_[i] * float(count - i)) / all.half_area();
+        if (cost < best) best = cost, axis = k, left = i;
+      }
+    }
+    packet::Node& node = nodes_[at];
+    std::copy_n(all.low, 3, node.planes);
+    std::copy_n(all.high, 3, node.planes + 3);
+    node.first = begin;
+    node.count = count;
+    if (axis < 0) return;
+    part(axis, begin, begin + left, end);
+    const auto child = std::int32_t(nodes_.size());
+    node.first = child;
+    node.count = 0;
+    node.axis = axis;
+    nodes_.resize(nodes_.size() + 2);
+    split(child, begin, begin + left, depth + 1);
+    split(child + 1, begin + left, end, depth + 1);
+  }
+
+  /// Puts the items that come before `middle` along one axis before the others along the other axes too.
+  void part(int axis, std::int32_t begin, std::int32_t middle, std::int32_t end) {
+    for (std::int32_t k = begin; k < end; ++k) goes_left_[orders_[axis][k]] = k < middle;
+    for (int other = 0; other < 3; ++other) {
+      if (other == axis) continue;
+      std::int32_t* order = orders_[other].data();
+      std::int32_t left = begin, right = 0;
+      for (std::int32_t k = begin; k < end; ++k)
+        if (goes_left_[order[k]] != 0)
+          order[left++] = order[k];
+        else
+          right_[right++] = order[k];
+      std::copy_n(right_.data(), right, order + left);
+    }
+  }
+
+  std::vector<Item>& items_;
+  std::vector<packet::Node>& nodes_;
+  std::array<std::vector<std::int32_t>, 3> orders_;  ///< Of items along each axis, node by node.
+  std::vector<float> above_;                         ///< Half the surface of what comes from an item on.
+  std::vector<std::uint8_t> goes_left_;              ///< By item.
+  std::vector<std::int32_t> right_;
+};
 
 }  // namespace
 
@@ -93,53 +183,7 @@ void PacketTracer::add_sphere(const Vec3d& center, double radius, std::int32_t i
 
 void PacketTracer::build() {
   if (items_.empty()) return;
-  nodes_.resize(1);
-  split(0, 0, std::int32_t(items_.size()), 0);
-}
-
-/// By the surface area heuristic (MacDonald and Booth 1990), exactly: every place between two items, along every axis.
-void PacketTracer::split(std::int32_t at, std::int32_t begin, std::int32_t end, int depth) {
-  Bounds all;
-  for (std::int32_t k = begin; k < end; ++k) all.add(items_[k]);
-  const auto first = items_.begin() + begin, last = items_.begin() + end;
-  const auto count = std::size_t(end - begin);
-  const auto along = [](int axis) {
-    return [axis](const Item& a, const Item& b) {
-      return std::pair(a.low[axis] + a.high[axis], a.surface) < std::pair(b.low[axis] + b.high[axis], b.surface);
-    };
-  };
-  float best = float(count) - 2 * kBox;  // of not splitting, over the cost of a surface
-  int axis = -1;
-  std::size_t left = 0;
-  std::vector<float> above(count);
-  for (int k = 0; k < 3 && depth < packet::kDeepest; ++k) {
-    std::sort(first, last, along(k));
-    Bounds sum;
-    for (std::size_t i = count; i-- > 1;) {
-      sum.add(first[i]);
-      above[i] = sum.half_area();
-    }
-    sum = {};
-    for (std::size_t i = 1; i < count; ++i) {
-      sum.add(first[i - 1]);
-      const float cost = (sum.half_area() * float(i) + above[i] * float(count - i)) / all.half_area();
-      if (cost < best) best = cost, axis = k, left = i;
-    }
-  }
-  packet::Node& node = nodes_[at];
-  std::copy_n(all.low, 3, node.low);
-  std::copy_n(all.high, 3, node.high);
-  node.first = begin;
-  node.count = end - begin;
-  if (axis < 0) return;
-  std::sort(first, last, along(axis));
-  const auto child = std::int32_t(nodes_.size());
-  node.first = child;
-  node.count = 0;
-  node.axis = axis;
-  nodes_.resize(nodes_.size() + 2);
-  split(child, begin, begin + std::int32_t(left), depth + 1);
-  split(child + 1, begin + std::int32_t(left), end, depth + 1);
+  TreeBuilder(items_, nodes_).build();
 }
 
 }  // namespace patchlight
