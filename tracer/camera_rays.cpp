@@ -23,7 +23,7 @@ CameraRays::CameraRays(const Camera& camera, int width, int height)
 
 CameraRay CameraRays::operator()(float x, float y) const {
   const Vec3d at = first_ + across_ * double(x) + down_ * double(y);
-  if (perspective()) return {eye_, Vec3f(at.normalized())};
+  if (perspective()) return {eye_, Vec3f(at * (1 / at.length()))};
   return {at, Vec3f(forward_)};
 }
 

@@ -239,6 +239,7 @@ void write_png(const fs::path& file, const Image& image, const fs::path& tempora
   png.width = png_uint_32(image.width);
   png.height = png_uint_32(image.height);
   png.format = PNG_FORMAT_RGB;
+  png.flags = PNG_IMAGE_FLAG_FAST;  // a fifth of the time for files half as large again
   if (!png_image_write_to_file(&png, temporary.path().c_str(), 0, bytes.data(), 0, nullptr))
     cannot_write(png.message, temporary);
   temporary.commit();
