@@ -23,7 +23,10 @@ CameraRays::CameraRays(const Camera& camera, int width, int height)
 
 CameraRay CameraRays::operator()(float x, float y) const {
   const Vec3d at = first_ + across_ * double(x) + down_ * double(y);
-  if (perspective()) return {eye_, Vec3f(at * (1 / at.length()))};
+  if (perspective()) {
+    const Vec3f along(at);
+    return {eye_, along * (1 / std::sqrt(along.length2()))};
+  }
   return {at, Vec3f(forward_)};
 }
 

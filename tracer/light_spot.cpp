@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <utility>
 
 namespace patchlight {
 
@@ -10,6 +12,17 @@ namespace {
 constexpr float kAlike = 0.98f;  // cosine between the normals of a spot
 constexpr double kSmall = 0.05;  // radius of a spot over its distance from a lamp where its middle stands for all of it
 constexpr std::size_t kEnough = 16;  // points that stand for all of a spot near a lamp
+
+void sort_by_pixel(std::vector<ShadingPoint>& points) {
+  const auto by_pixel = [](const ShadingPoint& a, const ShadingPoint& b) { return a.pixel < b.pixel; };
+  if (std::is_sorted(points.begin(), points.end(), by_pixel)) return;
+  std::vector<std::uint32_t> ends(std::max_element(points.begin(), points.end(), by_pixel)->pixel + 1, 0);
+  for (const ShadingPoint& point : points) ++ends[point.pixel];
+  std::partial_sum(ends.begin(), ends.end(), ends.begin());
+  std::vector<ShadingPoint> sorted(points.size());
+  for (std::size_t k = points.size(); k-- > 0;) sorted[--ends[points[k].pixel]] = points[k];
+  points = std::move(sorted);
+}
 
 }  // namespace
 
@@ -41,10 +54,8 @@ double LightSpot::form_factor(const PixelLight::Lamp& lamp) const {
 }
 
 std::vector<LightSpot> light_spots(std::vector<ShadingPoint>& points) {
-  const auto by_pixel = [](const ShadingPoint& a, const ShadingPoint& b) { return a.pixel < b.pixel; };
   const auto by_surface = [](const ShadingPoint& a, const ShadingPoint& b) { return a.surface < b.surface; };
-  // They mostly are in order.
-  if (!std::is_sorted(points.begin(), points.end(), by_pixel)) std::stable_sort(points.begin(), points.end(), by_pixel);
+  sort_by_pixel(points);
   for (auto first = points.begin(); first != points.end();) {
     const auto end = std::find_if(first, points.end(), [&](const ShadingPoint& p) { return p.pixel != first->pixel; });
     if (!std::is_sorted(first, end, by_surface)) std::stable_sort(first, end, by_surface);

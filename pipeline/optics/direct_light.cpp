@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "pipeline/optics/patch_sampling.h"
 
@@ -25,21 +26,58 @@ double ball_form_factor(double cosine, double ratio) {
   return std::max(0.0, ((cosine * std::acos(std::clamp(y, -1.0, 1.0)) - x * z) * ratio + std::atan(z / x)) / kPi);
 }
 
-/// The angle between two unit vectors over its sine; `cross`: a x b.
-double angle_over_sine(const Vec3d& a, const Vec3d& b, const Vec3d& cross) {
-  // Interpolates acos(1 - x) / sqrt(1 - (1 - x)^2) on [0,1] at Chebyshev's points, to 3e-13.
-  constexpr std::array<double, 16> kTerms{
-      0.9999999999997928,    0.3333333334397937,  0.133333324325321,     0.05714315719271317,
-      0.02539160042472899,   0.01159875513248074, 0.00495368818253234,   0.004242649723516475,
-      -0.004661532338675777, 0.01449384212534609, -0.02385020820726609,  0.03011002097323368,
-      -0.02614425300164627,  0.01538173800115226, -0.005444502231767958, 0.0009147130532319336};
-  const double cosine = a ^ b, x = 1 - std::abs(cosine);
-  double ratio = kTerms.back();
-  for (std::size_t k = kTerms.size() - 1; k-- > 0;) ratio = ratio * x + kTerms[k];
-  if (cosine >= 0) return ratio;
-  const double sine = cross.length();
-  return sine > 0 ? kPi / sine - ratio : 0.0;
+using Four = double __attribute__((vector_size(32)));
+
+void load(const double* from, Four& to) {
+  std::memcpy(&to, from, sizeof to);
 }
+
+/// A polygon as a point sees it: its corners from there, four at a time, axis by axis. Behind the last stands the first
+/// again, as often as it takes.
+struct Outline {
+  std::array<std::array<double, 9>, 3> to;
+  int corners = 0;
+
+  void add(const Vec3d& corner) {
+    for (int axis = 0; axis < 3; ++axis) to[axis][corners] = corner[axis];
+    ++corners;
+  }
+
+  /// Lambert's sum over the edges: of the angle that each takes times what its plane's normal has of `normal`.
+  double sum(const Vec3d& normal) {
+    // Interpolates acos(1 - x) / sqrt(1 - (1 - x)^2) on [0,1] at Chebyshev's points, to 3e-13.
+    constexpr std::array<double, 16> kTerms{
+        0.9999999999997928,    0.3333333334397937,  0.133333324325321,     0.05714315719271317,
+        0.02539160042472899,   0.01159875513248074, 0.00495368818253234,   0.004242649723516475,
+        -0.004661532338675777, 0.01449384212534609, -0.02385020820726609,  0.03011002097323368,
+        -0.02614425300164627,  0.01538173800115226, -0.005444502231767958, 0.0009147130532319336};
+    const int edges = corners;
+    while (corners % 4 != 1) add({to[0][0], to[1][0], to[2][0]});
+    double all = 0;
+    for (int first = 0; first < edges; first += 4) {
+      Four ax, ay, az, bx, by, bz;
+      load(&to[0][first], ax), load(&to[1][first], ay), load(&to[2][first], az);
+      load(&to[0][first + 1], bx), load(&to[1][first + 1], by), load(&to[2][first + 1], bz);
+      Four squared = (ax * ax + ay * ay + az * az) * (bx * bx + by * by + bz * bz), lengths;
+      for (int k = 0; k < 4; ++k) lengths[k] = std::sqrt(squared[k]);
+      const Four inverse = 1.0 / lengths;
+      const Four cosine = (ax * bx + ay * by + az * bz) * inverse;
+      const Four part =
+          ((by * az - bz * ay) * normal.x + (bz * ax - bx * az) * normal.y + (bx * ay - by * ax) * normal.z) * inverse;
+      const Four off = 1.0 - (cosine < 0.0 ? -cosine : cosine);
+      Four ratio = kTerms.back() - Four{};  // of the angle to its sine
+      for (std::size_t i = kTerms.size() - 1; i-- > 0;) ratio = ratio * off + kTerms[i];
+      for (int k = 0; k < 4; ++k) {
+        if (cosine[k] < 0) {  // beyond a right angle
+          const double sine = (Vec3d(ax[k], ay[k], az[k]) % Vec3d(bx[k], by[k], bz[k])).length() * inverse[k];
+          ratio[k] = sine > 0 ? kPi / sine - ratio[k] : 0.0;
+        }
+        all += ratio[k] * part[k];
+      }
+    }
+    return all;
+  }
+};
 
 }  // namespace
 
@@ -167,8 +205,8 @@ bool DirectLight::is_behind(std::span<const Vec3d> points, const Vec3f& normal) 
 
 double DirectLight::polygon_form_factor(const Vec3d& point, const Vec3d& normal) const {
   if (((point - center_) ^ normal_) <= 0) return 0.0;
-  std::array<Vec3d, 4> to;
-  std::array<double, 4> height;
+  std::array<Vec3d, 5> to;
+  std::array<double, 5> height;
   int above = 0;
   for (int k = 0; k < count_; ++k) {
     to[k] = corners_[k] - point;
@@ -176,23 +214,15 @@ double DirectLight::polygon_form_factor(const Vec3d& point, const Vec3d& normal)
     above += height[k] > 0;
   }
   if (above == 0) return 0.0;
-  std::array<Vec3d, 5> cut;
-  int corners = 0;
+  to[count_] = to[0];
+  height[count_] = height[0];
+  Outline outline;
   for (int k = 0; k < count_; ++k) {
-    const int next = k + 1 < count_ ? k + 1 : 0;
-    if (height[k] > 0) cut[corners++] = to[k];
-    if (above < count_ && (height[k] > 0) != (height[next] > 0))
-      cut[corners++] = to[k] + (to[next] - to[k]) * (height[k] / (height[k] - height[next]));
+    if (height[k] > 0) outline.add(to[k]);
+    if (above < count_ && (height[k] > 0) != (height[k + 1] > 0))
+      outline.add(to[k] + (to[k + 1] - to[k]) * (height[k] / (height[k] - height[k + 1])));
   }
-  for (int k = 0; k < corners; ++k) cut[k] *= 1 / cut[k].length();
-  double sum = 0;
-  for (int k = 0; k < corners; ++k) {
-    const Vec3d& a = cut[k];
-    const Vec3d& b = cut[k + 1 < corners ? k + 1 : 0];
-    const Vec3d cross = b % a;
-    sum += angle_over_sine(a, b, cross) * (cross ^ normal);
-  }
-  return std::max(0.0, sum / (2 * kPi));
+  return std::max(0.0, outline.sum(normal) / (2 * kPi));
 }
 
 double DirectLight::sphere_form_factor(const Vec3d& point, const Vec3d& normal) const {

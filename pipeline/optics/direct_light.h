@@ -107,9 +107,10 @@ class DirectLight {
     Sample of_point() const;
 
     const DirectLight* light_ = nullptr;
-    Vec3d point_{0.0}, normal_{0.0};
+    Vec3d point_{0.0};
+    Vec3f normal_{0.0f};
     double height_ = 0.0;             ///< Above a polygon's plane; 0: sees nothing.
-    double short_ = 1.0;              ///< Part of the way to it after which rays end.
+    float short_ = 1.0f;              ///< Part of the way to it after which rays end.
     double solid_angle_ = 0.0;        ///< Of a polygon that is sampled by it; 0: by area.
     Vec3d to_first_{0.0};             ///< A polygon's corner 0, from the point.
     std::array<Triangle, 2> halves_;  ///< Where it is.

@@ -47,12 +47,12 @@ DirectLight::View DirectLight::view(const Vec3d& point, const Vec3f& normal, dou
   View view;
   view.light_ = this;
   view.point_ = point;
-  view.normal_ = Vec3d(normal);
+  view.normal_ = normal;
   if (kind_ != Kind::polygon) return view;
   view.height_ = (point - center_) ^ normal_;
   if (view.height_ <= 0) return view;
   view.to_first_ = corners_[0] - point;
-  view.short_ = std::max(0.0, 1 - gap_ / view.height_);
+  view.short_ = float(std::max(0.0, 1 - gap_ / view.height_));
   if ((point - center_).length2() >= far * far * radius_ * radius_) return view;
   double all = 0;
   for (int k = 0; k + 2 < count_; ++k) {
@@ -92,16 +92,16 @@ double DirectLight::View::density(const Vec3f& direction) const {
 
 DirectLight::Sample DirectLight::View::of_polygon(double x, double y) const {
   if (height_ <= 0) return {};
-  Vec3d direction;
-  double distance = 0, size = 0;  // sr, of all of it, as if it were as large everywhere as there
+  Vec3f direction;
+  float distance = 0, size = 0;  // sr, of all of it, as if it were as large everywhere as there
   if (solid_angle_ > 0) {
     const double share = halves_[0].area / solid_angle_;
-    direction = x < share || light_->count_ == 3 ? halves_[0].direction(std::min(x / share, 1.0), y)
-                                                 : halves_[1].direction((x - share) / (1 - share), y);
-    const double slope = -(direction ^ light_->normal_);
+    direction = Vec3f(x < share || light_->count_ == 3 ? halves_[0].direction(std::min(x / share, 1.0), y)
+                                                       : halves_[1].direction((x - share) / (1 - share), y));
+    const double slope = -(Vec3d(direction) ^ light_->normal_);
     if (slope <= 0) return {};
-    distance = height_ / slope;
-    size = solid_angle_;
+    distance = float(height_ / slope);
+    size = float(solid_angle_);
   } else {
     const double share = light_->first_share_;
     const int k = x < share ? 0 : 1;
@@ -113,15 +113,15 @@ DirectLight::Sample DirectLight::View::of_polygon(double x, double y) const {
       t *= 0.5;
       s -= t;
     }
-    direction = to_first_ + light_->sides_[k] * s + light_->sides_[k + 1] * t;
-    const double squared = direction.length2(), inverse = 1 / std::sqrt(squared);
+    direction = Vec3f(to_first_ + light_->sides_[k] * s + light_->sides_[k + 1] * t);
+    const float squared = direction.length2(), inverse = 1 / std::sqrt(squared);
     direction *= inverse;
     distance = squared * inverse;
-    size = light_->area_ * height_ * inverse * inverse * inverse;
+    size = float(light_->area_) * inverse * inverse * (float(height_) * inverse);
   }
-  const double cosine = direction ^ normal_;
+  const float cosine = direction ^ normal_;
   if (cosine <= 0) return {};
-  return {Vec3f(direction), float(distance * short_), float(cosine * size * (1 / kPi))};
+  return {direction, distance * short_, cosine * size * float(1 / kPi)};
 }
 
 DirectLight::Sample DirectLight::View::of_sphere(double x, double y) const {
@@ -130,7 +130,7 @@ DirectLight::Sample DirectLight::View::of_sphere(double x, double y) const {
   if (squared <= r2) return {};
   const double sine2 = r2 / squared, most = sine2 / (1 + std::sqrt(1 - sine2));  // 1 - cosine, without cancellation
   const Vec3d direction = in_cone(to / std::sqrt(squared), most, x, y);
-  const double cosine = direction ^ normal_;
+  const double cosine = direction ^ Vec3d(normal_);
   if (cosine <= 0) return {};
   const double half = to ^ direction, inside = r2 - (to - direction * half).length2();
   const double chord = std::sqrt(std::max(inside, 0.0));
@@ -141,14 +141,14 @@ DirectLight::Sample DirectLight::View::of_sphere(double x, double y) const {
 DirectLight::Sample DirectLight::View::of_disk(double x, double y) const {
   const double sine2 = light_->radius_ * light_->radius_, most = sine2 / (1 + std::sqrt(1 - sine2));
   const Vec3d direction = in_cone(light_->towards(point_), most, x, y);
-  const double cosine = direction ^ normal_;
+  const double cosine = direction ^ Vec3d(normal_);
   if (cosine <= 0) return {};
   return {Vec3f(direction), std::numeric_limits<float>::infinity(), float(2 * cosine * most / sine2)};
 }
 
 DirectLight::Sample DirectLight::View::of_point() const {
   const Vec3d direction = light_->towards(point_);
-  const double weight = light_->perpendicular_factor(point_) * (direction ^ normal_);
+  const double weight = light_->perpendicular_factor(point_) * (direction ^ Vec3d(normal_));
   if (!(weight > 0)) return {};
   return {Vec3f(direction), float(light_->distance(point_) * (1 - kShort)), float(weight)};
 }
