@@ -52,7 +52,8 @@ struct Outline {
         -0.004661532338675777, 0.01449384212534609, -0.02385020820726609,  0.03011002097323368,
         -0.02614425300164627,  0.01538173800115226, -0.005444502231767958, 0.0009147130532319336};
     const int edges = corners;
-    while (corners % 4 != 1) add({to[0][0], to[1][0], to[2][0]});
+    do add({to[0][0], to[1][0], to[2][0]});
+    while (corners % 4 != 1);
     double all = 0;
     for (int first = 0; first < edges; first += 4) {
       Four ax, ay, az, bx, by, bz;

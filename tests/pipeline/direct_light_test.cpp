@@ -59,6 +59,33 @@ TEST(DirectLight, IsCutAtTheHorizon) {
   EXPECT_NEAR(cut, light_of(upper.get()).form_factor(point, {0, 1, 0}), 1e-12);
 }
 
+TEST(DirectLight, IsTheSumOfItsPartsHoweverTheHorizonCutsThem) {
+  constexpr int kParts = 3;
+  PatchScene builder;
+  builder.quad(kSquareAbove, 1, 1, {0.0f, 1.0f});
+  for (int k = 0; k < kParts * kParts; ++k) {
+    const double x = k % kParts, z = k / kParts;
+    builder.quad({{Vec3d(x, kParts, z) / kParts, Vec3d(x + 1, kParts, z) / kParts, Vec3d(x + 1, kParts, z + 1) / kParts,
+                   Vec3d(x, kParts, z + 1) / kParts}},
+                 1, 1, {0.0f, 1.0f});
+  }
+  const RayScene rays(builder.get());
+  std::vector<DirectLight> lights;
+  for (const Emitter& emitter : emitters_apart(builder.get())) lights.emplace_back(builder.get(), rays, emitter);
+  ASSERT_EQ(lights.size(), 1u + kParts * kParts);
+  int cut = 0;
+  for (std::uint64_t k = 0; k < 2000; ++k) {
+    const auto unit = [&](std::uint64_t axis) { return 2.0 * to_unit(scramble(8 * k + axis)) - 1.0; };
+    const Vec3d point(1.5 * unit(0), 1 - 0.01 * (1 + 60 * (1 + unit(1))), 1.5 * unit(2));
+    const Vec3f normal = Vec3f(Vec3d(unit(3), unit(4), unit(5))).normalized();
+    double sum = 0;
+    for (std::size_t part = 1; part < lights.size(); ++part) sum += lights[part].form_factor(point, normal);
+    EXPECT_NEAR(lights[0].form_factor(point, normal), sum, 1e-11) << k;
+    cut += lights[0].form_factor(point, normal) > 0 && lights[1].form_factor(point, normal) == 0;
+  }
+  EXPECT_GT(cut, 100);
+}
+
 TEST(DirectLight, OfASphereAtAnyHeightOfTheHorizon) {
   PatchScene builder;
   builder.sphere({0, 3, 0}, 1, 4, 8, {0.0f, 1.0f});
