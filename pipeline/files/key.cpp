@@ -19,8 +19,8 @@ namespace {
 // Raised whenever a stage computes something else from the same inputs.
 constexpr int kImportVersion = 4;
 constexpr int kTransportKeyVersion = 15;
-constexpr int kSolveVersion = 16;
-constexpr int kTraceVersion = 7;
+constexpr int kSolveVersion = 17;
+constexpr int kTraceVersion = 8;
 
 XXH3_state_t* state_of(void* state) {
   return static_cast<XXH3_state_t*>(state);

@@ -110,6 +110,7 @@ struct Lanes {
     const Floats x = ox - f.corner[0], y = oy - f.corner[1], z = oz - f.corner[2];
     const Floats distance = -(x * f.normal[0] + y * f.normal[1] + z * f.normal[2]) /
                             (dx * f.normal[0] + dy * f.normal[1] + dz * f.normal[2]);
+    if (!any((distance > near) & (distance < far))) return;
     const Floats px = x + distance * dx, py = y + distance * dy, pz = z + distance * dz;
     const Floats fs = px * f.s[0] + py * f.s[1] + pz * f.s[2];
     const Floats ft = px * f.t[0] + py * f.t[1] + pz * f.t[2];

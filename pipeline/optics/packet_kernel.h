@@ -22,14 +22,13 @@ struct Ball {
 struct Item {
   std::int32_t surface;  ///< Twice its index, and one more for a sphere.
   std::int32_t shape;    ///< Which facet or ball.
-  float low[3], high[3];
 };
 
-struct Node {
-  float planes[6];     ///< Of its box: low and then high.
-  std::int32_t first;  ///< Of its items, or the first of two children.
-  std::int32_t count;  ///< 0: it has children.
-  std::int32_t axis;   ///< Along which its children stand.
+struct alignas(32) Node {
+  float planes[6];      ///< Of its box: low and then high.
+  std::int32_t first;   ///< Of its items, or the first of two children.
+  std::uint16_t count;  ///< 0: it has children.
+  std::uint16_t axis;   ///< Along which its children stand.
 };
 
 constexpr int kDeepest = 48;

@@ -21,41 +21,25 @@ void copy_to(float (&to)[3], const Vec3d& from) {
   for (int k = 0; k < 3; ++k) to[k] = float(from[k]);
 }
 
-struct Bounds {
-  float low[3], high[3];
-
-  Bounds() {
-    std::fill_n(low, 3, std::numeric_limits<float>::infinity());
-    std::fill_n(high, 3, -std::numeric_limits<float>::infinity());
-  }
-  void add(const Item& item) {
-    for (int k = 0; k < 3; ++k) {
-      low[k] = std::min(low[k], item.low[k]);
-      high[k] = std::max(high[k], item.high[k]);
-    }
-  }
-  float half_area() const {
-    const float x = high[0] - low[0], y = high[1] - low[1], z = high[2] - low[2];
-    return x * y + y * z + z * x;
-  }
-};
-
-Item item_about(std::int32_t surface, std::size_t shape, const Imath::Box3d& box) {
-  Item item{surface, std::int32_t(shape), {}, {}};
-  copy_to(item.low, box.min);
-  copy_to(item.high, box.max);
-  return item;
+float half_area(const Imath::Box3f& box) {
+  const Vec3f size = box.size();
+  return size.x * size.y + size.y * size.z + size.z * size.x;
 }
 
 /// Makes a tree by the surface area heuristic (MacDonald and Booth 1990), exactly: every place between two items, along
 /// every axis. Items are sorted once along each and stay so, whatever node they go to.
 class TreeBuilder {
  public:
-  TreeBuilder(std::vector<Item>& items, std::vector<packet::Node>& nodes)
-      : items_(items), nodes_(nodes), above_(items.size()), goes_left_(items.size()), right_(items.size()) {
+  TreeBuilder(const std::vector<Imath::Box3f>& boxes, std::vector<Item>& items, std::vector<packet::Node>& nodes)
+      : boxes_(boxes),
+        items_(items),
+        nodes_(nodes),
+        above_(items.size()),
+        goes_left_(items.size()),
+        right_(items.size()) {
     for (int axis = 0; axis < 3; ++axis) {
       const auto key = [&](std::int32_t k) {
-        return std::pair(items[k].low[axis] + items[k].high[axis], items[k].surface);
+        return std::pair(boxes[k].min[axis] + boxes[k].max[axis], items[k].surface);
       };
       orders_[axis].resize(items.size());
       std::iota(orders_[axis].begin(), orders_[axis].end(), 0);
@@ -77,36 +61,38 @@ class TreeBuilder {
  private:
   void split(std::int32_t at, std::int32_t begin, std::int32_t end, int depth) {
     const std::int32_t count = end - begin;
-    Bounds all;
-    for (std::int32_t k = begin; k < end; ++k) all.add(items_[orders_[0][k]]);
+    Imath::Box3f all;
+    for (std::int32_t k = begin; k < end; ++k) all.extendBy(boxes_[orders_[0][k]]);
     float best = float(count) - 2 * kBox;  // of not splitting, over the cost of a surface
     int axis = -1;
     std::int32_t left = 0;
     for (int k = 0; k < 3 && depth < packet::kDeepest; ++k) {
       const std::int32_t* order = orders_[k].data() + begin;
-      Bounds sum;
+      Imath::Box3f sum;
       for (std::int32_t i = count; i-- > 1;) {
-        sum.add(items_[order[i]]);
-        above_[i] = sum.half_area();
+        sum.extendBy(boxes_[order[i]]);
+        above_[i] = half_area(sum);
       }
-      sum = {};
+      sum.makeEmpty();
       for (std::int32_t i = 1; i < count; ++i) {
-        sum.add(items_[order[i - 1]]);
-        const float cost = (sum.half_area() * float(i) + above_[i] * float(count - i)) / all.half_area();
+        sum.extendBy(boxes_[order[i - 1]]);
+        const float cost = (half_area(sum) * float(i) + above_[i] * float(count - i)) / half_area(all);
         if (cost < best) best = cost, axis = k, left = i;
       }
     }
     packet::Node& node = nodes_[at];
-    std::copy_n(all.low, 3, node.planes);
-    std::copy_n(all.high, 3, node.planes + 3);
+    for (int k = 0; k < 3; ++k) {
+      node.planes[k] = all.min[k];
+      node.planes[k + 3] = all.max[k];
+    }
     node.first = begin;
-    node.count = count;
+    node.count = std::uint16_t(count);
     if (axis < 0) return;
     part(axis, begin, begin + left, end);
     const auto child = std::int32_t(nodes_.size());
     node.first = child;
     node.count = 0;
-    node.axis = axis;
+    node.axis = std::uint16_t(axis);
     nodes_.resize(nodes_.size() + 2);
     split(child, begin, begin + left, depth + 1);
     split(child + 1, begin + left, end, depth + 1);
@@ -128,6 +114,7 @@ class TreeBuilder {
     }
   }
 
+  const std::vector<Imath::Box3f>& boxes_;
   std::vector<Item>& items_;
   std::vector<packet::Node>& nodes_;
   std::array<std::vector<std::int32_t>, 3> orders_;  ///< Of items along each axis, node by node.
@@ -148,8 +135,7 @@ bool PacketTracer::add_quad(const std::array<Vec3d, 4>& c, double precision, std
   for (const Vec3d& corner : c) box.extendBy(corner);
   box.min -= Vec3d(precision);
   box.max += Vec3d(precision);
-  for (std::size_t k = facets_.size() - (plane ? 1 : 2); k < facets_.size(); ++k)
-    items_.push_back(item_about(2 * index, k, box));
+  for (std::size_t k = facets_.size() - (plane ? 1 : 2); k < facets_.size(); ++k) add_item(2 * index, k, box);
   return plane;
 }
 
@@ -178,12 +164,26 @@ void PacketTracer::add_sphere(const Vec3d& center, double radius, std::int32_t i
   copy_to(ball.center, center);
   balls_.push_back(ball);
   const Vec3d reach(radius * (1 + 1e-6));
-  items_.push_back(item_about(2 * index + 1, balls_.size() - 1, {center - reach, center + reach}));
+  add_item(2 * index + 1, balls_.size() - 1, {center - reach, center + reach});
+}
+
+void PacketTracer::add_item(std::int32_t surface, std::size_t shape, const Imath::Box3d& box) {
+  items_.push_back({surface, std::int32_t(shape)});
+  boxes_.emplace_back(Vec3f(box.min), Vec3f(box.max));
 }
 
 void PacketTracer::build() {
   if (items_.empty()) return;
-  TreeBuilder(items_, nodes_).build();
+  TreeBuilder(boxes_, items_, nodes_).build();
+  boxes_ = {};
+  std::vector<packet::Facet> in_order;  // of their leaves, so that what is met together lies together
+  in_order.reserve(facets_.size());
+  for (Item& item : items_) {
+    if (item.surface % 2 != 0) continue;
+    in_order.push_back(facets_[item.shape]);
+    item.shape = std::int32_t(in_order.size()) - 1;
+  }
+  facets_ = std::move(in_order);
 }
 
 }  // namespace patchlight
