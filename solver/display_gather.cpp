@@ -104,7 +104,7 @@ class Gather {
   }
 
   /// Sends what rows are to gather: in the first pass of patches, then of what the pass before found at the leaves.
-  FormFactorRows::Exchange begin_pass() {
+  FormFactorRows::Receiver begin_pass() {
     if (at_vertices_.empty()) {
       for (std::size_t i = 0; i < patches_; ++i)
         sent_.set(field_, i,
@@ -119,7 +119,7 @@ class Gather {
         send(patch, element, sum * Spectrum(1.0 / double(corners.size())));
       });
     }
-    return {nullptr, &at_vertices_};
+    return {&at_vertices_};
   }
 
   /// Adds what comes from emitters by way of mirrors.
@@ -240,9 +240,9 @@ void gather_display(const PatchSet& scene, const Transport& transport, std::vect
     for (std::size_t f = 0; f < count; ++f)
       gathers.emplace_back(scene, transport, emitters, leaves, reflectance, groups[first + f], sent, f);
     for (int pass = 0; pass < kPasses; ++pass) {
-      std::vector<FormFactorRows::Exchange> fields;
-      for (Gather& gather : gathers) fields.push_back(gather.begin_pass());
-      rows.receive(sent, fields);
+      std::vector<FormFactorRows::Receiver> receivers;
+      for (Gather& gather : gathers) receivers.push_back(gather.begin_pass());
+      rows.receive(sent, receivers);
       for (Gather& gather : gathers) gather.end_pass(rows);
     }
     for (Gather& gather : gathers) gather.finish();

@@ -47,7 +47,7 @@ FormFactorRows::FormFactorRows(const TransportRows& rows, int sky) : transport_(
 }
 
 template <class Number, int kWidth>
-void FormFactorRows::receive_packed(const RadiosityTable& radiosity, std::span<const Exchange> fields) const {
+void FormFactorRows::receive_packed(const RadiosityTable& radiosity, std::span<const Receiver> receivers) const {
   const Number* const table = radiosity.values<Number>();
   const auto half = [&](std::size_t k, double* sum) {
     const std::uint64_t begin = transport_.starts[k];
@@ -62,7 +62,7 @@ void FormFactorRows::receive_packed(const RadiosityTable& radiosity, std::span<c
     if (mirrored_starts_.empty()) return;
     for (std::uint64_t at = mirrored_starts_[k]; at < mirrored_starts_[k + 1]; ++at) {
       const auto& m = transport_.mirrored[at];
-      for (std::size_t c = 0; c < 3 * fields.size(); ++c)
+      for (std::size_t c = 0; c < 3 * receivers.size(); ++c)
         sum[c] += double(table[std::size_t(m.patch) * kWidth + c]) * double(m.weight[int(c % 3)]);
     }
   };
@@ -70,30 +70,30 @@ void FormFactorRows::receive_packed(const RadiosityTable& radiosity, std::span<c
     double first[kWidth], second[kWidth];
     half(2 * i, first);
     half(2 * i + 1, second);
-    for (std::size_t f = 0; f < fields.size(); ++f)
+    for (std::size_t f = 0; f < receivers.size(); ++f)
       for (int c = 0; c < 3; ++c) {
         const double a = first[3 * f + c], b = second[3 * f + c];
-        (*fields[f].irradiance)[i].c[c] = 0.5 * (a + b);
-        if (fields[f].deviation) (*fields[f].deviation)[i].c[c] = 0.5 * (a - b);
+        (*receivers[f].irradiance)[i].c[c] = 0.5 * (a + b);
+        if (receivers[f].deviation) (*receivers[f].deviation)[i].c[c] = 0.5 * (a - b);
       }
   });
 }
 
 template <class Number>
-void FormFactorRows::receive_stored(const RadiosityTable& table, std::span<const Exchange> fields) const {
+void FormFactorRows::receive_stored(const RadiosityTable& table, std::span<const Receiver> receivers) const {
   if (table.width() == 4)
-    receive_packed<Number, 4>(table, fields);
+    receive_packed<Number, 4>(table, receivers);
   else if (table.width() == 8)
-    receive_packed<Number, 8>(table, fields);
+    receive_packed<Number, 8>(table, receivers);
   else
-    receive_packed<Number, 16>(table, fields);
+    receive_packed<Number, 16>(table, receivers);
 }
 
-void FormFactorRows::receive(const RadiosityTable& table, std::span<const Exchange> fields) const {
+void FormFactorRows::receive(const RadiosityTable& table, std::span<const Receiver> receivers) const {
   if (table.precision() == Precision::single)
-    receive_stored<float>(table, fields);
+    receive_stored<float>(table, receivers);
   else
-    receive_stored<double>(table, fields);
+    receive_stored<double>(table, receivers);
 }
 
 void FormFactorRows::receive(std::span<const Exchange> fields, const SpectrumField* factor, Precision precision) const {
@@ -106,11 +106,13 @@ void FormFactorRows::receive(std::span<const Exchange> fields, const SpectrumFie
       table.set(f, i, factor ? value * (*factor)[i] : value);
     }
   });
-  receive(table, fields);
+  std::vector<Receiver> receivers;
+  for (const Exchange& field : fields) receivers.push_back(field.to);
+  receive(table, receivers);
 }
 
 void FormFactorRows::receive(const SpectrumField& radiosity, SpectrumField& irradiance) const {
-  const Exchange field{&radiosity, &irradiance};
+  const Exchange field{&radiosity, {&irradiance}};
   receive({&field, 1}, nullptr, Precision::full);
 }
 

@@ -16,20 +16,22 @@ class FormFactorRows {
   /// What a linear system's tolerance asks for.
   static Precision precision_for(double tolerance) { return tolerance < 1e-5 ? Precision::full : Precision::single; }
 
-  /// A field that rows gather, and where to put what they receive of it.
+  /// Where to put what rows receive of a field.
+  struct Receiver {
+    SpectrumField* irradiance = nullptr;  ///< [rows], directly and by mirrors.
+    SpectrumField* deviation = nullptr;   ///< [rows], if asked for: half the difference of a row's halves.
+  };
   struct Exchange {
     const SpectrumField* radiosity = nullptr;  ///< [elements].
-    SpectrumField* irradiance = nullptr;       ///< [rows], directly and by mirrors.
-    SpectrumField* deviation = nullptr;        ///< [rows], if asked for: half the difference of a row's halves.
+    Receiver to;
   };
 
   /// `sky`: cells of the environment, behind as many elements as there are rows, that rows may end on; 0: rows end on
   /// what fields have alone.
   explicit FormFactorRows(const TransportRows& rows, int sky = 0);
 
-  /// What rows receive of a table's fields, one for each of `fields`, whose own radiosity is not read. Sums are in
-  /// double precision always.
-  void receive(const RadiosityTable& table, std::span<const Exchange> fields) const;
+  /// What rows receive of a table's fields, each to its receiver. Sums are in double precision always.
+  void receive(const RadiosityTable& table, std::span<const Receiver> receivers) const;
 
   /// What rows receive of up to RadiosityTable::kMostFields fields, each of them times `factor` [elements] if there is
   /// one. Fields may leave out the environment, which is black then.
@@ -47,10 +49,10 @@ class FormFactorRows {
 
  private:
   template <class Number, int kWidth>
-  void receive_packed(const RadiosityTable& table, std::span<const Exchange> fields) const;
+  void receive_packed(const RadiosityTable& table, std::span<const Receiver> receivers) const;
 
   template <class Number>
-  void receive_stored(const RadiosityTable& table, std::span<const Exchange> fields) const;
+  void receive_stored(const RadiosityTable& table, std::span<const Receiver> receivers) const;
 
   const TransportRows& transport_;
   const int sky_;

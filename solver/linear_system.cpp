@@ -146,7 +146,7 @@ std::vector<LinearSolve> solve_irradiance(const FormFactorRows& rows, const Spec
   /// to = F (reflectance from) of all that are active
   const auto apply = [&](SpectrumField BiCgStab::*from, SpectrumField BiCgStab::*to) {
     std::vector<FormFactorRows::Exchange> fields;
-    for (BiCgStab* system : active) fields.push_back({&(system->*from), &(system->*to)});
+    for (BiCgStab* system : active) fields.push_back({&(system->*from), {&(system->*to)}});
     rows.receive(fields, &reflectance, precision);
   };
 

@@ -122,7 +122,7 @@ void add_rows(const System& system, const Emission& emission, GroupSolution& sol
   if (is_black(emission.others)) return;
   solution.by_rows.resize(n);
   solution.by_rows_deviation.resize(n);
-  const Exchange field{&emission.others, &solution.by_rows, &solution.by_rows_deviation};
+  const Exchange field{&emission.others, {&solution.by_rows, &solution.by_rows_deviation}};
   system.rows.receive({&field, 1}, nullptr, FormFactorRows::Precision::full);
   if (!system.transport.mirrored.empty()) {
     solution.expect_mirrors(n);
@@ -180,7 +180,7 @@ void add_reflected_light(const System& system, std::span<GroupSolution> groups, 
   std::vector<SpectrumField> sent, sources(groups.size(), SpectrumField(n)), indirect(sources);
   for (const GroupSolution& group : groups) add(group.by_rows, sent.emplace_back(group.apart));
   std::vector<Exchange> fields;
-  for (std::size_t g = 0; g < groups.size(); ++g) fields.push_back({&sent[g], &sources[g]});
+  for (std::size_t g = 0; g < groups.size(); ++g) fields.push_back({&sent[g], {&sources[g]}});
   system.rows.receive(fields, &system.reflectance, precision);
   for (std::size_t g = 0; g < groups.size(); ++g) add(groups[g].by_mirrors, sources[g]);
 
@@ -194,7 +194,7 @@ void add_reflected_light(const System& system, std::span<GroupSolution> groups, 
   // One more pass, whose halves tell their deviation.
   for (std::size_t g = 0; g < groups.size(); ++g) {
     add(indirect[g], sent[g]);
-    fields[g] = {&sent[g], &groups[g].reflected, &groups[g].reflected_deviation};
+    fields[g] = {&sent[g], {&groups[g].reflected, &groups[g].reflected_deviation}};
     groups[g].linear = std::move(solves[g]);
   }
   system.rows.receive(fields, &system.reflectance, precision);

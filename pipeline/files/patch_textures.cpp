@@ -91,7 +91,7 @@ bool any_has(const PatchSet& scene, std::int32_t Primitive::*index) {
 
 bool has_varied_metals(const PatchSet& scene) {
   for (std::size_t i = 0; i < scene.primitives.size(); ++i)
-    if (is_colored(scene, std::int32_t(i)) && has_varied_metal(scene, std::int32_t(i))) return true;
+    if (has_varied_metal(scene, std::int32_t(i))) return true;
   return false;
 }
 

@@ -123,7 +123,7 @@ inline bool is_colored(const PatchSet& scene, std::int32_t i) {
 
 /// The same of what it reflects as a metal.
 inline bool has_varied_metal(const PatchSet& scene, std::int32_t i) {
-  return scene.materials[scene.primitives[i].material].metal != Color(0.0f) && is_colored(scene, i);
+  return is_colored(scene, i) && scene.materials[scene.primitives[i].material].metal != Color(0.0f);
 }
 
 }  // namespace patchlight

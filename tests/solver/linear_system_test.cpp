@@ -143,7 +143,7 @@ TEST(FormFactorRows, InSinglePrecisionLoseItsDigitsAlone) {
     const SpectrumField light = random_field(0.0f, 3.0f), even(kPatches, Spectrum(0.1f));
     SpectrumField full(kPatches), single(kPatches), of_even(kPatches);
     rows.receive(light, full);
-    const std::vector<FormFactorRows::Exchange> fields{{&light, &single}, {&even, &of_even}};
+    const std::vector<FormFactorRows::Exchange> fields{{&light, {&single}}, {&even, {&of_even}}};
     rows.receive(fields, nullptr, FormFactorRows::Precision::single);
     const SpectrumField seen = rows.seen();
     for (int i = 0; i < kPatches; ++i) {
@@ -163,7 +163,7 @@ TEST(FormFactorRows, TellHowFarTheirHalvesAreApart) {
   const FormFactorRows rows(transport);
   SpectrumField light(2), received(1), deviation(1);
   light[0] = Spectrum(4.0);
-  const FormFactorRows::Exchange field{&light, &received, &deviation};
+  const FormFactorRows::Exchange field{&light, {&received, &deviation}};
   rows.receive({&field, 1}, nullptr, FormFactorRows::Precision::full);  // halves of 2, and of 4 + 4 times the mirror's
   EXPECT_DOUBLE_EQ(received[0].c[0], 0.5 * (2 + 6));
   EXPECT_DOUBLE_EQ(received[0].c[1], 0.5 * (2 + 5));
