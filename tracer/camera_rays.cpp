@@ -1,5 +1,6 @@
 #include "tracer/camera_rays.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace patchlight {
@@ -21,13 +22,27 @@ CameraRays::CameraRays(const Camera& camera, int width, int height)
   down_ = to_world(Vec3d(0, -2 * half_height_ / height, 0), false);
 }
 
-CameraRay CameraRays::operator()(float x, float y) const {
-  const Vec3d at = first_ + across_ * double(x) + down_ * double(y);
-  if (perspective()) {
-    const Vec3f along(at);
-    return {eye_, along * (1 / std::sqrt(along.length2()))};
+void CameraRays::start(const ImagePoints& at, const RayScene& scene, RayPacket& packet) const {
+  packet.start();
+  auto& ray = packet.rays.ray;
+  float* const origins[] = {ray.org_x, ray.org_y, ray.org_z};
+  float* const directions[] = {ray.dir_x, ray.dir_y, ray.dir_z};
+  const Vec3f first = perspective() ? Vec3f(first_) : scene.to_local(first_), across(across_), down(down_);
+  const Vec3f still = perspective() ? scene.to_local(eye_) : Vec3f(forward_);
+  for (int k = 0; k < 3; ++k) {
+    float* const moving = perspective() ? directions[k] : origins[k];
+    for (int lane = 0; lane < RayPacket::kSize; ++lane)
+      moving[lane] = first[k] + across[k] * at.x[lane] + down[k] * at.y[lane];
+    std::fill_n(perspective() ? origins[k] : directions[k], RayPacket::kSize, still[k]);
   }
-  return {at, Vec3f(forward_)};
+  if (!perspective()) return;
+  for (int lane = 0; lane < RayPacket::kSize; ++lane) {
+    const float x = ray.dir_x[lane], y = ray.dir_y[lane], z = ray.dir_z[lane];
+    const float scale = 1.0f / std::sqrt(x * x + y * y + z * z);
+    ray.dir_x[lane] = x * scale;
+    ray.dir_y[lane] = y * scale;
+    ray.dir_z[lane] = z * scale;
+  }
 }
 
 Vec3d CameraRays::to_camera(const Vec3d& world) const {

@@ -1,12 +1,14 @@
 #pragma once
+#include <array>
+
 #include "pipeline/model/camera.h"
+#include "pipeline/optics/ray_scene.h"
 
 namespace patchlight {
 
-/// A ray in world space; the direction is a unit vector.
-struct CameraRay {
-  Vec3d origin;
-  Vec3f direction;
+/// Points of an image, in pixels from the upper left corner.
+struct ImagePoints {
+  std::array<float, RayPacket::kSize> x{}, y{};
 };
 
 /// Rays of a camera through an image of `width` x `height` pixels. The image keeps the camera's vertical extent.
@@ -14,8 +16,8 @@ class CameraRays {
  public:
   CameraRays(const Camera& camera, int width, int height);
 
-  /// The ray through image point (x, y) in pixels from the upper left corner.
-  CameraRay operator()(float x, float y) const;
+  /// Sets all lanes to the rays through these points. Directions are unit vectors.
+  void start(const ImagePoints& at, const RayScene& scene, RayPacket& packet) const;
 
   bool perspective() const { return camera_.projection == Camera::Projection::perspective; }
   /// Where rays start, or, for orthographic cameras, a point of the plane where they do.

@@ -50,7 +50,6 @@ class Integrator::Tile {
     if (!frame_.counts_.even()) sums_.details.resize(pixels);
     sums_.window = &window_;
     if (!image.layers.empty()) sums_.layers = &layers_.emplace(frame_.config_, frame_.scene_, pixels);
-    packet_.clear();
   }
 
   void render() {
@@ -102,8 +101,8 @@ class Integrator::Tile {
     const int x = window_.x0 + int(p) % window_.width, y = window_.y0 + int(p) / window_.width;
     for (int k = from; k < to; ++k) {
       const Vec2f at = pixel_sample(std::uint32_t(k), seed);
-      const CameraRay ray = rays_(float(x) + at.x, float(y) + at.y);
-      packet_.set(lane_, frame_.ray_scene_.to_local(ray.origin), ray.direction);
+      points_.x[lane_] = float(x) + at.x;
+      points_.y[lane_] = float(y) + at.y;
       going_[lane_] = {p, std::uint32_t(k), layers_ ? (at - Vec2f(0.5f)).length2() : 0.0f};
       if (++lane_ < RayPacket::kSize) continue;
       finish_paths();
@@ -113,7 +112,12 @@ class Integrator::Tile {
 
   void finish_paths() {
     cast_ += lane_;
-    if (lane_ > 0) frame_.paths_.trace(packet_, going_, rays_, sums_);
+    if (lane_ > 0) {
+      RayPacket packet;
+      rays_.start(points_, frame_.ray_scene_, packet);
+      for (int lane = lane_; lane < RayPacket::kSize; ++lane) packet.valid[lane] = 0;
+      frame_.paths_.trace(packet, going_, rays_, sums_);
+    }
     lane_ = 0;
     if (sums_.gather.empty()) return;
     std::erase_if(sums_.gather, [&](const GatherPoint& point) { return !is_own(point.at.pixel); });
@@ -177,7 +181,7 @@ class Integrator::Tile {
   std::optional<LayerSums> layers_;
   std::optional<TileLight> light_;
   PathSums sums_;
-  RayPacket packet_;
+  ImagePoints points_;  ///< That paths are to start through.
   std::array<PathTracer::Path, RayPacket::kSize> going_;
   int lane_ = 0;
   std::int64_t cast_ = 0;

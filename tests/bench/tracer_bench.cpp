@@ -55,9 +55,14 @@ void raw_primary(benchmark::State& state) {
   const CameraRays rays(camera(), kSide, kSide);
   constexpr int kPackets = kSide * kSide / RayPacket::kSize;
   const auto packets = std::make_unique<RayPacket[]>(kPackets);
-  for (int k = 0; k < kSide * kSide; ++k) {
-    const CameraRay ray = rays(float(k % kSide) + 0.5f, float(k / kSide) + 0.5f);
-    packets[k / RayPacket::kSize].set(k % RayPacket::kSize, embree.to_local(ray.origin), ray.direction);
+  for (int k = 0; k < kPackets; ++k) {
+    ImagePoints points;
+    for (int lane = 0; lane < RayPacket::kSize; ++lane) {
+      const int pixel = k * RayPacket::kSize + lane;
+      points.x[lane] = float(pixel % kSide) + 0.5f;
+      points.y[lane] = float(pixel / kSide) + 0.5f;
+    }
+    rays.start(points, embree, packets[k]);
   }
   for (auto _ : state)
     for (int k = 0; k < kPackets; ++k) {

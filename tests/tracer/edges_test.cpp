@@ -118,8 +118,12 @@ TEST(Edges, AnEvenImageIsExactAtFewSamples) {
   const Image image = solved.render();
   const CameraRays rays(solved.camera, 40, 40);
   for (int k = 0; k < 40 * 40; ++k) {
-    const CameraRay ray = rays(float(k % 40) + 0.5f, float(k / 40) + 0.5f);
-    const Vec3d at = Vec3d(ray.direction) * (-2 / double(ray.direction.z));
+    ImagePoints points;
+    points.x[0] = float(k % 40) + 0.5f;
+    points.y[0] = float(k / 40) + 0.5f;
+    RayPacket packet;
+    rays.start(points, ray_scene, packet);
+    const Vec3d at = Vec3d(packet.direction(0)) * (-2 / double(packet.direction(0).z));
     const double exact = 0.8 * (1 + 5 * lamp.form_factor(at, {0, 0, 1})) / kPi;
     EXPECT_NEAR(image.pixels[std::size_t(k)].y, exact, 2e-3 * exact);
   }
