@@ -7,6 +7,7 @@
 
 #include "pipeline/optics/patch_sampling.h"
 #include "pipeline/optics/random.h"
+#include "solver/surroundings.h"
 
 namespace patchlight {
 
@@ -55,12 +56,7 @@ float exposed_part(const PatchSet& scene, const RayScene& ray_scene, const Patch
       packet.clear();
       for (int lane = 0; lane < count; ++lane) {
         const Vec2f at = kronecker2(point(lane), random);
-        const SurfacePoint from = sampler(at.x, at.y);
-        const Vec3f& d = ways[lane][way];
-        Vec3f tangent, bitangent;
-        orthonormal_frame(from.normal, tangent, bitangent);
-        packet.set(lane, ray_scene.to_local(from.position) + from.normal * offset,
-                   tangent * d.x + bitangent * d.y + from.normal * d.z);
+        leave_surface(lane, ray_scene, sampler(at.x, at.y), offset, ways[lane][way], packet);
       }
       ray_scene.intersect(packet, true);
       for (int lane = 0; lane < count; ++lane) {

@@ -21,6 +21,7 @@ class FormFactorRows {
     SpectrumField* irradiance = nullptr;  ///< [rows], directly and by mirrors.
     SpectrumField* deviation = nullptr;   ///< [rows], if asked for: half the difference of a row's halves.
   };
+  /// A field that rows gather, and its receiver.
   struct Exchange {
     const SpectrumField* radiosity = nullptr;  ///< [elements].
     Receiver to;

@@ -256,11 +256,7 @@ void RayRows::start_packet(const Half& half, const DirectionTable& table, int fi
       Vec2f at(u[lane], v[lane]);
       if (half.has_holes)
         at = covered_point(scene_, half.patch, *half.sampler, at, scramble(half.random + half.number(first + lane)));
-      const SurfacePoint point = (*half.sampler)(at.x, at.y);
-      Vec3f tangent, bitangent;
-      orthonormal_frame(point.normal, tangent, bitangent);
-      packet.set(lane, ray_scene_.to_local(point.position) + point.normal * half.offset,
-                 tangent * dx[lane] + bitangent * dy[lane] + point.normal * dz[lane]);
+      leave_surface(lane, ray_scene_, (*half.sampler)(at.x, at.y), half.offset, {dx[lane], dy[lane], dz[lane]}, packet);
     }
     return;
   }

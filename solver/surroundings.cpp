@@ -15,9 +15,10 @@ constexpr float kLeast = 0.05f;  // of a part's size: distances below count as t
 constexpr float kLift = 1e-3f;   // of a part's size: how far above it its corners look for each other
 constexpr float kInset = 0.02f;  // and how far inside its borders
 
-}  // namespace
+using Ways = std::array<Vec3f, RayPacket::kSize>;
 
-StratifiedDirections::StratifiedDirections(std::uint64_t random) {
+/// Sixteen directions about +Z that are stratified over the hemisphere.
+Ways stratified_ways(std::uint64_t random) {
   static const std::array<Vec2f, RayPacket::kSize> kAround = [] {
     std::array<Vec2f, RayPacket::kSize> around;
     for (int k = 0; k < RayPacket::kSize; ++k) {
@@ -28,29 +29,32 @@ StratifiedDirections::StratifiedDirections(std::uint64_t random) {
   }();
   const float shift = to_unit(random << 24), turn = float(2 * kPi) * to_unit(random);
   const float cosine = std::cos(turn), sine = std::sin(turn);
+  Ways ways;
   for (int k = 0; k < RayPacket::kSize; ++k) {
     const float square = shifted((float(k) + 0.5f) / float(RayPacket::kSize), shift);
     const float radius = std::sqrt(square);
-    about_z_[k] = Vec3f(radius * (kAround[k].x * cosine - kAround[k].y * sine),
-                        radius * (kAround[k].x * sine + kAround[k].y * cosine), std::sqrt(1.0f - square));
+    ways[k] = Vec3f(radius * (kAround[k].x * cosine - kAround[k].y * sine),
+                    radius * (kAround[k].x * sine + kAround[k].y * cosine), std::sqrt(1.0f - square));
   }
+  return ways;
 }
 
-void StratifiedDirections::set(int lane, const RayScene& ray_scene, const SurfacePoint& point, float offset,
-                               RayPacket& packet) const {
-  const Vec3f& d = about_z_[lane];
+}  // namespace
+
+void leave_surface(int lane, const RayScene& ray_scene, const SurfacePoint& point, float offset, const Vec3f& about_z,
+                   RayPacket& packet) {
   Vec3f tangent, bitangent;
   orthonormal_frame(point.normal, tangent, bitangent);
   packet.set(lane, ray_scene.to_local(point.position) + point.normal * offset,
-             tangent * d.x + bitangent * d.y + point.normal * d.z);
+             tangent * about_z.x + bitangent * about_z.y + point.normal * about_z.z);
 }
 
 float exposure(const RayScene& ray_scene, std::int32_t primitive, const SurfacePoint& point, std::uint64_t random) {
-  const StratifiedDirections directions(random);
+  const Ways ways = stratified_ways(random);
   RayPacket packet;
   packet.clear();
   for (int lane = 0; lane < RayPacket::kSize; ++lane)
-    directions.set(lane, ray_scene, point, ray_scene.offset(primitive), packet);
+    leave_surface(lane, ray_scene, point, ray_scene.offset(primitive), ways[lane], packet);
   ray_scene.intersect(packet, false);
   int lit = 0, backs = 0;
   for (int lane = 0; lane < RayPacket::kSize; ++lane) {
@@ -64,12 +68,12 @@ float exposure(const RayScene& ray_scene, std::int32_t primitive, const SurfaceP
 Closeness closeness(const PatchSet& scene, const RayScene& ray_scene, const Patch& part, std::uint64_t random) {
   const PatchSampler sampler(scene.primitives[part.primitive], part);
   const float size = float(std::sqrt(part.area));
-  const StratifiedDirections directions(random);
+  const Ways ways = stratified_ways(random);
   RayPacket packet;
   packet.clear();
   for (int lane = 0; lane < RayPacket::kSize; ++lane) {
     const Vec2f at = kronecker2(std::uint64_t(lane), random);
-    directions.set(lane, ray_scene, sampler(at.x, at.y), ray_scene.offset(part.primitive), packet);
+    leave_surface(lane, ray_scene, sampler(at.x, at.y), ray_scene.offset(part.primitive), ways[lane], packet);
   }
   ray_scene.intersect(packet, false);
   Closeness result;

@@ -22,16 +22,8 @@ bool is_cut(const PatchSet& scene, const RayScene& ray_scene, const Patch& part)
 /// in sight, nowhere. (Beside a back, nowhere is mostly below a floor or outside a room.)
 float exposure(const RayScene& ray_scene, std::int32_t primitive, const SurfacePoint& point, std::uint64_t random);
 
-/// Directions of a packet's rays from surfaces, each lane's own of 16 that are stratified over the hemisphere.
-class StratifiedDirections {
- public:
-  explicit StratifiedDirections(std::uint64_t random);
-
-  /// Sets a lane to go from a point of a surface, `offset` above it.
-  void set(int lane, const RayScene& ray_scene, const SurfacePoint& point, float offset, RayPacket& packet) const;
-
- private:
-  std::array<Vec3f, RayPacket::kSize> about_z_;
-};
+/// Sets a lane to go from `offset` above a point of a surface, along a direction about +Z that is turned to the normal.
+void leave_surface(int lane, const RayScene& ray_scene, const SurfacePoint& point, float offset, const Vec3f& about_z,
+                   RayPacket& packet);
 
 }  // namespace patchlight

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace patchlight {
 
@@ -25,15 +26,14 @@ CameraRays::CameraRays(const Camera& camera, int width, int height)
 void CameraRays::start(const ImagePoints& at, const RayScene& scene, RayPacket& packet) const {
   packet.start();
   auto& ray = packet.rays.ray;
-  float* const origins[] = {ray.org_x, ray.org_y, ray.org_z};
-  float* const directions[] = {ray.dir_x, ray.dir_y, ray.dir_z};
+  const std::array<float*, 3> origins{ray.org_x, ray.org_y, ray.org_z}, directions{ray.dir_x, ray.dir_y, ray.dir_z};
+  const auto& [shared, own] = perspective() ? std::pair(origins, directions) : std::pair(directions, origins);
+  const Vec3f all = perspective() ? scene.to_local(eye_) : Vec3f(forward_);
   const Vec3f first = perspective() ? Vec3f(first_) : scene.to_local(first_), across(across_), down(down_);
-  const Vec3f still = perspective() ? scene.to_local(eye_) : Vec3f(forward_);
   for (int k = 0; k < 3; ++k) {
-    float* const moving = perspective() ? directions[k] : origins[k];
+    std::fill_n(shared[k], RayPacket::kSize, all[k]);
     for (int lane = 0; lane < RayPacket::kSize; ++lane)
-      moving[lane] = first[k] + across[k] * at.x[lane] + down[k] * at.y[lane];
-    std::fill_n(perspective() ? origins[k] : directions[k], RayPacket::kSize, still[k]);
+      own[k][lane] = first[k] + across[k] * at.x[lane] + down[k] * at.y[lane];
   }
   if (!perspective()) return;
   for (int lane = 0; lane < RayPacket::kSize; ++lane) {

@@ -18,7 +18,7 @@ namespace {
 
 // Raised whenever a stage computes something else from the same inputs.
 constexpr int kImportVersion = 4;
-constexpr int kTransportKeyVersion = 15;
+constexpr int kTransportKeyVersion = 16;
 constexpr int kSolveVersion = 17;
 constexpr int kTraceVersion = 8;
 

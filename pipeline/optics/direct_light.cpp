@@ -32,8 +32,7 @@ void load(const double* from, Four& to) {
   std::memcpy(&to, from, sizeof to);
 }
 
-/// A polygon as a point sees it: its corners from there, four at a time, axis by axis. Behind the last stands the first
-/// again, as often as it takes.
+/// A polygon of up to five corners as a point sees it: the corners from there, axis by axis.
 struct Outline {
   std::array<std::array<double, 9>, 3> to;
   int corners = 0;
@@ -43,9 +42,10 @@ struct Outline {
     ++corners;
   }
 
-  /// Lambert's sum over the edges: of the angle that each takes times what its plane's normal has of `normal`.
-  double sum(const Vec3d& normal) {
-    // Interpolates acos(1 - x) / sqrt(1 - (1 - x)^2) on [0,1] at Chebyshev's points, to 3e-13.
+  /// Lambert's sum over the edges, once all corners are there: of the angle that each takes times what its plane's
+  /// normal has of `normal`. Four edges at a time: behind the last corner comes the first, as often as that takes.
+  double close_and_sum(const Vec3d& normal) {
+    // Interpolates acos(1 - x) / sqrt(1 - (1 - x)^2) on [0,1] at Chebyshev's points, to 5e-13.
     constexpr std::array<double, 16> kTerms{
         0.9999999999997928,    0.3333333334397937,  0.133333324325321,     0.05714315719271317,
         0.02539160042472899,   0.01159875513248074, 0.00495368818253234,   0.004242649723516475,
@@ -59,7 +59,8 @@ struct Outline {
       Four ax, ay, az, bx, by, bz;
       load(&to[0][first], ax), load(&to[1][first], ay), load(&to[2][first], az);
       load(&to[0][first + 1], bx), load(&to[1][first + 1], by), load(&to[2][first + 1], bz);
-      Four squared = (ax * ax + ay * ay + az * az) * (bx * bx + by * by + bz * bz), lengths;
+      const Four squared = (ax * ax + ay * ay + az * az) * (bx * bx + by * by + bz * bz);
+      Four lengths;
       for (int k = 0; k < 4; ++k) lengths[k] = std::sqrt(squared[k]);
       const Four inverse = 1.0 / lengths;
       const Four cosine = (ax * bx + ay * by + az * bz) * inverse;
@@ -223,7 +224,7 @@ double DirectLight::polygon_form_factor(const Vec3d& point, const Vec3d& normal)
     if (above < count_ && (height[k] > 0) != (height[k + 1] > 0))
       outline.add(to[k] + (to[k + 1] - to[k]) * (height[k] / (height[k] - height[k + 1])));
   }
-  return std::max(0.0, outline.sum(normal) / (2 * kPi));
+  return std::max(0.0, outline.close_and_sum(normal) / (2 * kPi));
 }
 
 double DirectLight::sphere_form_factor(const Vec3d& point, const Vec3d& normal) const {

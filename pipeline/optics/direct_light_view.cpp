@@ -120,7 +120,7 @@ DirectLight::Sample DirectLight::View::of_polygon(double x, double y) const {
     size = float(light_->area_) * inverse * inverse * (float(height_) * inverse);
   }
   const float cosine = direction ^ normal_;
-  if (cosine <= 0) return {};
+  if (!(cosine > 0)) return {};
   return {direction, distance * short_, cosine * size * float(1 / kPi)};
 }
 

@@ -21,8 +21,8 @@ packet::Rays rays_of(const RTCRay16& r, const float* near, float* far, float* s,
 }  // namespace
 
 packet::Trace packet::fastest() {
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq")) return trace_by_16;
-  return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") ? trace_by_8 : trace_by_4;
+  if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma")) return trace_by_4;
+  return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") ? trace_by_16 : trace_by_8;
 }
 
 void PacketTracer::trace(packet::Rays& rays, std::uint32_t wanted) const {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numeric>
+#include <utility>
 
 #include "pipeline/optics/packet_tracer.h"
 #include "pipeline/optics/quad_shape.h"

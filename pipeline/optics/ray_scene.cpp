@@ -21,6 +21,8 @@ constexpr float kSphereOffset = 0x1p-18f;
 // How far surfaces reach beyond their edges, in the scene's size, so that no ray slips between neighbours.
 constexpr double kOverlap = 0x1p-21;
 
+static_assert(2 * RayScene::kFew <= 0xffff, "a leaf may hold all surfaces, and a bent quad is two");
+
 float largest(const Vec3f& v) {
   return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
 }

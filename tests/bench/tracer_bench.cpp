@@ -48,7 +48,7 @@ Camera camera() {
   return job_frames(job(), scene()).at(0).camera;
 }
 
-/// Packets of 16 pixels side by side, traced, and no more.
+/// Packets of 16 pixels side by side, copied, since they end up changed, and traced.
 void raw_primary(benchmark::State& state) {
   _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree wants denormals flushed
   const RayScene embree(scene(), 0);
