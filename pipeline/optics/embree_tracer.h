@@ -39,7 +39,7 @@ class EmbreeTracer {
   /// `valid`: -1 for rays that are cast, else 0; these lose their ends.
   virtual void intersect(const std::array<int, 16>& valid, RTCRayHit16& rays, bool coherent) const = 0;
 
-  /// The rays among `wanted` in whose way something stands, as bits. All lose their ends.
+  /// The rays among `wanted` in whose way something stands, as bits. All may lose their ends.
   virtual std::uint32_t occluded(RTCRay16& rays, std::uint32_t wanted) const = 0;
 };
 
