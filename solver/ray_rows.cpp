@@ -225,7 +225,7 @@ void RayRows::cast_row(std::int32_t row, const DirectionTable& table, Scratch& s
   std::array<float, 2> parts{1.0f, 1.0f};
   if (exposed_parts_ && kFewBacks * backs >= halves[0].cast + halves[1].cast)
     for (int half = 0; half < 2; ++half) {
-      const int rays = std::max(kLeastForExposedPart, 2 * table.count());
+      const int rays = std::max(kLeastForExposedPart, 4 * table.count());
       parts[half] = exposed_part(scene_, ray_scene_, receivers_[row], rays, scramble(halves[half].random), found.rays);
     }
   found.exposed.insert(found.exposed.end(), parts.begin(), parts.end());
