@@ -6,13 +6,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "importers/environment.h"
-#include "importers/gltf_cameras.h"
-#include "importers/gltf_reader.h"
-#include "importers/patch_builder.h"
-#include "importers/patch_colors.h"
-#include "importers/primitive_builder.h"
-#include "pipeline/files/key.h"
+#include "importers/environment/environment.h"
+#include "importers/gltf/read/cameras.h"
+#include "importers/gltf/read/gltf_reader.h"
+#include "importers/patches/patch_builder.h"
+#include "importers/patches/patch_colors.h"
+#include "importers/patches/primitive_builder.h"
+#include "pipeline/job/stage_keys.h"
 #include "pipeline/model/error.h"
 
 namespace patchlight {

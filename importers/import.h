@@ -1,5 +1,5 @@
 #pragma once
-#include "pipeline/files/job.h"
+#include "pipeline/job/job.h"
 #include "pipeline/model/patch_set.h"
 #include "pipeline/stage/progress.h"
 

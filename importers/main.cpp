@@ -2,8 +2,8 @@
 #include <string>
 
 #include "importers/import.h"
-#include "pipeline/files/describe.h"
-#include "pipeline/files/patch_file.h"
+#include "pipeline/formats/describe.h"
+#include "pipeline/formats/patches/patch_file.h"
 #include "pipeline/stage/stage.h"
 
 int main(int argc, char** argv) {

@@ -3,16 +3,16 @@
 #include <CLI/CLI.hpp>
 #include <optional>
 
-#include "pipeline/files/energy_file.h"
-#include "pipeline/files/job_check.h"
-#include "pipeline/files/key.h"
-#include "pipeline/files/patch_file.h"
-#include "pipeline/files/transport_file.h"
-#include "pipeline/files/transport_shard_file.h"
+#include "pipeline/formats/patches/patch_file.h"
+#include "pipeline/formats/solution/energy_file.h"
+#include "pipeline/formats/solution/transport_file.h"
+#include "pipeline/formats/solution/transport_shard_file.h"
+#include "pipeline/job/job_check.h"
+#include "pipeline/job/stage_keys.h"
 #include "pipeline/model/error.h"
 #include "pipeline/stage/stage.h"
 #include "solver/solve.h"
-#include "solver/transport_shards.h"
+#include "solver/transport/transport_shards.h"
 
 namespace {
 

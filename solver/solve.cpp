@@ -6,15 +6,15 @@
 #include <chrono>
 #include <cmath>
 
-#include "pipeline/files/job_check.h"
-#include "pipeline/files/key.h"
-#include "solver/display_solution.h"
-#include "solver/hemicube.h"
-#include "solver/matrix_solver.h"
-#include "solver/memory_need.h"
-#include "solver/progressive_refinement.h"
-#include "solver/ray_form_factors.h"
-#include "solver/transport_builder.h"
+#include "pipeline/job/job_check.h"
+#include "pipeline/job/stage_keys.h"
+#include "solver/display/display_solution.h"
+#include "solver/form_factors/ray_form_factors.h"
+#include "solver/hemicube/hemicube.h"
+#include "solver/methods/matrix_solver.h"
+#include "solver/methods/progressive_refinement.h"
+#include "solver/transport/memory_need.h"
+#include "solver/transport/transport_builder.h"
 
 namespace patchlight {
 

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "pipeline/model/patch_set.h"
-#include "pipeline/optics/patch_sampling.h"
+#include "pipeline/optics/sampling/patch_sampling.h"
 
 namespace patchlight::test {
 

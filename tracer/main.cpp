@@ -1,10 +1,10 @@
 #include <CLI/CLI.hpp>
 #include <optional>
 
-#include "pipeline/files/energy_file.h"
-#include "pipeline/files/patch_file.h"
+#include "pipeline/formats/patches/patch_file.h"
+#include "pipeline/formats/solution/energy_file.h"
 #include "pipeline/stage/stage.h"
-#include "tracer/relight.h"
+#include "tracer/output/relight.h"
 #include "tracer/trace.h"
 
 int main(int argc, char** argv) {

@@ -7,11 +7,11 @@
 #include <functional>
 #include <thread>
 
-#include "pipeline/files/frame_check.h"
-#include "pipeline/files/frame_layers.h"
-#include "tracer/frame_claims.h"
-#include "tracer/frame_writer.h"
-#include "tracer/integrator.h"
+#include "pipeline/frames/frame_check.h"
+#include "pipeline/frames/frame_layers.h"
+#include "tracer/light/integrator.h"
+#include "tracer/output/frame_claims.h"
+#include "tracer/output/frame_writer.h"
 
 namespace patchlight {
 

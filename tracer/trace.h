@@ -1,5 +1,5 @@
 #pragma once
-#include "pipeline/files/job.h"
+#include "pipeline/job/job.h"
 #include "pipeline/model/energy_field.h"
 #include "pipeline/model/shard.h"
 #include "pipeline/stage/progress.h"

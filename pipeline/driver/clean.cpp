@@ -1,12 +1,14 @@
+#include "pipeline/driver/clean.h"
+
 #include <fmt/format.h>
 
-#include "pipeline/driver/bench_run.h"
-#include "pipeline/driver/commands.h"
-#include "pipeline/driver/job_variants.h"
-#include "pipeline/driver/output_cache.h"
-#include "pipeline/driver/output_lock.h"
-#include "pipeline/driver/slurm_script.h"
-#include "pipeline/files/transport_shard_file.h"
+#include "pipeline/driver/bench/bench_run.h"
+#include "pipeline/driver/cache/output_cache.h"
+#include "pipeline/driver/cache/output_lock.h"
+#include "pipeline/driver/slurm/slurm_script.h"
+#include "pipeline/driver/stages/job_variants.h"
+#include "pipeline/formats/solution/transport_shard_file.h"
+#include "pipeline/job/reader/job_reader.h"
 #include "pipeline/model/error.h"
 
 namespace patchlight {

@@ -1,6 +1,15 @@
 #include <CLI/CLI.hpp>
 
-#include "pipeline/driver/commands.h"
+#include "pipeline/driver/bench/bench.h"
+#include "pipeline/driver/clean.h"
+#include "pipeline/driver/commands/batch.h"
+#include "pipeline/driver/commands/diff.h"
+#include "pipeline/driver/commands/info.h"
+#include "pipeline/driver/commands/preview.h"
+#include "pipeline/driver/commands/relight.h"
+#include "pipeline/driver/commands/status.h"
+#include "pipeline/driver/report/report.h"
+#include "pipeline/job/reader/job_reader.h"
 
 namespace {
 

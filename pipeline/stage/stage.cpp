@@ -9,8 +9,9 @@
 #include <optional>
 #include <regex>
 
+#include "pipeline/job/reader/job_reader.h"
 #include "pipeline/model/error.h"
-#include "pipeline/stage/large_pages.h"
+#include "pipeline/system/large_pages.h"
 
 namespace patchlight {
 

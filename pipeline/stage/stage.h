@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/files/job.h"
+#include "pipeline/job/job.h"
 #include "pipeline/model/provenance.h"
 #include "pipeline/model/shard.h"
 #include "pipeline/stage/progress.h"

@@ -5,7 +5,7 @@
 
 #include <fstream>
 
-#include "pipeline/stage/large_pages.h"
+#include "pipeline/system/large_pages.h"
 #include "tests/importers/gltf_builder.h"
 
 namespace patchlight::test {

@@ -9,10 +9,10 @@
 #include <random>
 
 #include "importers/import.h"
-#include "pipeline/optics/patch_sampling.h"
-#include "solver/hemicube.h"
-#include "solver/ray_form_factors.h"
-#include "solver/ray_rows.h"
+#include "pipeline/optics/sampling/patch_sampling.h"
+#include "solver/form_factors/ray_form_factors.h"
+#include "solver/form_factors/ray_rows.h"
+#include "solver/hemicube/hemicube.h"
 #include "solver/solve.h"
 
 namespace patchlight {

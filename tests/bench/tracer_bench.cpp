@@ -9,10 +9,10 @@
 #include <memory>
 
 #include "importers/import.h"
-#include "pipeline/files/frame_list.h"
+#include "pipeline/frames/frame_list.h"
 #include "solver/solve.h"
-#include "tracer/camera_rays.h"
-#include "tracer/integrator.h"
+#include "tracer/light/integrator.h"
+#include "tracer/sampling/camera_rays.h"
 
 namespace patchlight {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <set>
 
-#include "pipeline/files/patch_check.h"
+#include "pipeline/formats/patches/patch_check.h"
 #include "pipeline/model/error.h"
 #include "tests/importers/gltf_builder.h"
 

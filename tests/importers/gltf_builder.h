@@ -5,7 +5,7 @@
 #include <string>
 
 #include "importers/import.h"
-#include "tests/importers/mesh_shapes.h"
+#include "tests/importers/mesh/mesh_shapes.h"
 #include "tests/temporary_folder.h"
 
 namespace patchlight::test {

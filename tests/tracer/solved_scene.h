@@ -1,6 +1,6 @@
 #pragma once
 #include "tests/patch_scene.h"
-#include "tracer/integrator.h"
+#include "tracer/light/integrator.h"
 
 namespace patchlight::test {
 

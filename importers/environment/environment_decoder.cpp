@@ -1,0 +1,85 @@
+#include <OpenImageIO/imageio.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <vector>
+
+#include "importers/environment/environment.h"
+#include "pipeline/model/error.h"
+
+namespace patchlight {
+namespace {
+
+constexpr std::int64_t kLargestImage = std::int64_t{1} << 27;  // texels: 16k x 8k
+constexpr int kLongestSide = 1 << 16;
+constexpr int kRowsAtOnce = 64;
+
+[[noreturn]] void refuse(const std::string& what, const std::string& place) {
+  throw Error(ExitCode::bad_data, what, place, "save the image as Radiance .hdr or OpenEXR again");
+}
+
+/// OpenImageIO's name for the format, from the file's first bytes.
+const char* format_name(const std::filesystem::path& file, const std::string& place) {
+  std::array<char, 4> magic{};
+  std::ifstream(file, std::ios::binary).read(magic.data(), magic.size());
+  if (magic[0] == '#' && magic[1] == '?') return "hdr";
+  if (magic == std::array<char, 4>{'\x76', '\x2f', '\x31', '\x01'}) return "openexr";
+  refuse("the environment's image is neither Radiance .hdr nor OpenEXR", place);
+}
+
+}  // namespace
+
+void decode_environment(const std::filesystem::path& file, const std::string& place, int most_columns,
+                        Environment& sky) {
+  const auto image = OIIO::ImageInput::create(format_name(file, place));
+  OIIO::ImageSpec spec;
+  if (!image || !image->open(file.string(), spec))
+    refuse(fmt::format("the environment's image cannot be decoded: {}", image ? image->geterror() : OIIO::geterror()),
+           place);
+  const std::int64_t texels = std::int64_t{spec.width} * spec.height;
+  if (texels <= 0 || spec.nchannels < 1 || spec.nchannels > 64)
+    refuse("the environment's image holds no colours", place);
+  if (spec.nchannels >= 3 &&
+      (spec.channelnames[0] != "R" || spec.channelnames[1] != "G" || spec.channelnames[2] != "B"))
+    refuse("the environment's image has no channels R, G and B of its own", place);
+  if (texels > kLargestImage || spec.width > kLongestSide || spec.height > kLongestSide)
+    throw Error(ExitCode::over_limit,
+                fmt::format("an environment's image of {} x {} texels is too large", spec.width, spec.height), place,
+                "make it smaller; 16,384 x 8,192 texels are a fixed limit");
+
+  const auto reduced = [](int size, int most) { return size / ((size + most - 1) / most); };
+  sky.width = reduced(spec.width, most_columns);
+  sky.height = reduced(spec.height, most_columns / 2);
+  std::vector<Vec3d> sums(static_cast<std::size_t>(sky.width) * static_cast<std::size_t>(sky.height), Vec3d(0.0));
+  std::vector<int> counts(sums.size());
+  const std::size_t channels = spec.nchannels < 3 ? 1 : 3;
+  const int rows_at_once = spec.tile_width > 0 ? spec.height : kRowsAtOnce;
+  std::vector<float> rows(static_cast<std::size_t>(spec.width) * rows_at_once * channels);
+  for (int y = 0; y < spec.height; y += rows_at_once) {
+    const int end = std::min(y + rows_at_once, spec.height);
+    const bool whole = spec.tile_width > 0
+                           ? image->read_image(0, 0, 0, static_cast<int>(channels), OIIO::TypeDesc::FLOAT, rows.data())
+                           : image->read_scanlines(0, 0, spec.y + y, spec.y + end, 0, 0, static_cast<int>(channels),
+                                                   OIIO::TypeDesc::FLOAT, rows.data());
+    if (!whole) refuse(fmt::format("the environment's image is damaged: {}", image->geterror()), place);
+    for (int row = y; row < end; ++row)
+      for (int x = 0; x < spec.width; ++x) {
+        const float* values = rows.data() + (static_cast<std::size_t>(row - y) * spec.width + x) * channels;
+        const Vec3d color(values[0], values[channels == 3 ? 1 : 0], values[channels == 3 ? 2 : 0]);
+        for (int k = 0; k < 3; ++k)
+          if (!(color[k] >= 0.0 && std::isfinite(color[k])))
+            refuse(fmt::format("the environment's image holds {} at column {}, row {}", color[k], x, row), place);
+        const std::int64_t to =
+            std::int64_t{row} * sky.height / spec.height * sky.width + std::int64_t{x} * sky.width / spec.width;
+        sums[static_cast<std::size_t>(to)] += color;
+        ++counts[static_cast<std::size_t>(to)];
+      }
+  }
+  for (std::size_t i = 0; i < sums.size(); ++i)
+    sky.texels.emplace_back(Vec3f(sums[i] / double(std::max(counts[i], 1))));
+}
+
+}  // namespace patchlight

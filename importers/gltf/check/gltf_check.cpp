@@ -1,0 +1,207 @@
+#include "importers/gltf/check/gltf_check.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <set>
+
+#include "importers/gltf/check/accessor_check.h"
+#include "importers/gltf/check/deform_check.h"
+#include "importers/gltf/check/gltf_lists.h"
+#include "importers/gltf/check/light_check.h"
+#include "importers/gltf/check/mesh_check.h"
+#include "importers/gltf/check/reduced_gltf.h"
+#include "importers/gltf/check/tree_check.h"
+#include "pipeline/model/error.h"
+
+namespace patchlight {
+namespace {
+
+constexpr std::array kSupportedExtensions{
+    "KHR_materials_emissive_strength", "KHR_materials_specular",     "KHR_materials_ior",       "KHR_materials_unlit",
+    "KHR_mesh_quantization",           "KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_texture_transform",
+    "KHR_materials_transmission",      "KHR_materials_variants",     "EXT_mesh_gpu_instancing", "KHR_lights_punctual"};
+
+constexpr std::size_t kMostTexcoords = 1000;  // sets of them that a mesh may have
+
+bool is_supported(const std::string& extension) {
+  return std::find(kSupportedExtensions.begin(), kSupportedExtensions.end(), extension) != kSupportedExtensions.end();
+}
+
+/// Refuses what the file says that it cannot be read without, and notes what else is not read.
+void check_extensions(GltfLists& gltf) {
+  std::string unknown;
+  for (const char* key : {"extensionsRequired", "extensionsUsed"}) {
+    const Json* names = find_array(gltf.root, key, {gltf.file});
+    for (std::size_t i = 0; names && i < names->size(); ++i) {
+      if (!(*names)[i].is_string()) refuse_gltf("must hold names", {gltf.file}, key);
+      const std::string name = (*names)[i].get<std::string>().substr(0, 100);
+      if (is_supported(name)) continue;
+      if (key == std::string_view("extensionsRequired")) {
+        throw Error(ExitCode::bad_data, fmt::format("required extension {} is not supported", name), gltf.file,
+                    "export the scene without it");
+      }
+      unknown += (unknown.empty() ? "" : ", ") + name;
+    }
+  }
+  if (!unknown.empty()) gltf.ignored.insert("extensions that are not read: " + unknown);
+  if (gltf.uses("KHR_materials_transmission"))
+    gltf.ignored.insert("transmission is not read: what lets light through stands opaque");
+  if (gltf.uses("KHR_materials_variants")) gltf.ignored.insert("of a material's variants the first one stands");
+}
+
+void check_asset(const GltfLists& gltf) {
+  const GltfPlace place{gltf.file};
+  const Json* asset = find_object(gltf.root, "asset", place);
+  const std::string version = asset ? string_member(*asset, "version") : "";
+  if (!version.starts_with("2.")) {
+    refuse_gltf(version.empty() ? "no glTF version is stated" : fmt::format("glTF version {} is not 2", version), place,
+                "asset.version");
+  }
+}
+
+std::vector<GltfData> checked_data(const GltfLists& gltf, const char* key) {
+  std::vector<GltfData> result;
+  gltf.each(key, [&](const Json& item, const GltfPlace& place) {
+    check_string(item, "uri", place);
+    GltfData data;
+    data.name = fmt::format("{}[{}]", key, place.index);
+    data.uri = string_member(item, "uri");
+    data.buffer_view = index_member(item, "bufferView", gltf.count("bufferViews"), place);
+    data.size = static_cast<std::size_t>(whole_number(item, "byteLength", 0, place));
+    result.push_back(std::move(data));
+  });
+  return result;
+}
+
+void check_texture_info(const GltfLists& gltf, const Json& owner, const char* key, const GltfPlace& place) {
+  const Json* info = find_object(owner, key, place);
+  if (!info) return;
+  if (index_member(*info, "index", gltf.count("textures"), place) < 0) refuse_gltf("has no index", place, key);
+  index_member(*info, "texCoord", kMostTexcoords, place);
+  if (const Json* transform = find_extension(*info, "KHR_texture_transform", place)) {
+    check_numbers(*transform, "offset", 2, place);
+    check_numbers(*transform, "scale", 2, place);
+    check_number(*transform, "rotation", place);
+    index_member(*transform, "texCoord", kMostTexcoords, place);
+  }
+}
+
+void check_materials(GltfLists& gltf) {
+  gltf.each("materials", [&](const Json& material, const GltfPlace& place) {
+    check_string(material, "name", place);
+    check_numbers(material, "emissiveFactor", 3, place);
+    check_texture_info(gltf, material, "emissiveTexture", place);
+    check_string(material, "alphaMode", place);
+    const std::string alpha = string_member(material, "alphaMode");
+    if (alpha == "BLEND")
+      gltf.ignored.insert("alphaMode BLEND is read as MASK: alpha of 0.5 and more is opaque, less is not there");
+    if (!alpha.empty() && alpha != "OPAQUE" && alpha != "MASK" && alpha != "BLEND")
+      refuse_gltf("must be OPAQUE, MASK or BLEND", place, "alphaMode");
+    check_number(material, "alphaCutoff", place);
+    const Json* sides = find_member(material, "doubleSided");
+    if (sides && !sides->is_boolean()) refuse_gltf("must be true or false", place, "doubleSided");
+    if (const Json* pbr = find_object(material, "pbrMetallicRoughness", place)) {
+      check_numbers(*pbr, "baseColorFactor", 4, place);
+      check_number(*pbr, "metallicFactor", place);
+      check_number(*pbr, "roughnessFactor", place);
+      check_texture_info(gltf, *pbr, "baseColorTexture", place);
+      check_texture_info(gltf, *pbr, "metallicRoughnessTexture", place);
+    }
+    if (const Json* extensions = find_object(material, "extensions", place)) {
+      const Json* emission = find_object(*extensions, "KHR_materials_emissive_strength", place);
+      if (emission) check_number(*emission, "emissiveStrength", place);
+      if (extensions->contains("KHR_materials_unlit"))
+        gltf.ignored.insert("unlit materials are read as diffuse ones of their colour");
+    }
+  });
+  gltf.each("textures", [&](const Json& texture, const GltfPlace& place) {
+    index_member(texture, "source", gltf.count("images"), place);
+    index_member(texture, "sampler", gltf.count("samplers"), place);
+  });
+  gltf.each("samplers", [&](const Json& sampler, const GltfPlace& place) {
+    for (const char* key : {"magFilter", "wrapS", "wrapT"}) whole_number(sampler, key, 0, place);
+  });
+}
+
+/// The sets of texture coordinates that textures lie by.
+std::set<int> used_texcoords(const GltfLists& gltf) {
+  std::set<int> sets;
+  gltf.each("materials", [&](const Json& material, const GltfPlace& place) {
+    const auto add = [&](const Json* owner, const char* key) {
+      const Json* info = owner ? find_member(*owner, key) : nullptr;
+      if (info) sets.insert(texcoord_set(*info, place));
+    };
+    const Json* pbr = find_member(material, "pbrMetallicRoughness");
+    add(pbr, "baseColorTexture");
+    add(pbr, "metallicRoughnessTexture");
+    add(&material, "emissiveTexture");
+  });
+  return sets;
+}
+
+/// Returns the parent of each node, -1 of a root.
+std::vector<int> check_nodes(GltfLists& gltf) {
+  std::vector<std::vector<int>> children(gltf.count("nodes"));
+  gltf.each("nodes", [&](const Json& node, const GltfPlace& place) {
+    check_string(node, "name", place);
+    check_numbers(node, "matrix", 16, place);
+    check_numbers(node, "translation", 3, place);
+    check_numbers(node, "rotation", 4, place);
+    check_numbers(node, "scale", 3, place);
+    index_member(node, "mesh", gltf.count("meshes"), place);
+    index_member(node, "camera", gltf.count("cameras"), place);
+    check_weights(node, place);
+    if (index_member(node, "skin", gltf.count("skins"), place) >= 0)
+      gltf.ignored.insert("skins do not move: they stand in the pose of the file's nodes");
+    if (const Json* list = find_array(node, "children", place)) {
+      for (const Json& child : *list) {
+        children[place.index].push_back(checked_index(child, "children", children.size(), place));
+      }
+    }
+  });
+  check_node_trees(gltf.list("nodes"), gltf.list("scenes"), children, gltf.file);
+  index_member(gltf.root, "scene", gltf.count("scenes"), {gltf.file});
+  std::vector<int> parents(children.size(), -1);
+  for (std::size_t i = 0; i < children.size(); ++i)
+    for (const int child : children[i]) parents[child] = static_cast<int>(i);
+  return parents;
+}
+
+}  // namespace
+
+CheckedGltf check_gltf(std::string_view json, const std::string& file, const GltfWanted& wanted) {
+  const Json root = parse_gltf_json(json, file);
+  GltfLists gltf(root, file);
+  check_asset(gltf);
+  check_extensions(gltf);
+  CheckedGltf result;
+  result.buffers = checked_data(gltf, "buffers");
+  result.images = checked_data(gltf, "images");
+  check_buffer_views(gltf, result.buffers);
+  check_accessors(gltf);
+  check_materials(gltf);
+  std::set<int> texcoord_sets = used_texcoords(gltf);
+  if (wanted.texcoords) texcoord_sets.insert(0);
+  check_meshes(gltf, texcoord_sets);
+  result.meshopt_views = checked_meshopt_views(gltf);
+  check_skins(gltf);
+  result.instances = checked_instances(gltf);
+  result.draco_primitives = checked_draco_primitives(gltf);
+  result.parents = check_nodes(gltf);
+  result.lights = checked_lights(gltf);
+  result.node_lights = checked_node_lights(gltf, result.lights);
+  std::set<std::string> at_rest;
+  result.camera_channels = checked_camera_channels(gltf, result.parents, at_rest);
+  if (wanted.animations) {
+    result.node_channels = checked_node_channels(gltf, [](int, NodeChannel::Path) { return true; });
+  } else {
+    gltf.ignored.merge(at_rest);
+  }
+  result.ignored.assign(gltf.ignored.begin(), gltf.ignored.end());
+  result.json = reduced_gltf(root, texcoord_sets).dump();
+  return result;
+}
+
+}  // namespace patchlight

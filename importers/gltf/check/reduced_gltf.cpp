@@ -1,0 +1,153 @@
+#include "importers/gltf/check/reduced_gltf.h"
+
+#include <fmt/format.h>
+
+#include <initializer_list>
+
+namespace patchlight {
+namespace {
+
+Json kept(const Json& object, std::initializer_list<const char*> keys) {
+  Json result = Json::object();
+  for (const char* key : keys) {
+    if (const Json* member = find_member(object, key)) result[key] = *member;
+  }
+  return result;
+}
+
+template <class Reduce>
+Json reduced_list(const Json& root, const char* key, const Reduce& reduce) {
+  Json result = Json::array();
+  if (const Json* list = find_member(root, key)) {
+    for (const Json& item : *list) result.push_back(reduce(item));
+  }
+  return result;
+}
+
+/// What the importer reads of `extras`: the light group.
+void keep_light_group(const Json& item, Json& result) {
+  const Json* extras = find_member(item, "extras");
+  if (extras && extras->is_object() && extras->contains("light_group")) {
+    result["extras"] = kept(*extras, {"light_group"});
+  }
+}
+
+Json reduced_node(const Json& node) {
+  Json result = kept(
+      node, {"name", "children", "matrix", "translation", "rotation", "scale", "mesh", "camera", "skin", "weights"});
+  keep_light_group(node, result);
+  return result;
+}
+
+Json reduced_texture(const Json& info) {
+  Json result = kept(info, {"index", "texCoord"});
+  const Json* extensions = find_member(info, "extensions");
+  const Json* transform = extensions ? find_member(*extensions, "KHR_texture_transform") : nullptr;
+  if (transform) {
+    result["extensions"]["KHR_texture_transform"] = kept(*transform, {"offset", "scale", "rotation", "texCoord"});
+  }
+  return result;
+}
+
+Json reduced_material(const Json& material) {
+  Json result = kept(material, {"name", "emissiveFactor", "doubleSided", "alphaMode", "alphaCutoff"});
+  keep_light_group(material, result);
+  if (const Json* emissive = find_member(material, "emissiveTexture")) {
+    result["emissiveTexture"] = reduced_texture(*emissive);
+  }
+  if (const Json* pbr = find_member(material, "pbrMetallicRoughness")) {
+    Json& reduced = result["pbrMetallicRoughness"] =
+        kept(*pbr, {"baseColorFactor", "metallicFactor", "roughnessFactor"});
+    for (const char* key : {"baseColorTexture", "metallicRoughnessTexture"}) {
+      if (const Json* info = find_member(*pbr, key)) reduced[key] = reduced_texture(*info);
+    }
+  }
+  if (const Json* extensions = find_member(material, "extensions")) {
+    if (const Json* emission = find_member(*extensions, "KHR_materials_emissive_strength")) {
+      result["extensions"]["KHR_materials_emissive_strength"] = kept(*emission, {"emissiveStrength"});
+    }
+    if (find_member(*extensions, "KHR_materials_unlit")) result["extensions"]["KHR_materials_unlit"] = Json::object();
+  }
+  return result;
+}
+
+/// Whether a primitive's indices have bytes; tinygltf refuses those that Draco is to fill in.
+bool has_index_bytes(const Json& root, const Json& primitive) {
+  const Json* indices = find_member(primitive, "indices");
+  return indices && root.at("accessors").at(indices->get<std::size_t>()).contains("bufferView");
+}
+
+Json reduced_mesh(const Json& root, const Json& mesh, const std::set<int>& texcoord_sets) {
+  Json result = kept(mesh, {"name", "weights"});
+  result["primitives"] = reduced_list(mesh, "primitives", [&](const Json& primitive) {
+    Json reduced = kept(primitive, {"indices", "material", "mode"});
+    reduced["attributes"] = kept(primitive.at("attributes"), {"POSITION", "NORMAL", "COLOR_0"});
+    for (int set = 0; set < kMostBones && primitive.at("attributes").contains(fmt::format("JOINTS_{}", set)); ++set)
+      reduced["attributes"].update(kept(
+          primitive.at("attributes"), {fmt::format("JOINTS_{}", set).c_str(), fmt::format("WEIGHTS_{}", set).c_str()}));
+    if (primitive.contains("targets")) {
+      reduced["targets"] = reduced_list(primitive, "targets", [](const Json& target) {
+        return kept(target, {"POSITION", "NORMAL"});
+      });
+    }
+    for (const int set : texcoord_sets)
+      reduced["attributes"].update(kept(primitive.at("attributes"), {fmt::format("TEXCOORD_{}", set).c_str()}));
+    if (!reduced["attributes"].contains("POSITION") || !has_index_bytes(root, primitive)) reduced.erase("indices");
+    return reduced;
+  });
+  return result;
+}
+
+double number_or_zero(const Json& object, const char* key) {
+  const Json* member = find_member(object, key);
+  return member && member->is_number() ? member->get<double>() : 0.0;
+}
+
+Json reduced_camera(const Json& camera) {
+  const std::string type = string_member(camera, "type");
+  const Json* lens = find_member(camera, type.c_str());
+  const Json none = Json::object();
+  if (!lens || !lens->is_object()) lens = &none;
+  if (type == "orthographic") {
+    return {{"type", type},
+            {"orthographic",
+             {{"xmag", number_or_zero(*lens, "xmag")},
+              {"ymag", number_or_zero(*lens, "ymag")},
+              {"znear", 0},
+              {"zfar", 1}}}};
+  }
+  const double angle = type == "perspective" ? number_or_zero(*lens, "yfov") : 0.0;
+  return {{"type", "perspective"},
+          {"perspective", {{"yfov", angle}, {"aspectRatio", number_or_zero(*lens, "aspectRatio")}, {"znear", 0.1}}}};
+}
+
+}  // namespace
+
+Json reduced_gltf(const Json& root, const std::set<int>& texcoord_sets) {
+  Json result = kept(root, {"scene"});
+  result["asset"] = kept(root.at("asset"), {"version"});
+  result["scenes"] = reduced_list(root, "scenes", [](const Json& scene) { return kept(scene, {"nodes"}); });
+  result["nodes"] = reduced_list(root, "nodes", reduced_node);
+  result["meshes"] =
+      reduced_list(root, "meshes", [&](const Json& mesh) { return reduced_mesh(root, mesh, texcoord_sets); });
+  result["materials"] = reduced_list(root, "materials", reduced_material);
+  result["cameras"] = reduced_list(root, "cameras", reduced_camera);
+  result["skins"] = reduced_list(root, "skins", [](const Json& skin) {
+    return kept(skin, {"joints", "inverseBindMatrices"});
+  });
+  result["textures"] = reduced_list(root, "textures", [](const Json& texture) {
+    return kept(texture, {"source", "sampler"});
+  });
+  result["samplers"] = reduced_list(root, "samplers", [](const Json& sampler) {
+    return kept(sampler, {"magFilter", "wrapS", "wrapT"});
+  });
+  result["accessors"] = reduced_list(root, "accessors", [](const Json& accessor) {
+    return kept(accessor, {"bufferView", "byteOffset", "componentType", "count", "type", "normalized", "sparse"});
+  });
+  result["bufferViews"] = reduced_list(root, "bufferViews", [](const Json& view) {
+    return kept(view, {"buffer", "byteOffset", "byteLength", "byteStride"});
+  });
+  return result;
+}
+
+}  // namespace patchlight

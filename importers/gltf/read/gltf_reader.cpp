@@ -1,0 +1,249 @@
+#include "importers/gltf/read/gltf_reader.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "importers/gltf/model/gltf_model.h"
+#include "importers/gltf/read/cameras.h"
+#include "importers/gltf/read/instances.h"
+#include "importers/gltf/read/lights.h"
+#include "importers/gltf/read/materials.h"
+#include "importers/gltf/read/motion.h"
+#include "importers/gltf/read/node_overrides.h"
+#include "importers/gltf/read/pose.h"
+#include "importers/gltf/read/shader_assignment.h"
+#include "pipeline/job/light_group_name.h"
+#include "pipeline/model/error.h"
+
+namespace patchlight {
+namespace {
+
+/// Triangles that instances may make, for each patch that is allowed: spheres take many triangles and few patches.
+constexpr std::int64_t kTrianglesPerPatch = 20;
+constexpr std::size_t kMostLights = 1000;             // each is looked at by every patch and every pixel
+constexpr std::int64_t kMostTriangles = 600'000'000;  // their corners are counted in 32 bits
+
+struct PlacedNode {
+  int node;
+  Matrix4 to_world;
+};
+
+std::vector<int> root_nodes(const tinygltf::Model& gltf) {
+  if (!gltf.scenes.empty()) return gltf.scenes[std::max(gltf.defaultScene, 0)].nodes;
+  std::vector<char> is_child(gltf.nodes.size(), 0);
+  for (const tinygltf::Node& node : gltf.nodes) {
+    for (const int child : node.children) is_child[child] = 1;
+  }
+  std::vector<int> roots;
+  for (std::size_t i = 0; i < gltf.nodes.size(); ++i) {
+    if (!is_child[i]) roots.push_back(static_cast<int>(i));
+  }
+  return roots;
+}
+
+/// The nodes of the scene with their transforms, parents before children, in the file's order.
+std::vector<PlacedNode> placed_nodes(const GltfModel& model) {
+  const tinygltf::Model& gltf = model.gltf;
+  std::vector<PlacedNode> placed;
+  std::vector<PlacedNode> pending;
+  const auto push = [&](const std::vector<int>& nodes, const Matrix4& parent) {
+    for (auto node = nodes.rbegin(); node != nodes.rend(); ++node) {
+      pending.push_back({*node, local_matrix(gltf.nodes[*node]) * parent});
+    }
+  };
+  push(root_nodes(gltf), Matrix4());
+  while (!pending.empty()) {
+    const PlacedNode node = pending.back();
+    pending.pop_back();
+    const Matrix4& m = node.to_world;
+    if (std::abs(m[0][3]) + std::abs(m[1][3]) + std::abs(m[2][3]) + std::abs(m[3][3] - 1.0) > 1e-6) {
+      throw Error(ExitCode::bad_data, "the transform is not affine",
+                  fmt::format("{}, nodes[{}]", model.file.name, node.node), "its matrix must end in a row 0 0 0 1");
+    }
+    placed.push_back(node);
+    push(gltf.nodes[node.node].children, node.to_world);
+  }
+  return placed;
+}
+
+std::int64_t triangle_limit(const ImportConfig& config) {
+  return std::min(config.max_patches, kMostTriangles / kTrianglesPerPatch) * kTrianglesPerPatch;
+}
+
+std::vector<Surface> placed_surfaces(const GltfModel& model, const std::vector<PlacedNode>& nodes, std::int64_t limit,
+                                     std::int64_t& triangles) {
+  std::vector<Surface> surfaces;
+  const int default_material = static_cast<int>(model.gltf.materials.size());
+  for (const PlacedNode& node : nodes) {
+    const int mesh = model.gltf.nodes[node.node].mesh;
+    if (mesh < 0) continue;
+    const std::vector<MeshPart>& parts = model.mesh_parts[mesh];
+    const bool empty =
+        std::all_of(parts.begin(), parts.end(), [](const MeshPart& part) { return part.triangles == 0; });
+    if (empty) continue;
+    const std::vector<Matrix4> instances = instances_of(model, node.node);
+    for (std::size_t k = 0; k < parts.size() * instances.size(); ++k) {
+      const std::size_t part = k % parts.size();
+      triangles += parts[part].triangles;
+      if (triangles > limit) {
+        throw Error(
+            ExitCode::over_limit, fmt::format("the scene has more than {} triangles", limit), model.file.name,
+            fmt::format("simplify it or raise import.max_patches; {} triangles are read for each", kTrianglesPerPatch));
+      }
+      Surface surface;
+      surface.node = node.node;
+      surface.material = parts[part].material < 0 ? default_material : parts[part].material;
+      surface.to_world = instances[k / parts.size()] * node.to_world;
+      surface.mesh = mesh;
+      surface.part = static_cast<int>(part);
+      surfaces.push_back(surface);
+    }
+  }
+  return surfaces;
+}
+
+std::string light_group(const tinygltf::Node& node, const SurfaceMaterial& material) {
+  std::string name = material.group_from_job ? material.light_group : "";
+  if (name.empty() && node.extras.Has("light_group") && node.extras.Get("light_group").IsString()) {
+    name = node.extras.Get("light_group").Get<std::string>();
+  }
+  if (name.empty()) name = material.light_group;
+  return light_group_name(name.empty() ? material.name : name);
+}
+
+/// The light groups of a scene in the making.
+class LightGroups {
+ public:
+  LightGroups(const GltfModel& model, GltfScene& scene) : model_(model), scene_(scene) {}
+
+  /// `source`: what of it names a group that nothing else does.
+  int number(const std::string& name, const std::string& node, const char* source) {
+    if (name.size() > kLongestLightGroup) {
+      throw Error(ExitCode::bad_data, fmt::format("a light group's name of {} bytes", name.size()),
+                  fmt::format("{}, node {}", model_.file.name, node),
+                  fmt::format("shorten it to {}; the {}'s name counts too", kLongestLightGroup, source));
+    }
+    const auto [entry, is_new] = numbers_.emplace(name, static_cast<int>(scene_.light_groups.size()));
+    if (is_new) scene_.light_groups.push_back(name);
+    return entry->second;
+  }
+
+ private:
+  const GltfModel& model_;
+  GltfScene& scene_;
+  std::map<std::string, int> numbers_;
+};
+
+void assign_light_groups(const GltfModel& model, LightGroups& groups, GltfScene& scene) {
+  for (Surface& surface : scene.surfaces) {
+    const SurfaceMaterial& material = scene.materials[surface.material];
+    const bool shader_emits = surface.shader >= 0 && is_set(scene.shaders[surface.shader].emission);
+    if (!material.emits() && !shader_emits) continue;
+    const std::string name = light_group(model.gltf.nodes[surface.node], material);
+    surface.light_group = groups.number(name, scene.nodes[surface.node], "emitting material");
+  }
+}
+
+void place_lights(const GltfModel& model, const Job& job, const std::vector<PlacedNode>& nodes, LightGroups& groups,
+                  GltfScene& scene, Progress& progress) {
+  for (const PlacedNode& node : nodes) {
+    auto placed = placed_light(model, job, scene.nodes, node.node, node.to_world, progress);
+    if (!placed) continue;
+    if (scene.lights.size() == kMostLights)
+      throw Error(ExitCode::over_limit, fmt::format("the scene has more than {} lights", kMostLights), model.file.name,
+                  "exclude some by the job's `nodes`, or make them emissive surfaces; this limit is fixed");
+    placed->light.light_group = groups.number(placed->group, placed->light.name, "light");
+    scene.lights.push_back(std::move(placed->light));
+  }
+}
+
+/// Vertex colours count where the job does not say what the reflectance is, their alpha where a material cuts out.
+void assign_vertex_colors(const GltfModel& model, GltfScene& scene) {
+  for (Surface& surface : scene.surfaces) {
+    const SurfaceMaterial& material = scene.materials[surface.material];
+    const MeshPart& part = model.mesh_parts[surface.mesh][surface.part];
+    const bool shaded = surface.shader >= 0 && is_set(scene.shaders[surface.shader].reflectance);
+    surface.reads_colors = part.has_colors && !shaded && !material.overridden;
+    surface.is_masked = material.mask >= 0 && (part.has_alphas || !material.mask_of_vertices);
+    surface.reads_alphas = part.has_alphas && surface.is_masked;
+  }
+}
+
+/// Leaves out what alpha leaves nothing of.
+void leave_out_invisible(const GltfModel& model, GltfScene& scene, Progress& progress) {
+  std::set<std::string> names;
+  std::erase_if(scene.surfaces, [&](const Surface& surface) {
+    const SurfaceMaterial& material = scene.materials[surface.material];
+    if (!material.invisible) return false;
+    names.insert(material.name);
+    scene.triangles -= model.mesh_parts[surface.mesh][surface.part].triangles;
+    return true;
+  });
+  for (const std::string& name : names)
+    progress.warning(fmt::format("material '{}' is left out: its alpha is below its cutoff everywhere", name));
+}
+
+std::vector<Camera> placed_cameras(const GltfModel& model, const std::vector<PlacedNode>& nodes,
+                                   const std::vector<std::string>& names, Progress& progress) {
+  std::vector<Camera> cameras;
+  MotionReader motions(model);
+  for (const PlacedNode& node : nodes) {
+    const int camera = model.gltf.nodes[node.node].camera;
+    if (camera < 0) continue;
+    if (auto placed = read_camera(model.gltf.cameras[camera], node.to_world, names[node.node])) {
+      cameras.push_back(std::move(*placed));
+      cameras.back().motion = motions.motion_of(node.node);
+    } else {
+      progress.warning(fmt::format("camera '{}' is skipped: its lens or transform makes no picture", names[node.node]));
+    }
+  }
+  return cameras;
+}
+
+}  // namespace
+
+GltfScene read_gltf_scene(const Job& job, Progress& progress) {
+  const std::vector<char> reads_uv = check_shaders(job);
+  GltfWanted wanted;
+  wanted.texcoords = std::find(reads_uv.begin(), reads_uv.end(), 1) != reads_uv.end();
+  wanted.animations = job.import.time.has_value();
+  const auto model = std::make_shared<GltfModel>(load_gltf_model(read_gltf_file(job.scene), wanted));
+  if (job.import.time) pose_nodes(*model, *job.import.time);
+  for (const std::string& message : model->checked.ignored) progress.warning(message);
+
+  GltfScene scene;
+  for (std::size_t i = 0; i < model->gltf.nodes.size(); ++i) {
+    const std::string& name = model->gltf.nodes[i].name;
+    scene.nodes.push_back(name.empty() ? fmt::format("node_{}", i) : name);
+  }
+  const std::vector<PlacedNode> nodes = placed_nodes(*model);
+  scene.node_to_world.resize(scene.nodes.size());
+  for (const PlacedNode& node : nodes) scene.node_to_world[node.node] = node.to_world;
+  scene.surfaces = placed_surfaces(*model, nodes, triangle_limit(job.import), scene.triangles);
+
+  leave_out_excluded(*model, job, scene);
+  std::vector<char> used(model->gltf.materials.size() + 1, 0);
+  for (const Surface& surface : scene.surfaces) used[surface.material] = 1;
+  scene.materials = read_materials(*model, used, job, scene.textures, scene.masks, progress);
+  leave_out_invisible(*model, scene, progress);
+  override_nodes(*model, job, scene, progress);
+  for (Surface& surface : scene.surfaces) {
+    const SurfaceMaterial& material = scene.materials[surface.material];
+    surface.reads_uv = material.has_texture() || material.mask >= 0;
+  }
+  assign_shaders(job, reads_uv, scene, progress);
+  assign_vertex_colors(*model, scene);
+  LightGroups groups(*model, scene);
+  assign_light_groups(*model, groups, scene);
+  place_lights(*model, job, nodes, groups, scene, progress);
+  scene.cameras = placed_cameras(*model, nodes, scene.nodes, progress);
+  scene.sources = model->file.sources;
+  scene.model = model;
+  return scene;
+}
+
+}  // namespace patchlight

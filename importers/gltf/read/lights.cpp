@@ -1,0 +1,69 @@
+#include "importers/gltf/read/lights.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "importers/gltf/read/name_pattern.h"
+#include "importers/gltf/read/node_overrides.h"
+#include "pipeline/job/light_group_name.h"
+#include "pipeline/model/error.h"
+
+namespace patchlight {
+namespace {
+
+constexpr float kLumensPerWatt = 683.0f;
+constexpr double kFarthest = 1e12;  // m, as of surfaces
+
+/// Of the node of a light, the one that a user knows.
+int lamp_of(const GltfModel& model, int node) {
+  const int parent = model.checked.parents[node];
+  const auto& nodes = model.gltf.nodes;
+  return parent >= 0 && nodes[node].name == nodes[parent].name + "_Orientation" ? parent : node;
+}
+
+std::string group_of_node(const tinygltf::Node& node) {
+  const bool named = node.extras.Has("light_group") && node.extras.Get("light_group").IsString();
+  return named ? node.extras.Get("light_group").Get<std::string>() : "";
+}
+
+std::string group_of(const GltfModel& model, const Job& job, int node, int lamp, const GltfLight& source,
+                     const std::string& name) {
+  std::string group;
+  for (const MaterialOverride& change : job.nodes)
+    if (change.light_group && matches(change.pattern, name)) group = *change.light_group;
+  for (const std::string& other :
+       {group_of_node(model.gltf.nodes[node]), group_of_node(model.gltf.nodes[lamp]), source.light_group, source.name})
+    if (group.empty()) group = other;
+  return light_group_name(group.empty() ? name : group);
+}
+
+}  // namespace
+
+std::optional<PlacedLight> placed_light(const GltfModel& model, const Job& job, const std::vector<std::string>& names,
+                                        int node, const Matrix4& to_world, Progress& progress) {
+  const auto found = model.checked.node_lights.find(node);
+  if (found == model.checked.node_lights.end()) return std::nullopt;
+  const GltfLight& source = model.checked.lights[found->second];
+  const int lamp = lamp_of(model, node);
+  PlacedLight placed{source.light, group_of(model, job, node, lamp, source, names[lamp])};
+  Light& light = placed.light;
+  light.name = names[lamp];
+  if (job.import.punctual_units != "raw") light.strength /= kLumensPerWatt;
+  if (light.strength == Color(0.0f) || is_excluded(job.nodes, light.name)) return std::nullopt;
+  const Vec3d forward(-to_world[2][0], -to_world[2][1], -to_world[2][2]);
+  if (light.kind != Light::Kind::sun) light.position = {to_world[3][0], to_world[3][1], to_world[3][2]};
+  for (int k = 0; k < 3; ++k)
+    if (!(std::abs(light.position[k]) <= kFarthest) || !std::isfinite(forward[k]))
+      throw Error(ExitCode::bad_data, "a light that is not finite or too far away",
+                  fmt::format("{}, nodes[{}] '{}'", model.file.name, node, names[node]), "mend its place");
+  if (light.kind == Light::Kind::point) return placed;
+  if (!(forward.length() > 0.0)) {
+    progress.warning(fmt::format("light '{}' is skipped: its transform leaves no direction", light.name));
+    return std::nullopt;
+  }
+  light.direction = forward.normalized();
+  return placed;
+}
+
+}  // namespace patchlight

@@ -1,0 +1,85 @@
+#include "importers/mesh/sphere_recognition.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace patchlight {
+namespace {
+
+constexpr double kVertexTolerance = 1e-4;  // distance from the sphere, in radii
+constexpr double kLeastCoverage = 0.7;     // area of the facets, in areas of the sphere
+constexpr double kMostCoverage = 1.01;
+
+std::vector<Vec3d> distinct_vertices(const MeshTopology& topology, const MeshTopology::Component& component) {
+  std::vector<std::int32_t> numbers;
+  for (const std::int32_t triangle : component.triangles) {
+    const auto& vertices = topology.triangles[triangle].vertices;
+    numbers.insert(numbers.end(), vertices.begin(), vertices.end());
+  }
+  std::sort(numbers.begin(), numbers.end());
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+  std::vector<Vec3d> vertices;
+  for (const std::int32_t number : numbers) vertices.push_back(topology.vertices[number]);
+  return vertices;
+}
+
+/// The sphere with the least sum of squares of |p - c|^2 - R^2: a linear system about the vertices' mean.
+std::optional<Sphere> fitted_sphere(const std::vector<Vec3d>& vertices) {
+  Vec3d mean(0.0);
+  for (const Vec3d& p : vertices) mean += p;
+  mean /= static_cast<double>(vertices.size());
+  Imath::M33d matrix;
+  matrix.makeIdentity();
+  for (int i = 0; i < 3; ++i) matrix[i][i] = 0.0;
+  Vec3d right(0.0);
+  double extent = 0.0;
+  for (const Vec3d& p : vertices) extent = std::max(extent, (p - mean).length());
+  if (!(extent > 0.0)) return std::nullopt;
+  for (const Vec3d& p : vertices) {
+    const Vec3d d = (p - mean) / extent;
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) matrix[i][j] += d[i] * d[j];
+    }
+    right += d * (0.5 * d.length2());
+  }
+  const auto count = static_cast<double>(vertices.size());
+  matrix *= 1.0 / count;
+  right /= count;
+  if (!(std::abs(matrix.determinant()) > 1e-9)) return std::nullopt;  // flat
+  Sphere sphere;
+  sphere.center = mean + extent * (right * matrix.inverse());
+  for (const Vec3d& p : vertices) sphere.radius += (p - sphere.center).length() / count;
+  return sphere;
+}
+
+}  // namespace
+
+std::optional<Sphere> recognize_sphere(const MeshTopology& topology, const MeshTopology::Component& component) {
+  if (!component.closed) return std::nullopt;
+  const std::vector<Vec3d> vertices = distinct_vertices(topology, component);
+  std::optional<Sphere> sphere = fitted_sphere(vertices);
+  if (!sphere) return std::nullopt;
+  const double radius = sphere->radius;
+  for (const Vec3d& p : vertices) {
+    if (!(std::abs((p - sphere->center).length() - radius) <= kVertexTolerance * radius + topology.rounding))
+      return std::nullopt;
+  }
+
+  double area = 0.0;
+  std::size_t outward = 0;
+  for (const std::int32_t number : component.triangles) {
+    const MeshTopology::Triangle& triangle = topology.triangles[number];
+    const double height = triangle.normal.dot(topology.vertices[triangle.vertices[0]] - sphere->center);
+    if (!(std::abs(height) >= (1.0 - kLargestSagitta) * radius)) return std::nullopt;
+    if (height > 0.0) ++outward;
+    area += triangle.area;
+  }
+  if (outward != 0 && outward != component.triangles.size()) return std::nullopt;
+  const double coverage = area / (4.0 * kPi * radius * radius);
+  if (coverage < kLeastCoverage || coverage > kMostCoverage) return std::nullopt;
+  if (outward == 0) sphere->radius = -radius;
+  return sphere;
+}
+
+}  // namespace patchlight

@@ -1,0 +1,131 @@
+#include "importers/mesh/vertex_welding.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+#include <numeric>
+#include <random>
+#include <tuple>
+
+namespace patchlight {
+namespace {
+
+/// One triangle's way through an edge.
+struct EdgeUse {
+  std::int32_t low = 0;  ///< Vertices.
+  std::int32_t high = 0;
+  std::int32_t triangle = 0;
+  bool upward = false;  ///< From low to high.
+
+  auto edge() const { return std::tie(low, high); }
+  auto order() const { return std::tie(high, triangle); }  ///< Among those of one low vertex.
+};
+
+/// Sorts items by a key in [0, keys), and those of one key by their order().
+template <class Item, class Key>
+std::vector<Item> sorted_by(Key Item::*key, std::size_t keys, const std::vector<Item>& items) {
+  std::vector<std::uint32_t> ends(keys + 1, 0);
+  for (const Item& item : items) ++ends[std::size_t(item.*key) + 1];
+  std::partial_sum(ends.begin(), ends.end(), ends.begin());
+  std::vector<Item> sorted(items.size());
+  for (const Item& item : items) sorted[ends[std::size_t(item.*key)]++] = item;
+  const auto before = [](const Item& a, const Item& b) { return a.order() < b.order(); };
+  for (std::size_t k = 0, begin = 0; k < keys; begin = ends[k++])
+    std::sort(sorted.begin() + std::ptrdiff_t(begin), sorted.begin() + std::ptrdiff_t(ends[k]), before);
+  return sorted;
+}
+
+std::vector<EdgeUse> sorted_edge_uses(const std::vector<std::int32_t>& weld, std::size_t vertices,
+                                      const std::vector<std::int32_t>& triangles) {
+  std::vector<EdgeUse> uses;
+  uses.reserve(triangles.size() * 3);
+  for (const std::int32_t triangle : triangles) {
+    for (int i = 0; i < 3; ++i) {
+      const std::int32_t from = weld[3 * triangle + i];
+      const std::int32_t to = weld[3 * triangle + (i + 1) % 3];
+      uses.push_back({std::min(from, to), std::max(from, to), triangle, from < to});
+    }
+  }
+  return sorted_by(&EdgeUse::low, vertices, uses);
+}
+
+/// Sets of triangles that belong to one surface.
+DisjointSets surfaces(const std::vector<EdgeUse>& uses, std::size_t triangles) {
+  DisjointSets sets(triangles);
+  for (std::size_t begin = 0; begin < uses.size();) {
+    std::size_t end = begin + 1;
+    while (end < uses.size() && uses[end].edge() == uses[begin].edge()) ++end;
+    if (end - begin == 2 && uses[begin].upward != uses[begin + 1].upward) {
+      sets.join(uses[begin].triangle, uses[begin + 1].triangle);
+    }
+    begin = end;
+  }
+  return sets;
+}
+
+}  // namespace
+
+DisjointSets::DisjointSets(std::size_t count) : parent(count) {
+  std::iota(parent.begin(), parent.end(), 0);
+}
+
+std::int32_t DisjointSets::find(std::int32_t member) {
+  while (parent[member] != member) member = parent[member] = parent[parent[member]];
+  return member;
+}
+
+void DisjointSets::join(std::int32_t a, std::int32_t b) {
+  const std::int32_t root_a = find(a);
+  const std::int32_t root_b = find(b);
+  parent[std::max(root_a, root_b)] = std::min(root_a, root_b);
+}
+
+std::vector<std::int32_t> weld_corners(const std::vector<Vec3d>& positions) {
+  // In a table of places by hash, with a factor of this run's own: no file can know which places meet there.
+  static const std::uint64_t factor = std::uint64_t(std::random_device()()) << 32 | std::random_device()() | 1;
+  const std::size_t slots = std::bit_ceil(2 * positions.size() + 1);
+  const auto slot_of = [&](const Vec3d& p) {
+    std::uint64_t hash = 0;
+    for (int k = 0; k < 3; ++k) {  // -0 is 0
+      hash = (hash ^ std::bit_cast<std::uint64_t>(p[k] + 0.0)) * factor;
+      hash ^= hash >> 32;
+    }
+    return std::size_t(hash) & (slots - 1);
+  };
+  std::vector<std::int32_t> first(slots, -1), number(positions.size());
+  std::int32_t count = 0;
+  for (std::size_t corner = 0; corner < positions.size(); ++corner) {
+    std::size_t slot = slot_of(positions[corner]);
+    while (first[slot] >= 0 && positions[first[slot]] != positions[corner]) slot = (slot + 1) & (slots - 1);
+    const bool is_first = first[slot] < 0;
+    if (is_first) first[slot] = static_cast<std::int32_t>(corner);
+    number[corner] = is_first ? count++ : number[first[slot]];
+  }
+  return number;
+}
+
+std::vector<std::int32_t> part_surfaces(const std::vector<std::int32_t>& weld,
+                                        const std::vector<std::int32_t>& triangles) {
+  const std::size_t vertices = weld.empty() ? 0 : std::size_t(*std::max_element(weld.begin(), weld.end())) + 1;
+  DisjointSets sets = surfaces(sorted_edge_uses(weld, vertices, triangles), weld.size() / 3);
+  struct Corner {
+    std::int32_t weld, surface, corner;
+    auto vertex() const { return std::tie(weld, surface); }
+    auto order() const { return std::tie(surface, corner); }
+  };
+  std::vector<Corner> corners;
+  corners.reserve(triangles.size() * 3);
+  for (const std::int32_t triangle : triangles) {
+    for (int i = 0; i < 3; ++i) corners.push_back({weld[3 * triangle + i], sets.find(triangle), 3 * triangle + i});
+  }
+  corners = sorted_by(&Corner::weld, vertices, corners);
+  std::vector<std::int32_t> number(weld.size(), -1);
+  std::int32_t count = 0;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    if (i > 0 && corners[i].vertex() != corners[i - 1].vertex()) ++count;
+    number[corners[i].corner] = count;
+  }
+  return number;
+}
+
+}  // namespace patchlight

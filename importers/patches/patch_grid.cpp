@@ -1,0 +1,170 @@
+#include "importers/patches/patch_grid.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace patchlight {
+namespace {
+
+constexpr int kLeastRings = 2;
+constexpr int kLeastInRing = 3;
+constexpr double kMostInRow = 1 << 22;  // boundaries are floats, and have to differ
+constexpr double kPlanar =
+    1e-7;  // distance of corner 3 from the others' plane, in lengths: the area error is its square
+
+using Corners = std::array<Vec3d, 4>;
+
+struct GridSize {
+  double columns = 1;
+  double rows = 1;
+};
+
+GridSize quad_grid(const Primitive& quad, double patch_area) {
+  const Corners& c = quad.corners;
+  if (quad.is_triangle() && primitive_area(quad) < 2.0 * patch_area) return {};
+  const double step = std::sqrt(patch_area);
+  const double u_length = ((c[1] - c[0]).length() + (c[2] - c[3]).length()) * 0.5;
+  const double v_length = ((c[3] - c[0]).length() + (c[2] - c[1]).length()) * 0.5;
+  return {std::clamp(std::round(u_length / step), 1.0, kMostInRow),
+          std::clamp(std::round(v_length / step), 1.0, kMostInRow)};
+}
+
+double sphere_rings(const Primitive& sphere, double patch_area) {
+  const double radius = std::abs(sphere.sphere_radius);
+  return std::max<double>(kLeastRings, std::round(kPi * radius / std::sqrt(patch_area)));
+}
+
+double patches_in_ring(const Primitive& sphere, double patch_area, double ring, double rings) {
+  const double circumference = 2.0 * kPi * std::abs(sphere.sphere_radius) * std::sin(kPi * (ring + 0.5) / rings);
+  return std::max<double>(kLeastInRing, std::round(circumference / std::sqrt(patch_area)));
+}
+
+/// A boundary of a grid of `count` cells, as patches store it: neighbours share it to the bit.
+float boundary(std::int64_t i, std::int64_t count) {
+  return static_cast<float>(static_cast<double>(i) / static_cast<double>(count));
+}
+
+Vec3d quad_point(const Corners& c, double u, double v) {
+  return (c[0] * (1 - u) + c[1] * u) * (1 - v) + (c[3] * (1 - u) + c[2] * u) * v;
+}
+
+/// dp/du x dp/dv: the normal, as long as the area per du dv.
+Vec3d quad_stretch(const Corners& c, double u, double v) {
+  const Vec3d along_u = (c[1] - c[0]) * (1 - v) + (c[2] - c[3]) * v;
+  const Vec3d along_v = (c[3] - c[0]) * (1 - u) + (c[2] - c[1]) * u;
+  return along_u.cross(along_v);
+}
+
+bool is_planar(const Corners& c) {
+  const Vec3d normal = (c[2] - c[0]).cross(c[3] - c[1]).normalized();
+  const double length = std::max((c[2] - c[0]).length(), (c[3] - c[1]).length());
+  return std::abs(normal.dot(c[1] - c[0])) <= kPlanar * length && std::abs(normal.dot(c[3] - c[0])) <= kPlanar * length;
+}
+
+/// Area of a piece of the bilinear surface. On a planar quad the stretch is linear in u and v, so that its middle gives
+/// the exact area; else Gauss's rule with 3 x 3 points.
+double quad_area(const Corners& c, bool planar, double u0, double v0, double u1, double v1) {
+  const double u = (u0 + u1) * 0.5;
+  const double v = (v0 + v1) * 0.5;
+  const double size = (u1 - u0) * (v1 - v0);
+  if (planar) return quad_stretch(c, u, v).length() * size;
+  constexpr std::array places{-0.774596669241483377, 0.0, 0.774596669241483377};
+  constexpr std::array weights{5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0};
+  double sum = 0.0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 3; ++j) {
+      const Vec3d stretch = quad_stretch(c, u + places[i] * (u1 - u0) * 0.5, v + places[j] * (v1 - v0) * 0.5);
+      sum += weights[i] * weights[j] * stretch.length();
+    }
+  }
+  return sum * size;
+}
+
+/// What all patches of a primitive have in common; (u,v) still to be filled in.
+Patch blank_patch(std::int32_t index, const SurfaceMaterial& material) {
+  Patch patch;
+  patch.reflectance = material.reflectance;
+  patch.emission = material.emission;
+  patch.primitive = index;
+  return patch;
+}
+
+void append_quad(const Primitive& quad, Patch patch, double patch_area, std::vector<Patch>& patches) {
+  const Corners& c = quad.corners;
+  const GridSize grid = quad_grid(quad, patch_area);
+  const auto columns = static_cast<std::int64_t>(grid.columns);
+  const auto rows = static_cast<std::int64_t>(grid.rows);
+  const bool planar = is_planar(c);
+  const Vec3f normal((c[2] - c[0]).cross(c[3] - c[1]).normalized());
+  for (std::int64_t row = 0; row < rows; ++row) {
+    patch.v0 = boundary(row, rows);
+    patch.v1 = boundary(row + 1, rows);
+    for (std::int64_t column = 0; column < columns; ++column) {
+      patch.u0 = boundary(column, columns);
+      patch.u1 = boundary(column + 1, columns);
+      const double u = (static_cast<double>(patch.u0) + patch.u1) * 0.5;
+      const double v = (static_cast<double>(patch.v0) + patch.v1) * 0.5;
+      patch.center = quad_point(c, u, v);
+      patch.normal = planar ? normal : Vec3f(quad_stretch(c, u, v).normalized());
+      patch.area = quad_area(c, planar, patch.u0, patch.v0, patch.u1, patch.v1);
+      patches.push_back(patch);
+    }
+  }
+}
+
+void append_sphere(const Primitive& sphere, Patch patch, double patch_area, std::vector<Patch>& patches) {
+  const double radius = std::abs(sphere.sphere_radius);
+  const double side = sphere.sphere_radius < 0.0 ? -1.0 : 1.0;
+  const auto rings = static_cast<std::int64_t>(sphere_rings(sphere, patch_area));
+  for (std::int64_t ring = 0; ring < rings; ++ring) {
+    const auto columns = static_cast<std::int64_t>(
+        patches_in_ring(sphere, patch_area, static_cast<double>(ring), static_cast<double>(rings)));
+    patch.v0 = boundary(ring, rings);
+    patch.v1 = boundary(ring + 1, rings);
+    const double middle = kPi * (static_cast<double>(patch.v0) + patch.v1) * 0.5;
+    const double half = kPi * (static_cast<double>(patch.v1) - patch.v0) * 0.5;
+    const double height = 2.0 * std::sin(middle) * std::sin(half);  // cos(theta1) - cos(theta2), without cancellation
+    for (std::int64_t column = 0; column < columns; ++column) {
+      patch.u0 = boundary(column, columns);
+      patch.u1 = boundary(column + 1, columns);
+      const double azimuth = kPi * (static_cast<double>(patch.u0) + patch.u1);
+      const Vec3d out(std::sin(middle) * std::cos(azimuth), std::cos(middle), -std::sin(middle) * std::sin(azimuth));
+      patch.center = sphere.sphere_center + out * radius;
+      patch.normal = Vec3f(out * side);
+      patch.area = radius * radius * 2.0 * kPi * (static_cast<double>(patch.u1) - patch.u0) * height;
+      patches.push_back(patch);
+    }
+  }
+}
+
+}  // namespace
+
+double primitive_area(const Primitive& primitive) {
+  if (primitive.shape == Primitive::Shape::sphere) return 4.0 * kPi * primitive.sphere_radius * primitive.sphere_radius;
+  return quad_area(primitive.corners, is_planar(primitive.corners), 0.0, 0.0, 1.0, 1.0);
+}
+
+double patch_count(const Primitive& primitive, double patch_area) {
+  if (primitive.shape == Primitive::Shape::quad) {
+    const GridSize grid = quad_grid(primitive, patch_area);
+    return grid.columns * grid.rows;
+  }
+  const double rings = sphere_rings(primitive, patch_area);
+  if (rings > 1e5) return primitive_area(primitive) / patch_area;  // too many to count one by one, or to make
+  double count = 0.0;
+  for (double ring = 0.0; ring < rings; ++ring) count += patches_in_ring(primitive, patch_area, ring, rings);
+  return count;
+}
+
+void append_patches(const Primitive& primitive, std::int32_t index, const SurfaceMaterial& material, double patch_area,
+                    std::vector<Patch>& patches) {
+  const Patch blank = blank_patch(index, material);
+  if (primitive.shape == Primitive::Shape::sphere) {
+    append_sphere(primitive, blank, patch_area, patches);
+  } else {
+    append_quad(primitive, blank, patch_area, patches);
+  }
+}
+
+}  // namespace patchlight

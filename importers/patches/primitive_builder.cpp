@@ -1,0 +1,157 @@
+#include "importers/patches/primitive_builder.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "importers/mesh/mesh_topology.h"
+#include "importers/mesh/quad_recognition.h"
+#include "importers/mesh/sphere_recognition.h"
+
+namespace patchlight {
+namespace {
+
+constexpr float kSameColor = 1.0f / 512;
+
+Primitive blank_primitive(const Surface& surface) {
+  Primitive primitive;
+  primitive.node = surface.node;
+  primitive.material = surface.material;
+  primitive.light_group = surface.light_group;
+  primitive.shader = surface.shader;
+  return primitive;
+}
+
+/// Which corners of the front a back's corners are: seen from there they run the other way.
+std::array<std::size_t, 4> corners_of_back(const Primitive& front) {
+  return front.is_triangle() ? std::array<std::size_t, 4>{1, 0, 2, 2} : std::array<std::size_t, 4>{1, 0, 3, 2};
+}
+
+/// The other side; its u is mirrored.
+Primitive other_side(const Primitive& front, std::int32_t smooth_offset) {
+  Primitive back = front;
+  back.sphere_radius = -front.sphere_radius;
+  if (front.shape == Primitive::Shape::sphere) return back;
+  const std::array<std::size_t, 4> order = corners_of_back(front);
+  for (std::size_t i = 0; i < 4; ++i) {
+    back.corners[i] = front.corners[order[i]];
+    back.smooth_vertices[i] = front.smooth_vertices[order[i]] + smooth_offset;
+  }
+  return back;
+}
+
+void append(const Primitive& front, bool double_sided, std::int32_t smooth_offset, PrimitiveList& list) {
+  const auto index = static_cast<std::int32_t>(list.primitives.size());
+  list.primitives.push_back(front);
+  if (!double_sided) return;
+  list.primitives.push_back(other_side(front, smooth_offset));
+  list.primitives[index].back = index + 1;
+  list.primitives[index + 1].back = index;
+}
+
+/// Notes what the primitive appended last, and its back, have at their corners: the same at the same place.
+template <class Value>
+void append_corners(const std::array<Value, 4>& front, const std::array<Value, 4>& none, const PrimitiveList& list,
+                    std::vector<std::array<Value, 4>>& corners) {
+  const Primitive& last = list.primitives.back();
+  const bool two = last.back >= 0;
+  corners.resize(list.primitives.size() - (two ? 2 : 1), none);
+  corners.push_back(front);
+  if (!two) return;
+  const std::array<std::size_t, 4> order = corners_of_back(list.primitives[last.back]);
+  corners.push_back({front[order[0]], front[order[1]], front[order[2]], front[order[3]]});
+}
+
+bool has_texcoords(const MeshTopology& topology, const MeshTopology::Component& component) {
+  const std::size_t corner = 3 * static_cast<std::size_t>(component.triangles.front());
+  return std::any_of(topology.texcoords.begin(), topology.texcoords.end(),
+                     [&](const auto& texcoords) { return !std::isnan(texcoords[corner].x); });
+}
+
+/// Whether all corners of a component have one colour, as a sphere needs.
+bool has_one_color(const MeshTopology& topology, const MeshTopology::Component& component) {
+  if (topology.colors.empty()) return true;
+  const Vec4f& color = topology.colors[3 * static_cast<std::size_t>(component.triangles.front())];
+  return std::all_of(component.triangles.begin(), component.triangles.end(), [&](std::int32_t triangle) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vec4f difference = topology.colors[3 * static_cast<std::size_t>(triangle) + i] - color;
+      if (!(difference.length() <= kSameColor)) return false;
+    }
+    return true;
+  });
+}
+
+/// Numbers the facets' smooth vertices from 0 without gaps. Returns how many there are.
+std::int32_t renumber_smooth_vertices(std::vector<Facet>& facets, std::size_t corners) {
+  std::vector<std::int32_t> number(corners, -1);
+  std::int32_t count = 0;
+  for (Facet& facet : facets) {
+    for (std::int32_t& id : facet.smooth_vertices) {
+      if (number[id] < 0) number[id] = count++;
+      id = number[id];
+    }
+  }
+  return count;
+}
+
+}  // namespace
+
+void append_primitives(const Surface& surface, const SurfaceMaterial& material, const TriangleSoup& soup,
+                       PrimitiveList& list) {
+  const MeshTopology topology = build_topology(soup);
+  list.without_area += static_cast<std::int64_t>(topology.without_area);
+
+  std::vector<char> in_sphere(topology.triangles.size(), 0);
+  for (const MeshTopology::Component& component : topology.components) {
+    if (surface.is_masked) break;                                                // balls with holes stay meshes
+    if (material.has_texture() && has_texcoords(topology, component)) continue;  // no (u,v) of a sphere is like them
+    const std::optional<Sphere> sphere = recognize_sphere(topology, component);
+    if (!sphere || !has_one_color(topology, component)) continue;
+    for (const std::int32_t triangle : component.triangles) in_sphere[triangle] = 1;
+    Primitive primitive = blank_primitive(surface);
+    primitive.shape = Primitive::Shape::sphere;
+    primitive.sphere_center = sphere->center;
+    primitive.sphere_radius = sphere->radius;
+    append(primitive, material.double_sided, 0, list);
+    if (!topology.colors.empty()) {
+      CornerColors colors;
+      colors.fill(topology.colors[3 * static_cast<std::size_t>(component.triangles.front())]);
+      append_corners(colors, kUncolored, list, list.colors);
+    }
+    ++list.spheres;
+  }
+
+  RecognizedFacets recognized = recognize_quads(topology, std::move(in_sphere));
+  std::vector<Facet>& facets = recognized.facets;
+  list.merged_triangles += static_cast<std::int64_t>(recognized.merged_triangles);
+  list.merged_facets += static_cast<std::int64_t>(recognized.merged_facets);
+  const std::int32_t smooth_count =
+      renumber_smooth_vertices(facets, static_cast<std::size_t>(recognized.smooth_vertices));
+  const SurfaceMaterial::Mappings mappings = material.mappings();
+  for (const Facet& facet : facets) {
+    Primitive primitive = blank_primitive(surface);
+    primitive.corners = facet.corners;
+    for (std::size_t i = 0; i < 4; ++i) primitive.smooth_vertices[i] = facet.smooth_vertices[i] + list.smooth_vertices;
+    const auto is_mapped = [&](std::size_t mapping) {
+      return !topology.texcoords.empty() && !std::isnan(facet.sources[0](topology.texcoords[mapping]).x);
+    };
+    if (is_mapped(0)) primitive.texture = material.texture;
+    if (is_mapped(mappings.emission)) primitive.emission_texture = material.emission_texture;
+    if (is_mapped(mappings.finish)) primitive.finish_texture = material.finish_texture;
+    if (surface.is_masked && (is_mapped(0) || material.mask_of_vertices)) primitive.mask = material.mask;
+    append(primitive, material.double_sided, smooth_count, list);
+    const auto at_corners = [&](const auto& values) {
+      const auto& s = facet.sources;
+      return std::array{s[0](values), s[1](values), s[2](values), s[3](values)};
+    };
+    if (is_mapped(0)) append_corners(at_corners(topology.texcoords[0]), kOwnTexcoords, list, list.texcoords);
+    for (const auto& [mapping, corners] :
+         {std::pair(mappings.emission, &list.emission_texcoords), std::pair(mappings.finish, &list.finish_texcoords)})
+      if (mapping > 0 && is_mapped(mapping))
+        append_corners(at_corners(topology.texcoords[mapping]), kNoTexcoords, list, *corners);
+    if (!topology.colors.empty()) append_corners(at_corners(topology.colors), kUncolored, list, list.colors);
+    ++(primitive.is_triangle() ? list.triangles : list.quads);
+  }
+  list.smooth_vertices += material.double_sided ? 2 * smooth_count : smooth_count;
+}
+
+}  // namespace patchlight

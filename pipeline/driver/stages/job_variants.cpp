@@ -1,0 +1,66 @@
+#include "pipeline/driver/stages/job_variants.h"
+
+#include <fmt/format.h>
+#include <fnmatch.h>
+
+#include <cctype>
+#include <set>
+
+#include "pipeline/driver/cache/output_cache.h"
+#include "pipeline/job/reader/job_reader.h"
+#include "pipeline/model/error.h"
+
+namespace patchlight {
+
+namespace {
+
+constexpr std::size_t kLongestName = 200;
+
+std::string folder_name(const std::string& name, std::set<std::string>& taken) {
+  // What would hide a folder of the job's own.
+  if (taken.empty()) taken = {"frames", "relit", "cache", "preview", "bench", "slurm", ".", ".."};
+  std::string plain = name.substr(0, kLongestName);
+  for (char& c : plain)
+    if (!std::isalnum(static_cast<unsigned char>(c)) && std::string("._-=,+").find(c) == std::string::npos) c = '_';
+  std::string result = plain;
+  for (int copy = 2; !taken.insert(result).second; ++copy) result = fmt::format("{}_{}", plain, copy);
+  return result;
+}
+
+}  // namespace
+
+std::vector<JobVariant> job_variants(const std::string& job_file, const CommonOptions& options,
+                                     const std::string& pattern) {
+  const Job job = read_job(job_file, options.sets, options.output);
+  const std::string cache = cache_folder(job).string();
+  if (job.matrix.empty() && pattern.empty()) return {{job_file, "", options, cache}};
+  std::vector<JobVariant> variants;
+  std::vector<std::string> names;
+  std::set<std::string> taken;
+  std::vector<std::size_t> at(job.matrix.size(), 0);
+  for (bool more = !job.matrix.empty(); more;) {
+    JobVariant variant{job_file, "", options, cache};
+    variant.options.sets.clear();
+    for (std::size_t k = 0; k < at.size(); ++k) {
+      const MatrixAxis::Choice& choice = job.matrix[k].choices[at[k]];
+      variant.name += (k > 0 ? "," : "") + choice.name;
+      for (const auto& [key, value] : choice.settings) variant.options.sets.push_back(key + "=" + value);
+    }
+    variant.options.sets.insert(variant.options.sets.end(), options.sets.begin(), options.sets.end());
+    variant.options.output = (job.output / folder_name(variant.name, taken)).string();
+    names.push_back(variant.name);
+    if (pattern.empty() || fnmatch(pattern.c_str(), variant.name.c_str(), 0) == 0)
+      variants.push_back(std::move(variant));
+    more = false;
+    for (std::size_t k = at.size(); k-- > 0 && !more;) {
+      more = ++at[k] < job.matrix[k].choices.size();
+      if (!more) at[k] = 0;
+    }
+  }
+  if (variants.empty())
+    throw Error(ExitCode::bad_config, "no variant is named `" + pattern + "`", job_file + ", matrix",
+                names.empty() ? "it has no matrix" : fmt::format("it has: {}", fmt::join(names, " ")));
+  return variants;
+}
+
+}  // namespace patchlight

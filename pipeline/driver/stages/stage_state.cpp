@@ -1,0 +1,30 @@
+#include "pipeline/driver/stages/stage_state.h"
+
+#include "pipeline/job/stage_keys.h"
+
+namespace patchlight {
+
+StageState frames_state(const Job& job, const PatchSet& scene, const OutputCache* cache, std::vector<bool>* fresh) {
+  JointFreshness before, now;
+  bool restored = false;
+  for (const Frame& frame : job_frames(job, scene)) {
+    const std::string name = frame.exr.filename().string();
+    Freshness one = frame_freshness(job, scene, frame);
+    before.add(name, one);
+    if (!one.fresh() && cache && cache->restore_frame(frame, one.key)) {
+      one = frame_freshness(job, scene, frame);
+      restored |= one.fresh();
+    }
+    now.add(name, one);
+    if (fresh) fresh->push_back(one.fresh());
+  }
+  return {now.all(), before.all(), restored};
+}
+
+void keep_frames(const Job& job, const PatchSet& scene, const OutputCache& cache) {
+  const std::string energy = energy_key(scene.key, job.solve), view_config = view_config_key();
+  for (const Frame& frame : job_frames(job, scene))
+    cache.keep_frame(frame, frame_key(scene, energy, job, frame.camera, frame.number, view_config));
+}
+
+}  // namespace patchlight

@@ -1,0 +1,144 @@
+#include "pipeline/formats/describe.h"
+
+#include <ImathBox.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace patchlight {
+
+namespace {
+
+std::string triple(const Vec3d& v) {
+  return fmt::format("{:.4g} {:.4g} {:.4g}", v.x, v.y, v.z);
+}
+
+struct MaterialTotals {
+  std::size_t patches = 0;
+  double area = 0;
+  Vec3d reflectance{0.0};  ///< Weighted by area.
+  Vec3d power{0.0};        ///< W
+};
+
+std::string describe_materials(const PatchSet& scene) {
+  std::vector<MaterialTotals> totals(scene.materials.size());
+  for (const Patch& patch : scene.patches) {
+    MaterialTotals& total = totals[scene.primitives[patch.primitive].material];
+    ++total.patches;
+    const double area = patch.covered_area();
+    total.area += area;
+    total.reflectance += Vec3d(patch.reflectance) * area;
+    total.power += Vec3d(patch.emission) * area;
+  }
+  std::string text = "materials\n";
+  for (std::size_t i = 0; i < totals.size(); ++i) {
+    const MaterialTotals& total = totals[i];
+    if (total.patches == 0) continue;
+    text += fmt::format("  {:<24}{} patches, {:.4g} m2, reflectance {}", scene.materials[i].name, total.patches,
+                        total.area, triple(total.reflectance / total.area));
+    if (scene.materials[i].specular != Color(0.0f))
+      text += fmt::format(", metal {} of roughness {:.2g}", triple(Vec3d(scene.materials[i].specular)),
+                          scene.materials[i].roughness);
+    if (total.power != Vec3d(0.0)) text += fmt::format(", emits {} W", triple(total.power));
+    text += "\n";
+  }
+  return text;
+}
+
+std::string describe_shaders(const PatchSet& scene) {
+  std::string text = "shaders\n";
+  for (std::size_t i = 0; i < scene.shaders.size(); ++i) {
+    const Shader& shader = scene.shaders[i];
+    const auto uses = std::count_if(scene.primitives.begin(), scene.primitives.end(),
+                                    [&](const Primitive& p) { return p.shader == std::int32_t(i); });
+    text += fmt::format("  {:<24}{} primitives", shader.name, uses);
+    if (is_set(shader.reflectance)) text += fmt::format(", reflectance {}", fmt::join(shader.reflectance, ", "));
+    if (is_set(shader.emission)) text += fmt::format(", emission {}", fmt::join(shader.emission, ", "));
+    text += "\n";
+  }
+  return text;
+}
+
+double end_of_motion(const Camera& camera) {
+  double end = 0;
+  for (const Motion& factor : camera.motion)
+    if (!factor.times.empty()) end = std::max(end, factor.times.back());
+  return end;
+}
+
+template <class Items, class Name>
+std::string describe_names(const std::string& title, const Items& items, Name name) {
+  std::string text = title + "\n";
+  for (const auto& item : items) text += "  " + name(item) + "\n";
+  return text;
+}
+
+}  // namespace
+
+std::string describe(const PatchSet& scene) {
+  std::size_t quads = 0, triangles = 0, spheres = 0, backs = 0;
+  for (const Primitive& p : scene.primitives) {
+    ++(p.shape == Primitive::Shape::sphere ? spheres : p.is_triangle() ? triangles : quads);
+    backs += p.back >= 0;
+  }
+  double area = 0;
+  Imath::Box3d bounds;
+  for (const Patch& patch : scene.patches) {
+    area += patch.covered_area();
+    bounds.extendBy(patch.center);
+  }
+  std::string text = fmt::format("primitives  {} quads, {} triangles, {} spheres", quads, triangles, spheres);
+  if (backs > 0) text += fmt::format(" ({} are two-sided, counted twice)", backs / 2);
+  text += fmt::format("\npatches     {}, {:.4g} m2 in all, {:.3g} m2 each\n", scene.patches.size(), area,
+                      area / double(scene.patches.size()));
+  text += fmt::format("extent      {} to {} m\n", triple(bounds.min), triple(bounds.max));
+  text += describe_materials(scene);
+  if (!scene.shaders.empty()) text += describe_shaders(scene);
+  text += describe_names("light groups", scene.light_groups, [](const std::string& name) { return name; });
+  if (!scene.lights.empty())
+    text += describe_names("lights", scene.lights, [&](const Light& light) {
+      const char* const kinds[] = {"point", "spot", "sun"};
+      return fmt::format("{:<24}{}, {} {}, light group {}", light.name, kinds[int(light.kind)],
+                         triple(Vec3d(light.strength)), light.kind == Light::Kind::sun ? "W/m2" : "W/sr",
+                         scene.light_groups[light.light_group]);
+    });
+  if (scene.environment)
+    text += fmt::format("environment\n  {} x {} texels, light group {}\n", scene.environment->width,
+                        scene.environment->height, scene.light_groups[scene.environment->light_group]);
+  text += describe_names("cameras", scene.cameras, [](const Camera& c) {
+    const bool perspective = c.projection == Camera::Projection::perspective;
+    return fmt::format("{:<24}{}, {:.4g} {} high{}", c.name, perspective ? "perspective" : "orthographic",
+                       perspective ? c.vertical * 180 / kPi : 2 * c.vertical, perspective ? "degrees" : "m",
+                       c.motion.empty() ? "" : fmt::format(", moves until {:.4g} s", end_of_motion(c)));
+  });
+  return text;
+}
+
+std::string describe(const Transport& transport) {
+  const auto n = double(std::max<std::int64_t>(transport.rows(), 1));
+  std::string text =
+      fmt::format("rows        {}, {:.4g} form factors each\n", transport.rows(), double(transport.ends.size()) / n);
+  if (!transport.mirrored.empty())
+    text += fmt::format("by mirrors  {:.4g} each\n", double(transport.mirrored.size()) / n);
+  text += fmt::format("emitters    {} sampled apart\n", transport.emitters.size());
+  return text;
+}
+
+std::string describe(const EnergyField& energy) {
+  std::string text = fmt::format("method      {} over {}\n", energy.method, energy.form_factors);
+  text += fmt::format("solve       {} {}, {} rays, residual {:.3g}, {:.2f} s\n", energy.iterations,
+                      energy.method == "matrix" ? "iterations" : "shots", energy.rays, energy.residual, energy.seconds);
+  if (const auto& e = energy.estimate)
+    text +=
+        fmt::format("error       {:.2g}%, below {:.2g}% in 19 of 20 solves\n", 100 * e->error, 100 * e->error_bound);
+  text += "light groups (largest irradiance, W/m2)\n";
+  for (const auto& group : energy.groups) {
+    float direct = 0, indirect = 0;
+    for (const Color& c : group.direct) direct = std::max({direct, c.x, c.y, c.z});
+    for (const Color& c : group.indirect) indirect = std::max({indirect, c.x, c.y, c.z});
+    text += fmt::format("  {:<24}direct {:.4g}, indirect {:.4g}\n", group.name, direct, indirect);
+  }
+  return text;
+}
+
+}  // namespace patchlight

@@ -1,0 +1,241 @@
+#include "pipeline/formats/patches/patch_check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "pipeline/job/expression.h"
+
+namespace patchlight {
+
+namespace {
+
+template <class Vector>
+bool finite(const Vector& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+bool within(const Color& c, float low, float high) {
+  for (int k = 0; k < 3; ++k)
+    if (!(c[k] >= low && c[k] <= high)) return false;
+  return true;
+}
+
+bool index_of(std::int64_t index, std::size_t size) {
+  return index >= 0 && index < std::int64_t(size);
+}
+
+constexpr double kFarthest = 1e12;  // m; what is farther has no useful digits left and overflows areas
+
+bool near(const Vec3d& v) {
+  return std::abs(v.x) <= kFarthest && std::abs(v.y) <= kFarthest && std::abs(v.z) <= kFarthest;  // NaN is not
+}
+
+/// Only a triangle's last edge may have no length, and no surface may have no area.
+bool has_extent(const Primitive& quad) {
+  const auto& c = quad.corners;
+  const double area = ((c[2] - c[0]) % (c[3] - c[1])).length();
+  return c[0] != c[1] && c[1] != c[2] && c[3] != c[0] && area > 0 && std::isfinite(area);
+}
+
+bool smooth_vertices_fit(const Primitive& p) {
+  const auto& ids = p.smooth_vertices;
+  const bool none = std::all_of(ids.begin(), ids.end(), [](std::int32_t id) { return id == -1; });
+  if (none || p.shape == Primitive::Shape::sphere) return none;
+  return std::all_of(ids.begin(), ids.end(), [](std::int32_t id) { return id >= 0; }) &&
+         (!p.is_triangle() || ids[2] == ids[3]);
+}
+
+PatchFault primitive_fault(const PatchSet& scene, std::size_t i) {
+  const Primitive& p = scene.primitives[i];
+  for (const auto& corner : p.corners)
+    if (!near(corner)) return {"a corner that is not finite or too far away", "/primitives/corners"};
+  const bool sphere = p.shape == Primitive::Shape::sphere;
+  if (!near(p.sphere_center) || !(std::abs(p.sphere_radius) <= kFarthest) || sphere != (p.sphere_radius != 0))
+    return {"a sphere without a centre or radius", "/primitives/sphere"};
+  if (!sphere && !has_extent(p)) return {"a quad without extent", "/primitives/corners"};
+  if (!index_of(p.material, scene.materials.size())) return {"an index out of range", "/primitives/material"};
+  if (!index_of(p.node, scene.nodes.size())) return {"an index out of range", "/primitives/node"};
+  if (p.light_group != -1 && !index_of(p.light_group, scene.light_groups.size()))
+    return {"an index out of range", "/primitives/light_group"};
+  if (p.back != -1 && (!index_of(p.back, scene.primitives.size()) || p.back == std::int32_t(i) ||
+                       scene.primitives[p.back].back != std::int32_t(i) || scene.primitives[p.back].shape != p.shape))
+    return {"two sides that do not name each other", "/primitives/back"};
+  if (!smooth_vertices_fit(p)) return {"indices that do not fit the surface", "/primitives/smooth_vertices"};
+  return {};
+}
+
+PatchFault expression_fault(const ColorExpressions& color, const char* where) {
+  if (color == ColorExpressions{}) return {};
+  for (const std::string& text : color) {
+    try {
+      const Expression expression(text);
+    } catch (const ExpressionFault& fault) {
+      return {"an expression that does not compile: " + fault.reason, where};
+    }
+  }
+  return {};
+}
+
+PatchFault shader_fault(const PatchSet& scene) {
+  for (const Shader& shader : scene.shaders) {
+    if (PatchFault fault = expression_fault(shader.reflectance, "/shaders/reflectance")) return fault;
+    if (PatchFault fault = expression_fault(shader.emission, "/shaders/emission")) return fault;
+  }
+  for (const Primitive& p : scene.primitives) {
+    if (p.shader == -1) continue;
+    if (!index_of(p.shader, scene.shaders.size())) return {"an index out of range", "/primitives/shader"};
+    if (is_set(scene.shaders[p.shader].emission) && p.light_group < 0)
+      return {"an emitter without a light group", "/primitives/light_group"};
+  }
+  return {};
+}
+
+PatchFault texcoord_fault(const PatchSet& scene, const std::vector<Texcoords>& texcoords, const char* where) {
+  if (!texcoords.empty() && texcoords.size() != scene.primitives.size())
+    return {"another number than of primitives", where};
+  for (const Texcoords& corners : texcoords)
+    for (const Vec2f& corner : corners)
+      if (!std::isfinite(corner.x) || !std::isfinite(corner.y))
+        return {"a texture coordinate that is not finite", where};
+  return {};
+}
+
+PatchFault texture_fault(const PatchSet& scene) {
+  struct Use {
+    std::int32_t Primitive::*index;
+    const std::vector<Texcoords>& texcoords;
+    const char* where;
+  };
+  for (const Use& use : {Use{&Primitive::texture, scene.texcoords, "/primitives/texture"},
+                         Use{&Primitive::emission_texture, scene.emission_texcoords, "/primitives/emission_texture"},
+                         Use{&Primitive::finish_texture, scene.finish_texcoords, "/primitives/finish_texture"}})
+    for (const Primitive& p : scene.primitives) {
+      const std::int32_t texture = p.*use.index;
+      const bool mapped = !use.texcoords.empty() || !scene.texcoords.empty();
+      if (texture != -1 && (!index_of(texture, scene.textures.size()) || !mapped))
+        return {"an index out of range", use.where};
+    }
+  for (const Primitive& p : scene.primitives)
+    if (p.emission_texture != -1 && p.light_group < 0)
+      return {"an emitter without a light group", "/primitives/light_group"};
+  if (PatchFault fault = texcoord_fault(scene, scene.texcoords, "/primitives/texcoord")) return fault;
+  if (PatchFault fault = texcoord_fault(scene, scene.emission_texcoords, "/primitives/emission_texcoord")) return fault;
+  return texcoord_fault(scene, scene.finish_texcoords, "/primitives/finish_texcoord");
+}
+
+PatchFault mask_fault(const PatchSet& scene) {
+  for (const Primitive& p : scene.primitives) {
+    if (p.mask != -1 && (!index_of(p.mask, scene.masks.size()) || p.shape != Primitive::Shape::quad))
+      return {"a mask that is not there, or of no quad", "/primitives/mask"};
+    if (p.back >= 0 && scene.primitives[p.back].mask != p.mask)
+      return {"two sides with different masks", "/primitives/mask"};
+  }
+  for (const Texture& mask : scene.masks)
+    for (const std::int32_t alpha : mask.texels)
+      if (alpha < 0 || alpha > 255) return {"a value outside [0, 255]", "/masks/texel"};
+  for (const Material& m : scene.materials)
+    if (!(m.alpha >= 0 && m.alpha <= 1 && std::isfinite(m.alpha_cutoff)))
+      return {"a value that is not finite", "/materials/alpha"};
+  if (!scene.colors.empty() && scene.colors.size() != scene.primitives.size())
+    return {"another number than of primitives", "/primitives/color"};
+  for (const CornerColors& corners : scene.colors)
+    for (const Vec4f& c : corners)
+      for (int k = 0; k < 4; ++k)
+        if (!(c[k] >= 0 && c[k] <= 1)) return {"a value outside [0, 1]", "/primitives/color"};
+  return {};
+}
+
+PatchFault patch_fault(const PatchSet& scene, const Patch& patch) {
+  if (!finite(patch.center)) return {"a centre that is not finite", "/patches/center"};
+  if (!finite(patch.normal) || std::abs(patch.normal.length() - 1.0f) > 1e-3f)
+    return {"a normal that is not a unit vector", "/patches/normal"};
+  if (!(patch.area > 0 && std::isfinite(patch.area))) return {"an area that is not positive", "/patches/area"};
+  if (!within(patch.reflectance, 0.0f, 0.99999f)) return {"a value outside [0, 1)", "/patches/reflectance"};
+  if (!within(patch.emission, 0.0f, 3e38f)) return {"a negative or non-finite value", "/patches/emission"};
+  if (!(patch.coverage > 0 && patch.coverage <= 1)) return {"a value outside (0, 1]", "/patches/coverage"};
+  if (patch.emission != Color(0.0f) && scene.primitives[patch.primitive].light_group < 0)
+    return {"an emitter without a light group", "/primitives/light_group"};
+  return {};
+}
+
+/// Whether a float is boundary `i` of `count` equal parts of [0,1], but for rounding.
+bool is_boundary(float x, std::size_t i, std::size_t count) {
+  constexpr double kRounding = 1.0 / (1 << 24);
+  return std::abs(double(x) - double(i) / double(count)) <= kRounding;
+}
+
+/// Numbers of patches in the rows that tile primitive `index`, from patch `next` on, which is set behind them; none if
+/// they do not tile it.
+std::vector<std::size_t> rows_of(const PatchSet& scene, std::size_t index, std::size_t& next) {
+  std::vector<std::size_t> rows;
+  for (float v = 0; v != 1;) {
+    float u = 0;
+    const float v1 = next < scene.patches.size() ? scene.patches[next].v1 : 0;
+    if (!(v1 > v && v1 <= 1)) return {};
+    rows.push_back(0);
+    for (; u != 1; ++next, ++rows.back()) {
+      if (next == scene.patches.size()) return {};
+      const Patch& patch = scene.patches[next];
+      if (patch.primitive != std::int32_t(index) || patch.u0 != u || patch.v0 != v || patch.v1 != v1) return {};
+      if (!(patch.u1 > u && patch.u1 <= 1)) return {};
+      u = patch.u1;
+    }
+    v = v1;
+  }
+  return rows;
+}
+
+/// Rows are of equal height, the patches of a row of equal width, and all rows of a quad have as many.
+bool is_even(const PatchSet& scene, const Primitive& primitive, const std::vector<std::size_t>& rows,
+             std::size_t patch) {
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    if (primitive.shape == Primitive::Shape::quad && rows[row] != rows[0]) return false;
+    for (std::size_t i = 0; i < rows[row]; ++i, ++patch)
+      if (!is_boundary(scene.patches[patch].u1, i + 1, rows[row]) ||
+          !is_boundary(scene.patches[patch].v1, row + 1, rows.size()))
+        return false;
+  }
+  return true;
+}
+
+/// Patches of a primitive are rows that tile the unit square evenly.
+PatchFault order_fault(const PatchSet& scene) {
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < scene.primitives.size(); ++i) {
+    const std::size_t first = next;
+    const std::vector<std::size_t> rows = rows_of(scene, i, next);
+    if (rows.empty()) return {"patches that do not tile their primitive", "/patches/uv"};
+    if (!is_even(scene, scene.primitives[i], rows, first)) return {"patches of uneven size", "/patches/uv"};
+  }
+  if (next != scene.patches.size()) return {"patches that do not tile their primitive", "/patches/uv"};
+  return {};
+}
+
+}  // namespace
+
+PatchFault find_fault(const PatchSet& scene) {
+  if (scene.patches.empty()) return {"no patches", "/patches/area"};
+  for (std::size_t i = 0; i < scene.primitives.size(); ++i)
+    if (PatchFault fault = primitive_fault(scene, i)) return fault;
+  if (PatchFault fault = shader_fault(scene)) return fault;
+  if (PatchFault fault = texture_fault(scene)) return fault;
+  if (PatchFault fault = mask_fault(scene)) return fault;
+  for (const Patch& patch : scene.patches) {
+    if (!index_of(patch.primitive, scene.primitives.size())) return {"an index out of range", "/patches/primitive"};
+    if (PatchFault fault = patch_fault(scene, patch)) return fault;
+  }
+  for (const Material& m : scene.materials)
+    if (!within(m.specular, 0.0f, 1.0f) || !within(m.tint, 0.0f, 1.0f) || !within(m.metal, 0.0f, 1.0f) ||
+        !within(m.emission_tint, 0.0f, 3e38f) || !(m.roughness >= 0 && m.roughness <= 1) ||
+        !(m.finish_roughness >= 0 && m.finish_roughness <= 1))
+      return {"a value out of range", "/materials"};
+  for (const Camera& camera : scene.cameras)
+    for (const double* x = &camera.to_world.x[0][0]; x != &camera.to_world.x[0][0] + 16; ++x)
+      if (!std::isfinite(*x) || !(camera.vertical > 0 && std::isfinite(camera.vertical)))
+        return {"a camera that is not finite", "/cameras"};
+  if (scene.cameras.empty()) return {"no camera", "/cameras/name"};
+  return order_fault(scene);
+}
+
+}  // namespace patchlight

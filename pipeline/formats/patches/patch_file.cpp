@@ -1,0 +1,272 @@
+#include "pipeline/formats/patches/patch_file.h"
+
+#include <algorithm>
+#include <array>
+
+#include "pipeline/formats/patches/patch_check.h"
+#include "pipeline/formats/patches/patch_environment.h"
+#include "pipeline/formats/patches/patch_lights.h"
+#include "pipeline/formats/patches/patch_motions.h"
+#include "pipeline/formats/patches/patch_shaders.h"
+#include "pipeline/formats/patches/patch_textures.h"
+#include "pipeline/hdf5/h5_store.h"
+#include "pipeline/hdf5/provenance_file.h"
+#include "pipeline/system/content_hash.h"
+
+namespace patchlight {
+
+namespace {
+
+template <class T, class Items, class Fill>
+void write_rows(H5Writer& writer, const std::string& name, const Items& items, int columns, Fill fill, int planes = 1) {
+  const std::size_t width = columns > 0 ? std::size_t(columns) * planes : 1;
+  std::vector<T> values(items.size() * width);
+  for (std::size_t i = 0; i < items.size(); ++i) fill(items[i], values.data() + i * width);
+  writer.dataset<T>(name, values, columns, planes);
+}
+
+template <class T, class Vector>
+void put3(T* row, const Vector& v) {
+  for (int k = 0; k < 3; ++k) row[k] = T(v[k]);
+}
+
+template <class Vector, class T>
+Vector get3(const T* row) {
+  return Vector(typename Vector::BaseType(row[0]), typename Vector::BaseType(row[1]),
+                typename Vector::BaseType(row[2]));
+}
+
+template <class T, class Items, class Fill>
+void read_rows(const H5Reader& reader, const std::string& name, Items& items, int columns, Fill fill, int planes = 1) {
+  const std::vector<T> values = reader.dataset<T>(name, std::int64_t(items.size()), columns, planes);
+  const std::size_t width = columns > 0 ? std::size_t(columns) * planes : 1;
+  for (std::size_t i = 0; i < items.size(); ++i) fill(items[i], values.data() + i * width);
+}
+
+void write_primitives(H5Writer& writer, const PatchSet& scene) {
+  const auto& all = scene.primitives;
+  using P = const Primitive&;
+  write_rows<std::int32_t>(writer, "/primitives/type", all, 0, [](P p, auto* r) { *r = std::int32_t(p.shape); });
+  write_rows<double>(
+      writer, "/primitives/corners", all, 3,
+      [](P p, auto* r) {
+        for (int k = 0; k < 4; ++k) put3(r + 3 * k, p.corners[k]);
+      },
+      4);
+  write_rows<double>(writer, "/primitives/sphere", all, 4, [](P p, auto* r) {
+    put3(r, p.sphere_center);
+    r[3] = p.sphere_radius;
+  });
+  write_rows<std::int32_t>(writer, "/primitives/material", all, 0, [](P p, auto* r) { *r = p.material; });
+  write_rows<std::int32_t>(writer, "/primitives/light_group", all, 0, [](P p, auto* r) { *r = p.light_group; });
+  write_rows<std::int32_t>(writer, "/primitives/back", all, 0, [](P p, auto* r) { *r = p.back; });
+  write_rows<std::int32_t>(writer, "/primitives/smooth_vertices", all, 4,
+                           [](P p, auto* r) { std::copy(p.smooth_vertices.begin(), p.smooth_vertices.end(), r); });
+  write_rows<std::int32_t>(writer, "/primitives/node", all, 0, [](P p, auto* r) { *r = p.node; });
+  std::vector<std::string> names;
+  names.reserve(all.size());
+  for (const auto& p : all) names.push_back(scene.nodes[p.node]);
+  writer.strings("/primitives/name", names);
+  writer.strings("/nodes/name", scene.nodes);
+}
+
+void write_patch_rows(H5Writer& writer, const PatchSet& scene) {
+  const auto& all = scene.patches;
+  using P = const Patch&;
+  write_rows<double>(writer, "/patches/center", all, 3, [](P p, auto* r) { put3(r, p.center); });
+  write_rows<float>(writer, "/patches/normal", all, 3, [](P p, auto* r) { put3(r, p.normal); });
+  write_rows<double>(writer, "/patches/area", all, 0, [](P p, auto* r) { *r = p.area; });
+  write_rows<float>(writer, "/patches/reflectance", all, 3, [](P p, auto* r) { put3(r, p.reflectance); });
+  write_rows<float>(writer, "/patches/emission", all, 3, [](P p, auto* r) { put3(r, p.emission); });
+  write_rows<std::int32_t>(writer, "/patches/primitive", all, 0, [](P p, auto* r) { *r = p.primitive; });
+  write_rows<float>(writer, "/patches/uv", all, 4, [](P p, auto* r) {
+    const std::array<float, 4> uv{p.u0, p.v0, p.u1, p.v1};
+    std::copy(uv.begin(), uv.end(), r);
+  });
+}
+
+void write_materials(H5Writer& writer, const std::vector<Material>& materials) {
+  using M = const Material&;
+  std::vector<std::string> names;
+  for (const auto& m : materials) names.push_back(m.name);
+  writer.strings("/materials/name", names);
+  write_rows<float>(writer, "/materials/specular", materials, 3, [](M m, auto* r) { put3(r, m.specular); });
+  write_rows<float>(writer, "/materials/roughness", materials, 0, [](M m, auto* r) { *r = m.roughness; });
+}
+
+void write_cameras(H5Writer& writer, const std::vector<Camera>& cameras) {
+  using C = const Camera&;
+  std::vector<std::string> names;
+  for (const auto& c : cameras) names.push_back(c.name);
+  writer.strings("/cameras/name", names);
+  write_rows<std::int32_t>(writer, "/cameras/projection", cameras, 0,
+                           [](C c, auto* r) { *r = std::int32_t(c.projection); });
+  write_rows<double>(writer, "/cameras/to_world", cameras, 16,
+                     [](C c, auto* r) { std::copy_n(&c.to_world.x[0][0], 16, r); });
+  write_rows<double>(writer, "/cameras/lens", cameras, 2, [](C c, auto* r) {
+    r[0] = c.vertical;
+    r[1] = c.aspect;
+  });
+}
+
+void write_sources(H5Writer& writer, const std::vector<SourceFile>& sources) {
+  std::vector<std::string> paths, hashes;
+  for (const auto& source : sources) {
+    paths.push_back(source.path);
+    hashes.push_back(source.hash);
+  }
+  writer.strings("/sources/path", paths);
+  writer.strings("/sources/hash", hashes);
+}
+
+void read_primitives(const H5Reader& reader, PatchSet& scene) {
+  auto& all = scene.primitives;
+  using P = Primitive&;
+  scene.nodes = reader.strings("/nodes/name", -1);
+  all.resize(reader.dataset<std::int32_t>("/primitives/type", -1).size());
+  read_rows<std::int32_t>(reader, "/primitives/type", all, 0, [&](P p, auto* r) {
+    if (*r != 0 && *r != 1) reader.refuse("unknown primitive type", "/primitives/type");
+    p.shape = Primitive::Shape(*r);
+  });
+  read_rows<double>(
+      reader, "/primitives/corners", all, 3,
+      [](P p, auto* r) {
+        for (int k = 0; k < 4; ++k) p.corners[k] = get3<Vec3d>(r + 3 * k);
+      },
+      4);
+  read_rows<double>(reader, "/primitives/sphere", all, 4, [](P p, auto* r) {
+    p.sphere_center = get3<Vec3d>(r);
+    p.sphere_radius = r[3];
+  });
+  read_rows<std::int32_t>(reader, "/primitives/material", all, 0, [](P p, auto* r) { p.material = *r; });
+  read_rows<std::int32_t>(reader, "/primitives/light_group", all, 0, [](P p, auto* r) { p.light_group = *r; });
+  read_rows<std::int32_t>(reader, "/primitives/back", all, 0, [](P p, auto* r) { p.back = *r; });
+  read_rows<std::int32_t>(reader, "/primitives/smooth_vertices", all, 4,
+                          [](P p, auto* r) { std::copy_n(r, 4, p.smooth_vertices.begin()); });
+  read_rows<std::int32_t>(reader, "/primitives/node", all, 0, [](P p, auto* r) { p.node = *r; });
+}
+
+void read_patch_rows(const H5Reader& reader, std::vector<Patch>& all) {
+  using P = Patch&;
+  all.resize(reader.dataset<double>("/patches/area", -1).size());
+  read_rows<double>(reader, "/patches/center", all, 3, [](P p, auto* r) { p.center = get3<Vec3d>(r); });
+  read_rows<float>(reader, "/patches/normal", all, 3, [](P p, auto* r) { p.normal = get3<Vec3f>(r); });
+  read_rows<double>(reader, "/patches/area", all, 0, [](P p, auto* r) { p.area = *r; });
+  read_rows<float>(reader, "/patches/reflectance", all, 3, [](P p, auto* r) { p.reflectance = get3<Color>(r); });
+  read_rows<float>(reader, "/patches/emission", all, 3, [](P p, auto* r) { p.emission = get3<Color>(r); });
+  read_rows<std::int32_t>(reader, "/patches/primitive", all, 0, [](P p, auto* r) { p.primitive = *r; });
+  read_rows<float>(reader, "/patches/uv", all, 4, [](P p, auto* r) {
+    p.u0 = r[0];
+    p.v0 = r[1];
+    p.u1 = r[2];
+    p.v1 = r[3];
+  });
+}
+
+void read_materials(const H5Reader& reader, std::vector<Material>& materials) {
+  using M = Material&;
+  for (const auto& name : reader.strings("/materials/name", -1)) materials.push_back({name, Color(0.0f), 1.0f});
+  read_rows<float>(reader, "/materials/specular", materials, 3, [](M m, auto* r) { m.specular = get3<Color>(r); });
+  read_rows<float>(reader, "/materials/roughness", materials, 0, [](M m, auto* r) { m.roughness = *r; });
+}
+
+void read_cameras(const H5Reader& reader, std::vector<Camera>& cameras) {
+  using C = Camera&;
+  for (const auto& name : reader.strings("/cameras/name", -1)) cameras.emplace_back().name = name;
+  read_rows<std::int32_t>(reader, "/cameras/projection", cameras, 0, [&](C c, auto* r) {
+    if (*r != 0 && *r != 1) reader.refuse("unknown projection", "/cameras/projection");
+    c.projection = Camera::Projection(*r);
+  });
+  read_rows<double>(reader, "/cameras/to_world", cameras, 16,
+                    [](C c, auto* r) { std::copy_n(r, 16, &c.to_world.x[0][0]); });
+  read_rows<double>(reader, "/cameras/lens", cameras, 2, [](C c, auto* r) {
+    c.vertical = r[0];
+    c.aspect = r[1];
+  });
+}
+
+/// Of what each primitive reflects as a metal and where its cut-outs are, whatever its material's place: rays go on
+/// there.
+std::string finish_key(const PatchSet& scene) {
+  KeyHasher hasher;
+  for (std::size_t i = 0; i < scene.primitives.size(); ++i) {
+    const auto material = std::size_t(scene.primitives[i].material);
+    if (material >= scene.materials.size()) continue;  // a broken scene, refused when it is read
+    const Material& m = scene.materials[material];
+    if (m.specular == Color(0.0f) && m.metal == Color(0.0f) && scene.primitives[i].mask < 0) continue;
+    hasher.add(std::int64_t(i));
+    for (const Color& color : {m.specular, m.metal})
+      for (int k = 0; k < 3; ++k) hasher.add(double(color[k]));
+    for (const float value : {m.roughness, m.finish_roughness, m.alpha, m.alpha_cutoff}) hasher.add(double(value));
+  }
+  return hasher.hex();
+}
+
+}  // namespace
+
+void write_patches(const std::filesystem::path& file, PatchSet& scene) {
+  H5Writer writer(file);
+  write_patch_rows(writer, scene);
+  write_primitives(writer, scene);
+  write_materials(writer, scene.materials);
+  write_cameras(writer, scene.cameras);
+  write_motion_datasets(writer, scene);
+  write_sources(writer, scene.sources);
+  writer.strings("/light_groups/name", scene.light_groups);
+  write_light_datasets(writer, scene);
+  write_environment_datasets(writer, scene);
+  write_shader_datasets(writer, scene);
+  write_texture_datasets(writer, scene);
+
+  const std::vector<std::string> textures = transport_textures(scene);
+  const std::string finish = finish_key(scene);
+  const auto key_of = [&](std::vector<std::string> names) {
+    names.insert(names.end(), textures.begin(), textures.end());
+    return KeyHasher().add(writer.key_of(names)).add(finish).hex();
+  };
+  scene.key = key_of({"/patches/", "/primitives/type", "/primitives/corners", "/primitives/sphere", "/primitives/back",
+                      "/primitives/light_group", "/light_groups/", "/lights/kind", "/lights/light_group",
+                      "/lights/strength", "/lights/shape", "/environment/cells", "/environment/light_group"});
+  scene.geometry_key = key_of({"/patches/center", "/patches/primitive", "/patches/uv", "/primitives/type",
+                               "/primitives/corners", "/primitives/sphere", "/primitives/back", "/environment/rows"});
+  scene.frames_key = writer.key_of(
+      {"/primitives/smooth_vertices", "/primitives/material", "/shaders/", "/primitives/shader", "/primitives/texcoord",
+       "/textures/", "/primitives/texture", "/materials/tint", "/primitives/color", "/primitives/emission_tex",
+       "/primitives/finish_tex", "/materials/metal", "/materials/finish_roughness", "/materials/emission_tint",
+       "/environment/size", "/environment/texels", "/environment/view"});
+  writer.attribute("format", kPatchFormat);
+  writer.attribute("version", std::int64_t(kPatchVersion));
+  writer.attribute("key", scene.key);
+  writer.attribute("geometry_key", scene.geometry_key);
+  writer.attribute("frames_key", scene.frames_key);
+  writer.attribute("inputs_key", scene.inputs_key);
+  write_provenance(writer, scene.made);
+  writer.commit();
+}
+
+PatchSet read_patches(const std::filesystem::path& file) {
+  const H5Reader reader(file, kPatchFormat, kPatchVersion);
+  PatchSet scene;
+  scene.key = reader.text("key");
+  scene.geometry_key = reader.text("geometry_key");
+  scene.frames_key = reader.text("frames_key");
+  scene.inputs_key = reader.text("inputs_key");
+  scene.made = read_provenance(reader);
+  read_patch_rows(reader, scene.patches);
+  read_primitives(reader, scene);
+  read_materials(reader, scene.materials);
+  read_cameras(reader, scene.cameras);
+  read_motion_datasets(reader, scene);
+  scene.light_groups = reader.strings("/light_groups/name", -1);
+  read_light_datasets(reader, scene);
+  read_environment_datasets(reader, scene);
+  read_shader_datasets(reader, scene);
+  read_texture_datasets(reader, scene);
+  const std::vector<std::string> paths = reader.strings("/sources/path", -1);
+  const std::vector<std::string> hashes = reader.strings("/sources/hash", std::int64_t(paths.size()));
+  for (std::size_t i = 0; i < paths.size(); ++i) scene.sources.push_back({paths[i], hashes[i]});
+  if (const PatchFault fault = find_fault(scene)) reader.refuse(fault.what, fault.where);
+  return scene;
+}
+
+}  // namespace patchlight

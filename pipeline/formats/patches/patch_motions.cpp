@@ -1,0 +1,75 @@
+#include "pipeline/formats/patches/patch_motions.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace patchlight {
+
+namespace {
+
+/// Takes `count` numbers off the front of `values`.
+std::vector<double> take(std::span<const double>& values, std::int64_t count, const H5Reader& reader,
+                         const std::string& name) {
+  if (count > std::int64_t(values.size())) reader.refuse("fewer numbers than keyframes need", name);
+  const auto taken = values.first(std::size_t(count));
+  values = values.subspan(std::size_t(count));
+  if (!std::all_of(taken.begin(), taken.end(), [](double x) { return std::isfinite(x); }))
+    reader.refuse("a number that is not finite", name);
+  return {taken.begin(), taken.end()};
+}
+
+}  // namespace
+
+void write_motion_datasets(H5Writer& writer, const PatchSet& scene) {
+  std::vector<std::int32_t> cameras, kinds, interpolations, keys;
+  std::vector<double> times, values;
+  for (std::size_t i = 0; i < scene.cameras.size(); ++i)
+    for (const Motion& factor : scene.cameras[i].motion) {
+      cameras.push_back(std::int32_t(i));
+      kinds.push_back(std::int32_t(factor.kind));
+      interpolations.push_back(std::int32_t(factor.interpolation));
+      keys.push_back(std::int32_t(factor.times.size()));
+      times.insert(times.end(), factor.times.begin(), factor.times.end());
+      values.insert(values.end(), factor.values.begin(), factor.values.end());
+    }
+  if (cameras.empty()) return;
+  writer.dataset<std::int32_t>("/motions/camera", cameras);
+  writer.dataset<std::int32_t>("/motions/kind", kinds);
+  writer.dataset<std::int32_t>("/motions/interpolation", interpolations);
+  writer.dataset<std::int32_t>("/motions/keys", keys);
+  writer.dataset<double>("/motions/time", times);
+  writer.dataset<double>("/motions/value", values);
+}
+
+void read_motion_datasets(const H5Reader& reader, PatchSet& scene) {
+  if (!reader.has("/motions/camera")) return;
+  const std::vector<std::int32_t> cameras = reader.dataset<std::int32_t>("/motions/camera", -1);
+  const auto count = std::int64_t(cameras.size());
+  const auto column = [&](const std::string& name, std::int32_t most) {
+    std::vector<std::int32_t> values = reader.dataset<std::int32_t>(name, count);
+    for (const std::int32_t value : values)
+      if (value < 0 || value > most) reader.refuse("a value out of range", name);
+    return values;
+  };
+  const auto kinds = column("/motions/kind", 3), interpolations = column("/motions/interpolation", 2);
+  const auto keys = column("/motions/keys", INT32_MAX);
+  const std::vector<double> times = reader.dataset<double>("/motions/time", -1);
+  const std::vector<double> values = reader.dataset<double>("/motions/value", -1);
+  std::span<const double> time_left = times, value_left = values;
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    if (cameras[i] < 0 || std::size_t(cameras[i]) >= scene.cameras.size())
+      reader.refuse("an index out of range", "/motions/camera");
+    Motion factor;
+    factor.kind = Motion::Kind(kinds[i]);
+    factor.interpolation = Motion::Interpolation(interpolations[i]);
+    if ((factor.kind == Motion::Kind::fixed) != (keys[i] == 0))
+      reader.refuse("keyframes of what is fixed, or none of what moves", "/motions/keys");
+    factor.times = take(time_left, keys[i], reader, "/motions/time");
+    factor.values = take(value_left, std::max<std::int64_t>(1, keys[i]) * factor.stride(), reader, "/motions/value");
+    if (!std::is_sorted(factor.times.begin(), factor.times.end()))
+      reader.refuse("keyframes that go back in time", "/motions/time");
+    scene.cameras[cameras[i]].motion.push_back(std::move(factor));
+  }
+}
+
+}  // namespace patchlight

@@ -1,0 +1,140 @@
+#include "pipeline/formats/solution/transport_file.h"
+
+#include <cmath>
+
+#include "pipeline/formats/solution/display_mesh_file.h"
+#include "pipeline/formats/solution/transport_rows_file.h"
+#include "pipeline/hdf5/h5_store.h"
+#include "pipeline/hdf5/provenance_file.h"
+
+namespace patchlight {
+
+namespace {
+
+constexpr std::int64_t kMostCells = 1 << 20;
+const char* const kLights = "/emitters/light";
+
+/// What an emitter sends by way of mirrors; empty where it says nothing of it.
+std::vector<Color> read_photons(const H5Reader& reader, const std::string& emitter, std::int64_t patches) {
+  const std::string name = "/emitters/mirrored/" + emitter;
+  std::vector<Color> photons;
+  if (!reader.has(name)) return photons;
+  const std::vector<float> values = reader.dataset<float>(name, 2 * patches, 3);
+  check_all(reader, name, values, [](float value) { return std::isfinite(value) && value >= 0; });
+  for (std::size_t k = 0; k < values.size(); k += 3) photons.emplace_back(values[k], values[k + 1], values[k + 2]);
+  return photons;
+}
+
+/// The `number`th emitter of the file as its datasets are named.
+std::string emitter_name(const Transport::Emitter& emitter, std::size_t number) {
+  return emitter.light == 0 ? std::to_string(emitter.first_patch) : "light_" + std::to_string(number);
+}
+
+void read_emitters(const H5Reader& reader, std::int64_t patches, Transport& transport) {
+  const std::vector<std::int32_t> ranges = reader.dataset<std::int32_t>("/emitters/patches", -1, 2);
+  std::vector<std::int64_t> lights;
+  if (reader.has(kLights)) lights = reader.dataset<std::int64_t>(kLights, -1);
+  check_all(reader, kLights, lights, [](std::int64_t light) { return light != 0; });
+  std::int64_t last = 0;
+  for (std::size_t k = 0; k < ranges.size(); k += 2) {
+    if (ranges[k] < last || ranges[k + 1] < 1 || std::int64_t(ranges[k]) + ranges[k + 1] > patches)
+      reader.refuse("a range out of bounds or order", "/emitters/patches");
+    last = std::int64_t(ranges[k]) + ranges[k + 1];
+    transport.emitters.push_back({ranges[k], ranges[k + 1], {}});
+  }
+  for (const std::int64_t light : lights) transport.emitters.push_back({std::int32_t(patches), 0, {}, {}, {}, light});
+  for (std::size_t k = 0; k < transport.emitters.size(); ++k) {
+    Transport::Emitter& emitter = transport.emitters[k];
+    const std::string own = emitter_name(emitter, k);
+    const auto factors = [&](const std::string& folder, std::int64_t rows) {
+      const std::string name = folder + "/" + own;
+      std::vector<float> values = reader.dataset<float>(name, rows, 2);
+      check_all(reader, name, values, is_factor);
+      return values;
+    };
+    emitter.factors = factors("/emitters/factor", patches);
+    if (transport.display) emitter.display = factors("/display/factor", transport.display->mesh.elements);
+    emitter.mirrored = read_photons(reader, own, patches);
+    if (emitter.mirrored.empty() != transport.emitters.front().mirrored.empty())
+      reader.refuse("photons of some emitters alone", "/emitters/patches");
+  }
+}
+
+void read_display(const H5Reader& reader, std::int64_t patches, Transport& transport) {
+  if (!reader.has("/display/rows/start")) return;
+  auto& display = transport.display.emplace();
+  display.mesh = read_display_mesh(reader, patches);
+  read_rows(reader, "/display", patches + display.mesh.elements + transport.sky, false, reader.integer("display_rays"),
+            display.rows);
+  if (display.rows.rows() != display.mesh.gathered)
+    reader.refuse("another number of rows than of vertices", "/display/rows/start");
+}
+
+Transport read_all(const H5Reader& reader) {
+  Transport transport;
+  transport.key = reader.text("key");
+  if (reader.has_attribute("sky")) {
+    const std::int64_t sky = reader.integer("sky");
+    if (sky < 1 || sky > kMostCells) reader.refuse("a number of cells out of bounds", "sky");
+    transport.sky = int(sky);
+  }
+  read_rows(reader, "", transport.sky, true, reader.integer("rays"), transport);
+  transport.exposed = read_exposed(reader, transport.rows());
+  read_display(reader, transport.rows(), transport);
+  read_emitters(reader, transport.rows(), transport);
+  return transport;
+}
+
+}  // namespace
+
+void write_transport(const std::filesystem::path& file, const Transport& transport) {
+  H5Writer writer(file);
+  write_rows(writer, "", transport);
+  if (!transport.exposed.empty()) writer.dataset<float>("/exposed", transport.exposed, 2);
+  if (transport.display) {
+    write_display_mesh(writer, transport.display->mesh);
+    write_rows(writer, "/display", transport.display->rows);
+  }
+  std::vector<std::int32_t> ranges;
+  std::vector<std::int64_t> lights;
+  for (std::size_t k = 0; k < transport.emitters.size(); ++k) {
+    const Transport::Emitter& emitter = transport.emitters[k];
+    if (emitter.light == 0)
+      ranges.insert(ranges.end(), {emitter.first_patch, emitter.patches});
+    else
+      lights.push_back(emitter.light);
+    const std::string name = "/" + emitter_name(emitter, k);
+    writer.dataset<float>("/emitters/factor" + name, emitter.factors, 2);
+    if (transport.display) writer.dataset<float>("/display/factor" + name, emitter.display, 2);
+    if (emitter.mirrored.empty()) continue;
+    std::vector<float> photons;
+    for (const Color& c : emitter.mirrored) photons.insert(photons.end(), {c.x, c.y, c.z});
+    writer.dataset<float>("/emitters/mirrored" + name, photons, 3);
+  }
+  writer.dataset<std::int32_t>("/emitters/patches", ranges, 2);
+  if (!lights.empty()) writer.dataset<std::int64_t>(kLights, lights);
+  writer.attribute("format", kTransportFormat);
+  writer.attribute("version", std::int64_t(kTransportVersion));
+  writer.attribute("key", transport.key);
+  write_provenance(writer, transport.made);
+  writer.attribute("rays", std::int64_t(transport.rays));
+  if (transport.sky > 0) writer.attribute("sky", std::int64_t(transport.sky));
+  if (transport.display) writer.attribute("display_rays", std::int64_t(transport.display->rows.rays));
+  writer.commit();
+}
+
+Transport read_transport(const std::filesystem::path& file) {
+  return read_all(H5Reader(file, kTransportFormat, kTransportVersion));
+}
+
+std::optional<Transport> read_transport(const std::filesystem::path& file, const std::string& key) {
+  const H5Reader reader(file, kTransportFormat, kTransportVersion);
+  if (reader.text("key") != key) return std::nullopt;
+  return read_all(reader);
+}
+
+std::string read_transport_key(const std::filesystem::path& file) {
+  return H5Reader(file, kTransportFormat, kTransportVersion).text("key");
+}
+
+}  // namespace patchlight

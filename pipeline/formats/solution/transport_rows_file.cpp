@@ -1,0 +1,80 @@
+#include "pipeline/formats/solution/transport_rows_file.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace patchlight {
+
+namespace {
+
+constexpr std::int64_t kMostRays = 1 << 24;
+
+void read_mirrored(const H5Reader& reader, const std::string& folder, std::int64_t elements, TransportRows& rows) {
+  if (!reader.has(folder + "/mirrored/place")) return;
+  const std::vector<std::int32_t> places = reader.dataset<std::int32_t>(folder + "/mirrored/place", -1, 3);
+  const std::vector<float> weights =
+      reader.dataset<float>(folder + "/mirrored/weight", std::int64_t(places.size() / 3), 3);
+  check_all(reader, folder + "/mirrored/weight", weights, is_factor);
+  std::int64_t last = 0;
+  for (std::size_t k = 0; k < places.size(); k += 3) {
+    const std::int32_t row = places[k], half = places[k + 1], patch = places[k + 2];
+    if (row < 0 || row >= rows.rows() || half < 0 || half > 1 || patch < 0 || patch >= elements ||
+        2 * std::int64_t(row) + half < last)
+      reader.refuse("a place out of bounds or order", folder + "/mirrored/place");
+    last = 2 * std::int64_t(row) + half;
+    rows.mirrored.push_back({row, half, patch, Color(weights[k], weights[k + 1], weights[k + 2])});
+  }
+}
+
+}  // namespace
+
+void write_rows(H5Writer& writer, const std::string& folder, const TransportRows& rows) {
+  const std::vector<std::int64_t> starts(rows.starts.begin(), rows.starts.end());
+  writer.dataset<std::int64_t>(folder + "/rows/start", starts);
+  writer.dataset<std::int32_t>(folder + "/rows/patch", rows.ends);
+  if (rows.rays == 0)
+    writer.dataset<float>(folder + "/rows/weight", rows.weights);
+  else
+    writer.dataset<float>(folder + "/rows/share", rows.shares);
+  if (rows.mirrored.empty()) return;
+  std::vector<std::int32_t> places;
+  std::vector<float> weights;
+  for (const auto& m : rows.mirrored) {
+    places.insert(places.end(), {m.row, m.half, m.patch});
+    weights.insert(weights.end(), {m.weight.x, m.weight.y, m.weight.z});
+  }
+  writer.dataset<std::int32_t>(folder + "/mirrored/place", places, 3);
+  writer.dataset<float>(folder + "/mirrored/weight", weights, 3);
+}
+
+void read_rows(const H5Reader& reader, const std::string& folder, std::int64_t elements, bool own, std::int64_t rays,
+               TransportRows& rows) {
+  if (rays < 0 || rays > kMostRays) reader.refuse("a number of rays out of bounds", folder + "/rows/share");
+  const std::vector<std::int64_t> starts = reader.dataset<std::int64_t>(folder + "/rows/start", -1);
+  rows.ends = reader.dataset<std::int32_t>(folder + "/rows/patch", -1);
+  if (starts.size() % 2 == 0 || starts.front() != 0 || starts.back() != std::int64_t(rows.ends.size()) ||
+      !std::is_sorted(starts.begin(), starts.end()))
+    reader.refuse("rows that do not follow each other", folder + "/rows/start");
+  rows.starts.assign(starts.begin(), starts.end());
+  if (own) elements += rows.rows();
+  const auto count = std::uint32_t(std::min<std::int64_t>(elements, std::numeric_limits<std::int32_t>::max()));
+  check_all(reader, folder + "/rows/patch", rows.ends, [=](std::int32_t j) { return std::uint32_t(j) < count; });
+  if (rays == 0) {
+    rows.weights = reader.dataset<float>(folder + "/rows/weight", std::int64_t(rows.ends.size()));
+    check_all(reader, folder + "/rows/weight", rows.weights, is_factor);
+  } else {
+    rows.rays = int(rays);
+    rows.shares = reader.dataset<float>(folder + "/rows/share", std::int64_t(starts.size() - 1));
+    check_all(reader, folder + "/rows/share", rows.shares, [](float share) { return share >= 0 && share <= 1; });
+  }
+  read_mirrored(reader, folder, elements, rows);
+}
+
+std::vector<float> read_exposed(const H5Reader& reader, std::int64_t rows) {
+  if (!reader.has("/exposed")) return {};
+  std::vector<float> exposed = reader.dataset<float>("/exposed", rows, 2);
+  check_all(reader, "/exposed", exposed, [](float part) { return part > 0 && part <= 1; });
+  return exposed;
+}
+
+}  // namespace patchlight

@@ -1,0 +1,13 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "pipeline/frames/frame_list.h"
+#include "pipeline/image/image_file.h"
+
+namespace patchlight {
+
+/// Whether a frame's EXR and PNG are whole, carry the key, and hold `layers`.
+bool is_fresh(const Frame& frame, const std::string& frame_key, const std::vector<ImageLayer>& layers);
+
+}  // namespace patchlight

@@ -1,0 +1,16 @@
+#pragma once
+#include <yaml-cpp/yaml.h>
+
+#include <map>
+#include <string>
+
+#include "pipeline/job/job.h"
+
+namespace patchlight {
+
+/// Reads the section `cameras` into those that are there. Throws: std::string; EntryFault.
+void read_cameras(const YAML::Node& map, std::map<std::string, CameraConfig>& cameras);
+
+YAML::Node cameras_node(const std::map<std::string, CameraConfig>& cameras);
+
+}  // namespace patchlight

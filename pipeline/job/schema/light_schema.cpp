@@ -1,0 +1,39 @@
+#include "pipeline/job/light_group_name.h"
+#include "pipeline/job/schema/job_schema.h"
+#include "pipeline/job/schema/value_parsing.h"
+
+namespace patchlight {
+
+namespace {
+
+using Node = YAML::Node;
+
+void read_lights(const Node& map, std::map<std::string, LightSetting>& lights) {
+  read_entries("lights", map, [&](const std::string& name) -> EntryReader {
+    LightSetting& light = lights[light_group_name(name)];
+    return {{"scale", [&](const Node& n) { light.scale = parse_number(n, 0, 1e30); }},
+            {"color", [&](const Node& n) { light.color = parse_color(n, 1e30); }}};
+  });
+}
+
+Node lights_node(const std::map<std::string, LightSetting>& lights) {
+  Node map(YAML::NodeType::Map);
+  for (const auto& [name, light] : lights) {
+    map[name]["scale"] = number_node(light.scale);
+    map[name]["color"] = vector_node(light.color);
+  }
+  return map;
+}
+
+}  // namespace
+
+JobKey lights_key(std::map<std::string, LightSetting>& lights) {
+  return {"lights", "by light group: scale, and color [r,g,b], of its light in frames",
+          [&lights](const Node& n) {
+            lights.clear();
+            read_lights(n, lights);
+          },
+          [&lights] { return lights_node(lights); }, [&lights](const Node& n) { read_lights(n, lights); }};
+}
+
+}  // namespace patchlight

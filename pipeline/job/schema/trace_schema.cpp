@@ -1,0 +1,105 @@
+#include <fmt/format.h>
+
+#include <array>
+#include <set>
+
+#include "pipeline/job/frame_range.h"
+#include "pipeline/job/schema/key_kinds.h"
+#include "pipeline/job/schema/value_parsing.h"
+
+namespace patchlight {
+
+namespace {
+
+using Node = YAML::Node;
+
+JobKey cameras_key(std::vector<std::string>& cameras) {
+  return {"trace.cameras", "names of cameras, those of glTF nodes or of the job's `cameras`; absent: all",
+          [&cameras](const Node& n) {
+            if (n.IsScalar())
+              cameras = {n.as<std::string>()};
+            else
+              cameras = parse<std::vector<std::string>>(n, "a list of camera names");
+          },
+          [&cameras] { return Node(cameras); }};
+}
+
+JobKey frames_key(std::string& frames) {
+  return {
+      "trace.frames",
+      "frames of cameras that move: 1-120; 1,5..9; with a step 1-120x10 or 1..120:10; a still one writes frame 0001",
+      [&frames](const Node& n) {
+        const std::string expected = "frames such as 1-120 or 1,5..9,20-40x2";
+        std::string list;
+        if (n.IsSequence())
+          list = fmt::format("{}", fmt::join(parse<std::vector<std::string>>(n, expected), ", "));
+        else
+          list = parse<std::string>(n, expected);
+        frame_numbers(list);
+        frames = list;
+      },
+      [&frames] { return Node(frames); }};
+}
+
+JobKey resolution_key(std::array<int, 2>& size) {
+  return {"trace.resolution", "width and height of frames in pixels",
+          [&size](const Node& n) {
+            if (!n.IsSequence() || n.size() != 2) throw std::string("expected [width, height]");
+            for (std::size_t k = 0; k < 2; ++k) size[k] = int(parse_integer(n[k], 1, 65536));
+          },
+          [&size] {
+            Node node;
+            node.SetStyle(YAML::EmitterStyle::Flow);
+            node.push_back(size[0]);
+            node.push_back(size[1]);
+            return node;
+          }};
+}
+
+JobKey layers_key(std::vector<std::string>& layers) {
+  const std::vector<std::string> known{"direct", "indirect", "specular", "emission", "albedo",
+                                       "normal", "depth",    "position", "patch",    "light_groups"};
+  return {"trace.layers", fmt::format("of the EXR, beside the beauty: {}", fmt::join(known, ", ")),
+          [&layers, known](const Node& n) {
+            if (n.IsMap()) throw std::string("expected a list of layers");
+            std::set<std::string> chosen;
+            if (n.IsScalar()) chosen.insert(parse_choice(n, known));
+            for (const Node& name : n) chosen.insert(parse_choice(name, known));
+            layers.clear();
+            for (const std::string& name : known)  // their order means nothing
+              if (chosen.contains(name)) layers.push_back(name);
+          },
+          [&layers] { return Node(layers); }};
+}
+
+JobKey view_key(std::string& view) {
+  return {"trace.view", "OpenColorIO view of the PNG: sRGB, ACES or Raw of the shipped config, or one of $OCIO's",
+          [&view](const Node& n) { view = parse<std::string>(n, "the name of a view"); },
+          [&view] { return Node(view); }};
+}
+
+}  // namespace
+
+std::vector<JobKey> trace_keys(TraceConfig& trace) {
+  return {
+      cameras_key(trace.cameras),
+      frames_key(trace.frames),
+      number_key("trace.fps", trace.fps, 1e-3, 1e6, "frames a second of animated cameras"),
+      resolution_key(trace.resolution),
+      choice_key("trace.quality", trace.quality, {"patches", "direct", "gather"},
+                 "all light interpolated; direct light at the pixel; or the rest gathered there too, to check it"),
+      integer_key("trace.gather_rays", trace.gather_rays, 1, 4096, "rays of a sample by which `gather` gathers"),
+      integer_key(
+          "trace.samples", trace.samples, 1, 1 << 16,
+          "samples of a pixel where colours change; 4 times as many at edges, a quarter (4 or more) where all is even"),
+      flag_key("trace.cull_backfaces", trace.cull_backfaces, "look through the backs of single-sided surfaces"),
+      layers_key(trace.layers),
+      choice_key("trace.pixel_type", trace.pixel_type, {"half", "float"}, "of light and colours in the EXR"),
+      choice_key("trace.compression", trace.compression, {kExrCompressions.begin(), kExrCompressions.end()},
+                 "of the EXR"),
+      view_key(trace.view),
+      number_key("trace.exposure", trace.exposure, -100, 100, "stops by which the PNG is brighter than the EXR"),
+  };
+}
+
+}  // namespace patchlight

@@ -1,0 +1,137 @@
+#include "pipeline/job/stage_keys.h"
+
+#include <cstdlib>
+
+#include "pipeline/model/error.h"
+#include "pipeline/system/content_hash.h"
+
+namespace patchlight {
+
+namespace {
+
+// Raised whenever a stage computes something else from the same inputs.
+constexpr int kImportVersion = 4;
+constexpr int kTransportKeyVersion = 16;
+constexpr int kSolveVersion = 17;
+constexpr int kTraceVersion = 8;
+
+void add_color(KeyHasher& hasher, const std::optional<Color>& color) {
+  hasher.add(color.has_value());
+  if (color) hasher.add(double(color->x)).add(double(color->y)).add(double(color->z));
+}
+
+}  // namespace
+
+std::string path_beside_scene(const std::filesystem::path& file, const Job& job) {
+  if (file.empty()) return "";
+  const auto normal = [](const std::filesystem::path& path) {
+    return std::filesystem::absolute(path).lexically_normal();
+  };
+  return normal(file).lexically_relative(normal(job.scene).parent_path()).string();
+}
+
+std::string import_inputs_key(const std::vector<SourceFile>& sources, const Job& job) {
+  KeyHasher hasher;
+  hasher.add("import").add(kImportVersion);
+  // The scene itself comes first and may be spelled or placed anywhere: its content counts.
+  for (std::size_t i = 0; i < sources.size(); ++i) hasher.add(i == 0 ? "" : sources[i].path).add(sources[i].hash);
+  hasher.add(job.import.patch_area.value_or(0.0)).add(job.import.time.value_or(-1.0)).add(job.import.punctual_units);
+  for (const auto* overrides : {&job.materials, &job.nodes}) {
+    hasher.add("overrides");
+    for (const auto& change : *overrides) {
+      hasher.add(change.pattern);
+      add_color(hasher, change.reflectance);
+      add_color(hasher, change.emission);
+      add_color(hasher, change.mirror);
+      hasher.add(change.light_group.value_or("")).add(change.patch_area.value_or(0.0));
+      hasher.add(change.exclude.value_or(false));
+    }
+  }
+  if (const EnvironmentConfig& sky = job.environment; sky.is_set()) {
+    hasher.add("environment");
+    add_color(hasher, sky.color);
+    hasher.add(path_beside_scene(sky.image, job)).add(sky.strength).add(sky.rotation).add(sky.light_group);
+  }
+  for (const auto& shader : job.shaders) {
+    hasher.add("shader").add(shader.name);
+    for (const ColorExpressions* color : {&shader.reflectance, &shader.emission})
+      for (const auto& expression : *color) hasher.add(expression);
+  }
+  return hasher.hex();
+}
+
+std::string transport_key(const std::string& geometry_key, const SolveConfig& solve) {
+  return KeyHasher()
+      .add("transport")
+      .add(kTransportKeyVersion)
+      .add(geometry_key)
+      .add(solve.form_factors)
+      .add(solve.form_factors == "hemicube" ? solve.hemicube_resolution : 0)
+      .add(solve.rays)
+      .add(solve.error_target)
+      .add(solve.seed)
+      .hex();
+}
+
+std::string energy_key(const std::string& patches_key, const SolveConfig& solve) {
+  return KeyHasher()
+      .add("solve")
+      .add(kSolveVersion)
+      .add(patches_key)
+      .add(solve.method)
+      .add(solve.form_factors)
+      .add(solve.form_factors == "hemicube" ? solve.hemicube_resolution : 0)
+      .add(!solve.display && solve.form_factors == "hemicube" && solve.method == "progressive" ? 0 : solve.rays)
+      .add(solve.tolerance)
+      .add(solve.display)
+      .add(solve.error_target)
+      .add(solve.method == "progressive" ? solve.max_shots : 0)
+      .add(solve.seed)
+      .hex();
+}
+
+std::string view_config_key() {
+  const char* file = std::getenv("OCIO");
+  if (!file || !*file) return "shipped";
+  std::error_code fault;
+  if (!std::filesystem::is_regular_file(file, fault))
+    throw Error(ExitCode::missing_input, "missing OpenColorIO config", file, "set or unset $OCIO");
+  return hash_file(file);
+}
+
+std::string camera_key(const Camera& camera) {
+  KeyHasher hasher;
+  hasher.add("camera").add(camera.name).add(int(camera.projection)).add(camera.vertical);
+  for (int k = 0; k < 16; ++k) hasher.add(camera.to_world.x[k / 4][k % 4]);
+  return hasher.hex();
+}
+
+std::string frame_key(const PatchSet& scene, const std::string& energy_key, const Job& job, const Camera& camera,
+                      int frame, const std::string& view_config) {
+  const TraceConfig& trace = job.trace;
+  KeyHasher hasher;
+  hasher.add("trace").add(kTraceVersion).add(scene.key).add(scene.frames_key).add(energy_key);
+  hasher.add(camera_key(camera))
+      .add(frame)
+      .add(trace.resolution[0])
+      .add(trace.resolution[1])
+      .add(trace.samples)
+      .add(trace.quality)
+      .add(trace.quality == "gather" ? trace.gather_rays : 0)
+      .add(view_config);
+  hasher.add(trace.cull_backfaces).add(trace.view).add(trace.exposure);
+  hasher.add(trace.pixel_type).add(trace.compression);
+  for (const std::string& layer : trace.layers) hasher.add(layer);
+  for (const auto& [name, light] : job.lights) {
+    if (light.scale == 1.0 && light.color == Color(1.0f)) continue;
+    hasher.add(name).add(light.scale);
+    add_color(hasher, light.color);
+  }
+  return hasher.hex();
+}
+
+std::string relit_key(const std::string& frame_key) {
+  return KeyHasher().add("relight").add(frame_key).hex();
+}
+
+}  // namespace patchlight

@@ -1,0 +1,27 @@
+#include "pipeline/optics/intersect/alpha_mask.h"
+
+#include "pipeline/optics/sampling/random.h"
+#include "pipeline/optics/surface/texture_lookup.h"
+
+namespace patchlight {
+
+bool is_there(const PatchSet& scene, std::int32_t i, double u, double v) {
+  const Primitive& primitive = scene.primitives[i];
+  const Material& material = scene.materials[primitive.material];
+  const float mask = mask_value(scene.masks[primitive.mask], texcoord_at(scene, i, u, v));
+  return material.alpha * mask * vertex_color(scene, i, u, v).w >= material.alpha_cutoff;
+}
+
+Vec2f covered_point(const PatchSet& scene, const Patch& patch, const PatchSampler& sampler, Vec2f at,
+                    std::uint64_t random) {
+  constexpr int kTries = 64;
+  for (int k = 0; k < kTries; ++k) {
+    const Imath::V2d uv = sampler.uv(at.x, at.y);
+    if (is_there(scene, patch.primitive, uv.x, uv.y)) return at;
+    random = scramble(random + 1);
+    at = Vec2f(to_unit(random), to_unit(scramble(random)));
+  }
+  return at;
+}
+
+}  // namespace patchlight

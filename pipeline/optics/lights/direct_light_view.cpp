@@ -1,0 +1,156 @@
+#include <algorithm>
+#include <cmath>
+
+#include "pipeline/optics/lights/direct_light.h"
+#include "pipeline/optics/sampling/patch_sampling.h"
+
+namespace patchlight {
+
+namespace {
+
+constexpr double kLeastSolidAngle = 1e-3;  ///< sr; below it spherical triangles lose their precision.
+constexpr double kShort = 1e-5;            ///< Part of the way to a light without extent that its rays end before it.
+
+/// A direction about an axis, uniform in the solid angle of a cone whose edge has a cosine of 1 - most.
+Vec3d in_cone(const Vec3d& axis, double most, double x, double y) {
+  const double off = y * most, sine = std::sqrt(off * (2 - off)), turn = 2 * kPi * x;
+  Vec3f tangent, bitangent;
+  orthonormal_frame(Vec3f(axis), tangent, bitangent);
+  return (axis * (1 - off) + (Vec3d(tangent) * std::cos(turn) + Vec3d(bitangent) * std::sin(turn)) * sine).normalized();
+}
+
+}  // namespace
+
+/// A spherical triangle (Arvo 1995): its corners as unit vectors, the angle at the first, and its area.
+DirectLight::View::Triangle::Triangle(const Vec3d& p, const Vec3d& q, const Vec3d& r)
+    : a(p.normalized()), b(q.normalized()), c(r.normalized()) {
+  const Vec3d ab = (a % b).normalized(), bc = (b % c).normalized(), ca = (c % a).normalized();
+  const auto between = [](const Vec3d& s, const Vec3d& t) { return std::acos(std::clamp(-(s ^ t), -1.0, 1.0)); };
+  angle = between(ab, ca);
+  area = std::max(0.0, angle + between(ab, bc) + between(bc, ca) - kPi);
+  sine = std::sin(angle);
+  cosine = std::cos(angle);
+  toward_c = (c - a * (c ^ a)).normalized();
+}
+
+Vec3d DirectLight::View::Triangle::direction(double x, double y) const {
+  const double s = std::sin(x * area - angle), t = std::cos(x * area - angle);
+  const double k1 = t - cosine, k2 = s + sine * (a ^ b);
+  const double below = (k2 * s + k1 * t) * sine;
+  const double q = below != 0 ? std::clamp(((k2 * t - k1 * s) * cosine - k2) / below, -1.0, 1.0) : 1.0;
+  const Vec3d edge = a * q + toward_c * std::sqrt(1 - q * q);
+  const double along = edge ^ b, z = 1 - y * (1 - along);
+  return b * z + (edge - b * along).normalized() * std::sqrt(std::max(0.0, 1 - z * z));
+}
+
+DirectLight::View DirectLight::view(const Vec3d& point, const Vec3f& normal, double far) const {
+  View view;
+  view.light_ = this;
+  view.point_ = point;
+  view.normal_ = normal;
+  if (kind_ != Kind::polygon) return view;
+  view.height_ = (point - center_) ^ normal_;
+  if (view.height_ <= 0) return view;
+  view.to_first_ = corners_[0] - point;
+  view.short_ = float(std::max(0.0, 1 - gap_ / view.height_));
+  if ((point - center_).length2() >= far * far * radius_ * radius_) return view;
+  double all = 0;
+  for (int k = 0; k + 2 < count_; ++k) {
+    view.halves_[k] = View::Triangle(corners_[0] - point, corners_[k + 1] - point, corners_[k + 2] - point);
+    all += view.halves_[k].area;
+  }
+  if (all > kLeastSolidAngle) view.solid_angle_ = all;
+  return view;
+}
+
+DirectLight::Sample DirectLight::View::sample(float x, float y) const {
+  switch (light_->kind_) {
+    case Kind::polygon:
+      return of_polygon(x, y);
+    case Kind::sphere:
+      return of_sphere(x, y);
+    case Kind::disk:
+      return of_disk(x, y);
+    default:
+      return of_point();
+  }
+}
+
+double DirectLight::View::density(const Vec3f& direction) const {
+  if (light_->is_point()) return 0.0;
+  if (light_->kind_ == Kind::sphere || light_->kind_ == Kind::disk) {
+    const double r2 = light_->radius_ * light_->radius_;
+    const double sine2 = light_->kind_ == Kind::disk ? r2 : r2 / (light_->center_ - point_).length2();
+    return sine2 < 1 ? (1 + std::sqrt(1 - sine2)) / (2 * kPi * sine2) : 0.0;
+  }
+  if (solid_angle_ > 0) return 1 / solid_angle_;
+  const double slope = -(Vec3d(direction) ^ light_->normal_);
+  if (slope <= 0 || height_ <= 0) return 0.0;
+  const double distance = height_ / slope;
+  return distance * distance / (light_->area_ * slope);
+}
+
+DirectLight::Sample DirectLight::View::of_polygon(double x, double y) const {
+  if (height_ <= 0) return {};
+  Vec3f direction;
+  float distance = 0, size = 0;  // sr, of all of it, as if it were as large everywhere as there
+  if (solid_angle_ > 0) {
+    const double share = halves_[0].area / solid_angle_;
+    direction = Vec3f(x < share || light_->count_ == 3 ? halves_[0].direction(std::min(x / share, 1.0), y)
+                                                       : halves_[1].direction((x - share) / (1 - share), y));
+    const double slope = -(Vec3d(direction) ^ light_->normal_);
+    if (slope <= 0) return {};
+    distance = float(height_ / slope);
+    size = float(solid_angle_);
+  } else {
+    const double share = light_->first_share_;
+    const int k = x < share ? 0 : 1;
+    double s = k == 0 ? x / share : (x - share) / (1 - share), t = y;
+    if (t > s) {  // Heitz 2019: the unit square onto a triangle
+      s *= 0.5;
+      t -= s;
+    } else {
+      t *= 0.5;
+      s -= t;
+    }
+    direction = Vec3f(to_first_ + light_->sides_[k] * s + light_->sides_[k + 1] * t);
+    const float squared = direction.length2(), inverse = 1 / std::sqrt(squared);
+    direction *= inverse;
+    distance = squared * inverse;
+    size = float(light_->area_) * inverse * inverse * (float(height_) * inverse);
+  }
+  const float cosine = direction ^ normal_;
+  if (!(cosine > 0)) return {};
+  return {direction, distance * short_, cosine * size * float(1 / kPi)};
+}
+
+DirectLight::Sample DirectLight::View::of_sphere(double x, double y) const {
+  const Vec3d to = light_->center_ - point_;
+  const double radius = light_->radius_, squared = to.length2(), r2 = radius * radius;
+  if (squared <= r2) return {};
+  const double sine2 = r2 / squared, most = sine2 / (1 + std::sqrt(1 - sine2));  // 1 - cosine, without cancellation
+  const Vec3d direction = in_cone(to / std::sqrt(squared), most, x, y);
+  const double cosine = direction ^ Vec3d(normal_);
+  if (cosine <= 0) return {};
+  const double half = to ^ direction, inside = r2 - (to - direction * half).length2();
+  const double chord = std::sqrt(std::max(inside, 0.0));
+  const double slope = std::max(chord / radius, 1e-3);
+  return {Vec3f(direction), float(std::max(0.0, half - chord - light_->gap_ / slope)), float(2 * cosine * most)};
+}
+
+DirectLight::Sample DirectLight::View::of_disk(double x, double y) const {
+  const double sine2 = light_->radius_ * light_->radius_, most = sine2 / (1 + std::sqrt(1 - sine2));
+  const Vec3d direction = in_cone(light_->towards(point_), most, x, y);
+  const double cosine = direction ^ Vec3d(normal_);
+  if (cosine <= 0) return {};
+  return {Vec3f(direction), std::numeric_limits<float>::infinity(), float(2 * cosine * most / sine2)};
+}
+
+DirectLight::Sample DirectLight::View::of_point() const {
+  const Vec3d direction = light_->towards(point_);
+  const double weight = light_->perpendicular_factor(point_) * (direction ^ Vec3d(normal_));
+  if (!(weight > 0)) return {};
+  return {Vec3f(direction), float(light_->distance(point_) * (1 - kShort)), float(weight)};
+}
+
+}  // namespace patchlight

@@ -1,0 +1,24 @@
+#include "pipeline/optics/lights/shadow_rays.h"
+
+namespace patchlight {
+
+void ShadowRays::add(const Vec3d& start, const DirectLight::Sample& sample, LightSamples& sums) {
+  packet_.set_shadow(lanes_, scene_.to_local(start), sample.direction, sample.distance);
+  weights_[lanes_] = sample.weight;
+  sums_[lanes_++] = &sums;
+  if (lanes_ == RayPacket::kSize) cast();
+}
+
+void ShadowRays::cast() {
+  if (lanes_ == 0) return;
+  for (int lane = lanes_; lane < RayPacket::kSize; ++lane) packet_.valid[lane] = 0;
+  const std::uint32_t blocked = scene_.occluded(packet_);
+  for (int lane = 0; lane < lanes_; ++lane) {
+    const bool seen = !(blocked >> lane & 1u);
+    ++(seen ? sums_[lane]->visible : sums_[lane]->hidden);
+    (seen ? sums_[lane]->seen : sums_[lane]->missed) += weights_[lane];
+  }
+  lanes_ = 0;
+}
+
+}  // namespace patchlight

@@ -1,0 +1,80 @@
+#include "pipeline/optics/sampling/patch_sampling.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace patchlight {
+
+namespace {
+
+/// Inverts the distribution whose density runs linearly from a to b over [0,1] (Pharr et al. 2023, section A.5.1).
+double sample_linear(double x, double a, double b) {
+  if (a == b) return x;
+  return std::min(x * (a + b) / (a + std::sqrt((1 - x) * a * a + x * b * b)), 1.0);
+}
+
+double area_density(const std::array<Vec3d, 4>& c, double u, double v) {
+  const Vec3d du = (c[1] - c[0]) * (1 - v) + (c[2] - c[3]) * v;
+  const Vec3d dv = (c[3] - c[0]) * (1 - u) + (c[2] - c[1]) * u;
+  return (du % dv).length();
+}
+
+}  // namespace
+
+Vec3d position_at(const std::array<Vec3d, 4>& c, double u, double v) {
+  return (c[0] * (1 - u) + c[1] * u) * (1 - v) + (c[3] * (1 - u) + c[2] * u) * v;
+}
+
+SurfacePoint point_at(const Primitive& p, double u, double v) {
+  if (p.shape == Primitive::Shape::sphere) {
+    const double phi = 2 * kPi * u, theta = kPi * v;
+    const Vec3d out(std::sin(theta) * std::cos(phi), std::cos(theta), -std::sin(theta) * std::sin(phi));
+    return {p.sphere_center + out * std::abs(p.sphere_radius), Vec3f(p.sphere_radius < 0 ? -out : out)};
+  }
+  // The diagonals' cross product is the normal of quads and of triangles alike.
+  const Vec3d normal = (p.corners[2] - p.corners[0]) % (p.corners[3] - p.corners[1]);
+  return {position_at(p.corners, u, v), Vec3f(normal.normalized())};
+}
+
+PatchSampler::PatchSampler(const Primitive& primitive, const Patch& patch) : primitive_(primitive), patch_(patch) {
+  if (primitive.shape == Primitive::Shape::sphere) {
+    cos_top_ = std::cos(kPi * patch.v0);
+    cos_bottom_ = std::cos(kPi * patch.v1);
+    return;
+  }
+  for (int k = 0; k < 4; ++k)
+    density_[k] = area_density(primitive.corners, k % 2 ? patch.u1 : patch.u0, k / 2 ? patch.v1 : patch.v0);
+}
+
+SurfacePoint PatchSampler::operator()(float x, float y) const {
+  const Imath::V2d at = uv(x, y);
+  if (primitive_.shape == Primitive::Shape::sphere) return point_at(primitive_, at.x, at.y);
+  return {position_at(primitive_.corners, at.x, at.y), patch_.normal};
+}
+
+Imath::V2d PatchSampler::uv(float x, float y) const {
+  if (primitive_.shape == Primitive::Shape::sphere) {
+    const double u = patch_.u0 + x * double(patch_.u1 - patch_.u0);
+    const double cos_theta = cos_top_ + y * (cos_bottom_ - cos_top_);
+    return {u, std::acos(std::clamp(cos_theta, -1.0, 1.0)) / kPi};
+  }
+  const double v = sample_linear(y, density_[0] + density_[1], density_[2] + density_[3]);
+  const double u = sample_linear(x, density_[0] * (1 - v) + density_[2] * v, density_[1] * (1 - v) + density_[3] * v);
+  return {patch_.u0 + u * (patch_.u1 - patch_.u0), patch_.v0 + v * (patch_.v1 - patch_.v0)};
+}
+
+Vec3f cosine_direction(float x, float y) {
+  const float radius = std::sqrt(x);
+  const float angle = float(2 * kPi) * y;
+  return {radius * std::cos(angle), radius * std::sin(angle), std::sqrt(std::max(0.0f, 1.0f - x))};
+}
+
+void orthonormal_frame(const Vec3f& n, Vec3f& tangent, Vec3f& bitangent) {
+  const float sign = std::copysign(1.0f, n.z);
+  const float a = -1.0f / (sign + n.z);
+  const float b = n.x * n.y * a;
+  tangent = {1.0f + sign * n.x * n.x * a, sign * b, -sign * n.x};
+  bitangent = {b, sign + n.y * n.y * a, -n.y};
+}
+
+}  // namespace patchlight

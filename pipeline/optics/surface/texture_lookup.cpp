@@ -1,0 +1,150 @@
+#include "pipeline/optics/surface/texture_lookup.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "pipeline/optics/surface/material_shader.h"
+
+namespace patchlight {
+
+namespace {
+
+/// Where texels `from` and after it lie along an axis of `count` texels; `from` is in the first period or just before.
+std::array<std::int64_t, 2> texel_pair(std::int64_t from, std::int64_t count, Texture::Wrap wrap) {
+  const auto wrapped = [&](std::int64_t k) {
+    if (wrap == Texture::Wrap::clamp) return std::clamp<std::int64_t>(k, 0, count - 1);
+    const std::int64_t period = wrap == Texture::Wrap::mirror ? 2 * count : count;
+    k += k < 0 ? period : k >= period ? -period : 0;
+    return k < count ? k : period - 1 - k;
+  };
+  return {wrapped(from), wrapped(from + 1)};
+}
+
+/// A texture coordinate in its wrapping's first period.
+double in_first_period(double x, Texture::Wrap wrap) {
+  if (wrap == Texture::Wrap::clamp) return std::clamp(x, -1.0, 2.0);
+  return wrap == Texture::Wrap::mirror ? x - 2 * std::floor(0.5 * x) : x - std::floor(x);
+}
+
+/// sRGB from [0, 255] to linear [0, 1] by a table; its error is below 1e-5.
+float linear_of(float encoded) {
+  constexpr int kSteps = 1024;
+  static const std::vector<float> table = [] {
+    std::vector<float> values(kSteps + 2);
+    for (int i = 0; i < kSteps + 2; ++i) {
+      const double x = double(i) / kSteps;
+      values[i] = float(x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4));
+    }
+    return values;
+  }();
+  const float x = encoded * (float(kSteps) / 255.0f);
+  const int k = int(x);
+  return table[k] + (table[k + 1] - table[k]) * (x - float(k));
+}
+
+Vec3f encoded(std::int32_t rgb) {
+  return {float(rgb >> 16 & 255), float(rgb >> 8 & 255), float(rgb & 255)};
+}
+
+/// value_of(texel) at a place, bilinear between texels unless the texture says otherwise.
+template <class ValueOf>
+auto value_at(const Texture& texture, const Imath::V2d& at, const ValueOf& value_of) {
+  constexpr double kFarthest = 1e9;  // turns of a texture that still have digits
+  const double middle = texture.nearest ? 0.0 : 0.5;
+  const auto texels = [&](double coordinate, std::int32_t count, Texture::Wrap wrap) {
+    return in_first_period(std::clamp(coordinate, -kFarthest, kFarthest), wrap) * count - middle;
+  };
+  const double s = texels(at.x, texture.width, texture.wrap[0]), t = texels(at.y, texture.height, texture.wrap[1]);
+  const double left = std::floor(s), top = std::floor(t);
+  const auto x = texel_pair(std::int64_t(left), texture.width, texture.wrap[0]);
+  const auto y = texel_pair(std::int64_t(top), texture.height, texture.wrap[1]);
+  const auto value = [&](int i, int j) { return value_of(texture.texels[std::size_t(y[j] * texture.width + x[i])]); };
+  auto sum = value(0, 0);
+  if (!texture.nearest) {
+    const auto a = float(s - left), b = float(t - top);
+    sum = (sum * (1 - a) + value(1, 0) * a) * (1 - b) + (value(0, 1) * (1 - a) + value(1, 1) * a) * b;
+  }
+  return sum;
+}
+
+Imath::V2d texcoord_of(const std::vector<Texcoords>& texcoords, std::int32_t i, double u, double v) {
+  if (texcoords.empty()) return {u, v};
+  const Texcoords& t = texcoords[i];
+  const auto bilinear = [&](float Vec2f::*axis) {
+    return (t[0].*axis * (1 - u) + t[1].*axis * u) * (1 - v) + (t[3].*axis * (1 - u) + t[2].*axis * u) * v;
+  };
+  return {bilinear(&Vec2f::x), bilinear(&Vec2f::y)};
+}
+
+/// As the finish texture of a primitive has it: roughness and how metallic, both in [0,1].
+Vec2f finish_texture(const PatchSet& scene, std::int32_t i, double u, double v) {
+  const auto& texcoords = scene.finish_texcoords.empty() ? scene.texcoords : scene.finish_texcoords;
+  return value_at(scene.textures[scene.primitives[i].finish_texture], texcoord_of(texcoords, i, u, v),
+                  [](std::int32_t rgb) { return Vec2f(float(rgb >> 8 & 255), float(rgb & 255)); }) /
+         255.0f;
+}
+
+/// What tints and metals are multiplied by at a place.
+Color base_color(const PatchSet& scene, std::int32_t i, double u, double v) {
+  const Primitive& primitive = scene.primitives[i];
+  const Vec4f own = vertex_color(scene, i, u, v);
+  const Color color(own.x, own.y, own.z);
+  if (primitive.texture < 0) return color;
+  return texture_color(scene.textures[primitive.texture], texcoord_at(scene, i, u, v)) * color;
+}
+
+}  // namespace
+
+Imath::V2d texcoord_at(const PatchSet& scene, std::int32_t i, double u, double v) {
+  return texcoord_of(scene.texcoords, i, u, v);
+}
+
+Color texture_color(const Texture& texture, const Imath::V2d& at) {
+  const Vec3f color = value_at(texture, at, encoded);
+  return {linear_of(color.x), linear_of(color.y), linear_of(color.z)};
+}
+
+Color colored_reflectance(const PatchSet& scene, std::int32_t i, double u, double v) {
+  const Primitive& primitive = scene.primitives[i];
+  const Material& material = scene.materials[primitive.material];
+  Color tint = material.tint;
+  if (primitive.finish_texture >= 0) tint += material.metal * (1.0f - finish_texture(scene, i, u, v).y);
+  const Color color = tint * base_color(scene, i, u, v);
+  Color most(kHighestReflectance);
+  if (!has_varied_metal(scene, i)) most = most_reflectance(material);
+  return within_range(Vec3d(color.x, color.y, color.z), most);
+}
+
+Finish finish_at(const PatchSet& scene, std::int32_t i, double u, double v) {
+  const Primitive& primitive = scene.primitives[i];
+  const Material& material = scene.materials[primitive.material];
+  Finish finish{material.specular, material.roughness};
+  if (!has_varied_metal(scene, i)) return finish;
+  finish.specular = material.metal * base_color(scene, i, u, v);
+  if (primitive.finish_texture < 0) return finish;
+  const Vec2f texel = finish_texture(scene, i, u, v);
+  finish.specular *= texel.y;
+  finish.roughness = material.finish_roughness * texel.x;
+  return finish;
+}
+
+Color textured_emission(const PatchSet& scene, std::int32_t i, double u, double v) {
+  const Primitive& primitive = scene.primitives[i];
+  const auto& texcoords = scene.emission_texcoords.empty() ? scene.texcoords : scene.emission_texcoords;
+  return scene.materials[primitive.material].emission_tint *
+         texture_color(scene.textures[primitive.emission_texture], texcoord_of(texcoords, i, u, v));
+}
+
+float mask_value(const Texture& mask, const Imath::V2d& at) {
+  return value_at(mask, at, [](std::int32_t alpha) { return float(alpha); }) / 255.0f;
+}
+
+Vec4f vertex_color(const PatchSet& scene, std::int32_t i, double u, double v) {
+  if (scene.colors.empty()) return Vec4f(1.0f);
+  const CornerColors& c = scene.colors[i];
+  const auto s = float(u), t = float(v);
+  return (c[0] * (1 - s) + c[1] * s) * (1 - t) + (c[3] * (1 - s) + c[2] * s) * t;
+}
+
+}  // namespace patchlight

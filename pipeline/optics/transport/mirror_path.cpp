@@ -1,0 +1,29 @@
+#include "pipeline/optics/transport/mirror_path.h"
+
+#include <algorithm>
+
+#include "pipeline/optics/sampling/patch_sampling.h"
+#include "pipeline/optics/sampling/random.h"
+#include "pipeline/optics/surface/mirror.h"
+
+namespace patchlight {
+
+bool go_on(const PatchSet& scene, const RayScene& ray_scene, const SurfaceHit& hit, std::uint64_t random, int lane,
+           RayPacket& packet, Color& throughput) {
+  constexpr float kSurelyKept = 0.25f;  // throughput from which Russian roulette ends no ray
+  const Primitive& primitive = scene.primitives[hit.primitive];
+  const SurfacePoint point = point_at(primitive, hit.u, hit.v);
+  Vec3f direction = packet.direction(lane);
+  const Vec2f at(to_unit(random), to_unit(scramble(random)));
+  const Finish metal = finish_at(scene, hit.primitive, hit.u, hit.v);
+  if (!reflect(metal, point.normal, at, direction, throughput)) return false;
+  const float most = std::max({throughput.x, throughput.y, throughput.z});
+  if (most < kSurelyKept) {
+    if (to_unit(scramble(~random)) * kSurelyKept >= most) return false;
+    throughput *= kSurelyKept / most;
+  }
+  packet.set(lane, ray_scene.to_local(point.position) + point.normal * ray_scene.offset(hit.primitive), direction);
+  return true;
+}
+
+}  // namespace patchlight

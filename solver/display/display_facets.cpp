@@ -1,0 +1,91 @@
+#include "solver/display/display_facets.h"
+
+#include <tbb/parallel_for.h>
+#include <xmmintrin.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "pipeline/optics/sampling/random.h"
+#include "pipeline/optics/surface/smooth_normals.h"
+#include "solver/form_factors/harmonic_distance.h"
+
+namespace patchlight {
+
+namespace {
+
+constexpr std::array<int, 4> kCornerOf{0, 1, 3, 2};  // of a primitive, by rows of growing u
+constexpr float kNudge = 0.02f;                      // of a facet: how far vertices stay off where surfaces may meet
+constexpr float kCovered = 0.5f;                     // of the exposure of open places, below which a vertex is covered
+
+bool is_one_patch(const PatchLookup& lookup, std::int32_t primitive) {
+  return lookup.rows(primitive) == 1 && lookup.row(primitive, 0).cells == 1;
+}
+
+/// Numbers vertices at the corners of close facets by their smooth vertices; -1: none.
+std::vector<std::int32_t> place_vertices(const PatchSet& scene, const PatchLookup& lookup,
+                                         std::span<const std::int32_t> close,
+                                         std::vector<DisplayMesh::Vertex>& vertices) {
+  std::vector<std::int32_t> number;
+  for (const std::int32_t patch : close) {
+    const Primitive& primitive = scene.primitives[scene.patches[patch].primitive];
+    if (!is_one_patch(lookup, scene.patches[patch].primitive)) continue;
+    for (int k = 0; k < 4; ++k) {
+      const auto id = std::size_t(primitive.smooth_vertices[kCornerOf[k]]);
+      if (id >= number.size()) number.resize(id + 1, -1);
+      if (number[id] >= 0) continue;
+      number[id] = std::int32_t(vertices.size());
+      vertices.push_back({patch, k % 2 ? 1 - kNudge : kNudge, k / 2 ? 1 - kNudge : kNudge});
+    }
+  }
+  return number;
+}
+
+std::vector<bool> covered(const PatchSet& scene, const RayScene& ray_scene,
+                          std::span<const DisplayMesh::Vertex> vertices) {
+  const SmoothNormals normals(scene);
+  std::vector<std::uint8_t> is_covered(vertices.size());
+  tbb::parallel_for(std::size_t(0), vertices.size(), [&](std::size_t k) {
+    _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree wants denormals flushed
+    const DisplayMesh::Vertex& vertex = vertices[k];
+    const std::int32_t primitive = scene.patches[vertex.patch].primitive;
+    SurfacePoint point = point_at(scene.primitives[primitive], vertex.u, vertex.v);
+    point.normal = normals(primitive, vertex.u, vertex.v, point.normal);
+    is_covered[k] = exposure(ray_scene, primitive, point, scramble(k)) < kCovered;
+  });
+  return {is_covered.begin(), is_covered.end()};
+}
+
+}  // namespace
+
+void add_display_facets(const PatchSet& scene, const RayScene& ray_scene, const PatchLookup& lookup,
+                        std::span<const std::int32_t> close, DisplayMesh& mesh) {
+  std::vector<DisplayMesh::Vertex> vertices;
+  const std::vector<std::int32_t> number = place_vertices(scene, lookup, close, vertices);
+  if (vertices.empty()) return;
+  const std::vector<bool> is_covered = covered(scene, ray_scene, vertices);
+  for (std::int32_t i = 0; i < std::int32_t(scene.patches.size()); ++i) {
+    const Primitive& primitive = scene.primitives[scene.patches[i].primitive];
+    if (primitive.shape != Primitive::Shape::quad || primitive.smooth_vertices[0] < 0) continue;
+    if (!is_one_patch(lookup, scene.patches[i].primitive) || mesh.roots[i] >= 0) continue;
+    DisplayMesh::Facet facet{i};
+    std::int32_t open = -1;
+    for (int k = 0; k < 4; ++k) {
+      const auto id = std::size_t(primitive.smooth_vertices[kCornerOf[k]]);
+      const std::int32_t vertex = id < number.size() ? number[id] : -1;
+      facet.corners[k] = vertex >= 0 ? vertex + mesh.gathered : -1;
+      if (vertex >= 0 && !is_covered[vertex]) open = facet.corners[k];
+    }
+    for (std::int32_t& corner : facet.corners)
+      if (corner >= 0 && is_covered[corner - mesh.gathered]) corner = open;
+    if (*std::max_element(facet.corners.begin(), facet.corners.end()) >= 0) mesh.facets.push_back(facet);
+  }
+  const auto count = std::int32_t(vertices.size());
+  const auto make_room = [&](std::int32_t& vertex) { vertex += vertex >= mesh.gathered ? count : 0; };
+  for (auto& cell : mesh.cells) std::for_each(cell.corners.begin(), cell.corners.end(), make_room);
+  for (auto& ends : mesh.midpoints) std::for_each(ends.begin(), ends.end(), make_room);
+  mesh.vertices.insert(mesh.vertices.begin() + mesh.gathered, vertices.begin(), vertices.end());
+  mesh.gathered += count;
+}
+
+}  // namespace patchlight

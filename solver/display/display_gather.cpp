@@ -1,0 +1,252 @@
+#include "solver/display/display_gather.h"
+
+#include <algorithm>
+#include <span>
+
+#include "pipeline/optics/intersect/alpha_mask.h"
+#include "pipeline/optics/lights/direct_light.h"
+#include "pipeline/optics/sampling/patch_sampling.h"
+#include "pipeline/optics/surface/material_shader.h"
+#include "pipeline/optics/surface/texture_lookup.h"
+#include "pipeline/optics/transport/elements.h"
+#include "solver/linear/form_factor_rows.h"
+#include "solver/linear/linear_system.h"
+#include "solver/linear/patch_interpolation.h"
+
+namespace patchlight {
+
+namespace {
+
+constexpr int kPasses = 3;  // the first sees whole patches only; the third is for what stands on them
+
+/// The mesh's elements, each with its patch and the vertices that it lies between.
+class LeafElements {
+ public:
+  LeafElements(const PatchSet& scene, const DisplayMesh& mesh) : cells_(mesh.cells), patch_of_(mesh.cells.size(), -1) {
+    for (std::size_t i = 0; i < scene.patches.size(); ++i)
+      if (mesh.roots[i] >= 0) patch_of_[mesh.roots[i]] = std::int32_t(i);
+    for (std::size_t i = 0; i < cells_.size(); ++i)
+      for (int k = 0; k < 4 && cells_[i].children >= 0; ++k) patch_of_[cells_[i].children + k] = patch_of_[i];
+  }
+
+  /// Calls act(patch, element, vertices).
+  template <class Act>
+  void for_each(Act act) const {
+    for (std::size_t i = 0; i < cells_.size(); ++i) {
+      const DisplayMesh::Cell& cell = cells_[i];
+      const std::span<const std::int32_t> corners(cell.corners);
+      for (int k = 0; k < cell.elements(); ++k)
+        act(std::size_t(patch_of_[i]), cell.leaf + k, cell.cut ? corners.subspan(k, 1) : corners);
+    }
+  }
+
+ private:
+  const std::vector<DisplayMesh::Cell>& cells_;
+  std::vector<std::int32_t> patch_of_;  ///< [cells].
+};
+
+/// Of elements of leaves, as textures and shaders have it there; of whole patches, what they have. Shape:
+/// [mesh.elements].
+SpectrumField leaf_reflectance(const PatchSet& scene, const DisplayMesh& mesh, const LeafElements& leaves) {
+  constexpr int kAcross = 4;
+  std::vector<MaterialShader> shaders = compile_shaders(scene);
+  SpectrumField reflectance(mesh.elements);
+  leaves.for_each([&](std::size_t patch, std::int32_t element, auto) {
+    reflectance[element] = Spectrum(scene.patches[patch].reflectance);
+  });
+  for (std::size_t i = 0; i < scene.patches.size(); ++i) {
+    const Patch& patch = scene.patches[i];
+    const Primitive& primitive = scene.primitives[patch.primitive];
+    const bool shaded = primitive.shader >= 0 && shaders[primitive.shader].reflects();
+    const bool divided =
+        mesh.roots[i] >= 0 && (mesh.cells[mesh.roots[i]].children >= 0 || mesh.cells[mesh.roots[i]].cut);
+    if (!divided || (!shaded && !is_colored(scene, patch.primitive))) continue;
+    for_each_leaf(scene, mesh, i, [&](std::int32_t element, const Patch& leaf) {
+      const PatchSampler sampler(primitive, leaf);
+      const int across = leaf.u0 == leaf.u1 ? 1 : kAcross;  // a corner is of no size
+      Spectrum sum;
+      int count = 0;
+      for (int k = 0; k < across * across; ++k) {
+        const Imath::V2d at =
+            sampler.uv((float(k % across) + 0.5f) / float(across), (float(k / across) + 0.5f) / float(across));
+        if (primitive.mask >= 0 && !is_there(scene, patch.primitive, at.x, at.y)) continue;
+        ++count;
+        sum += Spectrum(shaded ? shaded_reflectance(scene, shaders[primitive.shader], patch.primitive, at.x, at.y)
+                               : colored_reflectance(scene, patch.primitive, at.x, at.y));
+      }
+      if (count > 0) reflectance[element] = sum * Spectrum(1.0 / count);
+    });
+  }
+  return reflectance;
+}
+
+/// One light group's display solution in the making.
+class Gather {
+ public:
+  Gather(const PatchSet& scene, const Transport& transport, const std::vector<Emitter>& emitters,
+         const LeafElements& leaves, const SpectrumField& leaf_reflectance, EnergyField::Group& group,
+         RadiosityTable& sent, std::size_t field)
+      : scene_(scene),
+        transport_(transport),
+        mesh_(transport.display->mesh),
+        emitters_(emitters),
+        leaves_(leaves),
+        leaf_reflectance_(leaf_reflectance),
+        group_(group),
+        light_group_(std::int32_t(std::find(scene.light_groups.begin(), scene.light_groups.end(), group.name) -
+                                  scene.light_groups.begin())),
+        patches_(scene.patches.size()),
+        sent_(sent),
+        field_(field) {
+    emit();
+    send_sky();
+    interpolate_photons();
+  }
+
+  /// Sends what rows are to gather: in the first pass of patches, then of what the pass before found at the leaves.
+  FormFactorRows::Receiver begin_pass() {
+    if (at_vertices_.empty()) {
+      for (std::size_t i = 0; i < patches_; ++i)
+        sent_.set(field_, i,
+                  others_[i] + Spectrum(scene_.patches[i].reflectance) *
+                                   (Spectrum(group_.direct[i]) + Spectrum(group_.indirect[i])));
+      leaves_.for_each([&](std::size_t patch, std::int32_t element, auto) { send(patch, element, from_patch(patch)); });
+      at_vertices_.resize(mesh_.gathered);
+    } else {
+      leaves_.for_each([&](std::size_t patch, std::int32_t element, std::span<const std::int32_t> corners) {
+        Spectrum sum;
+        for (const std::int32_t corner : corners) sum += at_vertex(corner);
+        send(patch, element, sum * Spectrum(1.0 / double(corners.size())));
+      });
+    }
+    return {&at_vertices_};
+  }
+
+  /// Adds what comes from emitters by way of mirrors.
+  void end_pass(const FormFactorRows& rows) {
+    if (!group_.by_photons.empty()) {
+      for (std::int32_t i = 0; i < mesh_.gathered; ++i) at_vertices_[i] += by_photons_[i];
+    } else if (!transport_.display->rows.mirrored.empty()) {
+      SpectrumField by_mirrors(mesh_.gathered), deviation(mesh_.gathered);
+      rows.receive_mirrored(emitted_apart(), by_mirrors, deviation);
+      for (std::int32_t i = 0; i < mesh_.gathered; ++i) at_vertices_[i] += by_mirrors[i];
+    }
+  }
+
+  void finish() { group_.display = to_colors(at_vertices_, group_.name); }
+
+ private:
+  /// Light of emitters: of those apart, at leaves; of others, wherever rays end on them.
+  void emit() {
+    others_.resize(patches_);
+    direct_.assign(mesh_.elements, Color(0.0f));
+    for (std::size_t i = 0; i < patches_; ++i)
+      if (is_of_group(i)) others_[i] = Spectrum(scene_.patches[i].emission);
+    for (std::size_t e = 0; e < emitters_.size(); ++e) {
+      const Transport::Emitter& emitter = transport_.emitters[e];
+      const Color exitance = exitance_of(emitters_[e]);
+      std::fill_n(others_.begin() + emitter.first_patch, emitter.patches, Spectrum());
+      if (exitance == Color(0.0f)) continue;
+      for (std::int32_t k = 0; k < mesh_.elements; ++k)
+        direct_[k] += exitance * (0.5f * (emitter.display[2 * k] + emitter.display[2 * k + 1]));
+    }
+  }
+
+  /// Of an emitter that is sampled apart; zero in other groups.
+  Color exitance_of(const Emitter& emitter) const {
+    if (emitter.light < 0)
+      return is_of_group(emitter.first_patch) ? scene_.patches[emitter.first_patch].emission : Color(0.0f);
+    const Light& light = scene_.lights[emitter.light];
+    return light.light_group == light_group_ ? light.strength : Color(0.0f);
+  }
+
+  void send_sky() {
+    if (!scene_.environment) return;
+    const Environment& sky = *scene_.environment;
+    if (sky.light_group != light_group_) return;
+    for (std::size_t k = 0; k < sky.cells.size(); ++k)
+      sent_.set(field_, patches_ + mesh_.elements + k, Spectrum(sky.cells[k]) * Spectrum(kPi));
+  }
+
+  /// What patches and their elements emit that are sampled apart.
+  SpectrumField emitted_apart() const {
+    SpectrumField apart(sent_.elements());
+    for (const auto& emitter : transport_.emitters)
+      for (std::int32_t j = emitter.first_patch; j < emitter.first_patch + emitter.patches; ++j)
+        if (is_of_group(j)) apart[j] = Spectrum(scene_.patches[j].emission);
+    leaves_.for_each([&](std::size_t patch, std::int32_t element, auto) { apart[patches_ + element] = apart[patch]; });
+    return apart;
+  }
+
+  /// Caustics are patches' means, here as where patches are whole.
+  void interpolate_photons() {
+    if (group_.by_photons.empty()) return;
+    const PatchLookup lookup(scene_);
+    for (const auto& vertex : std::span(mesh_.vertices).first(mesh_.gathered))
+      by_photons_.push_back(interpolate(scene_, lookup, vertex.patch, vertex.u, vertex.v, group_.by_photons));
+  }
+
+  bool is_of_group(std::size_t i) const {
+    return scene_.primitives[scene_.patches[i].primitive].light_group == light_group_;
+  }
+
+  void send(std::size_t patch, std::int32_t element, const Spectrum& irradiance) {
+    sent_.set(field_, patches_ + element,
+              others_[patch] + leaf_reflectance_[element] * (Spectrum(direct_[element]) + irradiance));
+  }
+
+  Spectrum from_patch(std::size_t i) const {
+    Spectrum sum(group_.indirect[i]);
+    if (!group_.direct_by_rows.empty()) sum += Spectrum(group_.direct_by_rows[i]);
+    return sum;
+  }
+
+  Spectrum at_vertex(std::int32_t i) const {
+    if (i < mesh_.gathered) return at_vertices_[i];
+    const std::size_t k = i - (mesh_.vertices.size() - mesh_.midpoints.size());
+    if (k >= mesh_.midpoints.size()) return from_patch(mesh_.vertices[i].patch);
+    return (at_vertex(mesh_.midpoints[k][0]) + at_vertex(mesh_.midpoints[k][1])) * Spectrum(0.5);
+  }
+
+  const PatchSet& scene_;
+  const Transport& transport_;
+  const DisplayMesh& mesh_;
+  const std::vector<Emitter>& emitters_;  ///< Those of `transport_`.
+  const LeafElements& leaves_;
+  const SpectrumField& leaf_reflectance_;
+  EnergyField::Group& group_;
+  const std::int32_t light_group_;
+  const std::size_t patches_;
+  RadiosityTable& sent_;  ///< Of patches, of the mesh's elements, and of the environment's cells.
+  const std::size_t field_;
+  SpectrumField others_;       ///< [patches], emitted by those that are not sampled apart.
+  SpectrumField by_photons_;   ///< [gathered], of emitters apart; empty: rows tell it.
+  std::vector<Color> direct_;  ///< [mesh elements], of emitters apart.
+  SpectrumField at_vertices_;  ///< [gathered]; empty before the first pass.
+};
+
+}  // namespace
+
+void gather_display(const PatchSet& scene, const Transport& transport, std::vector<EnergyField::Group>& groups) {
+  const FormFactorRows rows(transport.display->rows);
+  const std::vector<Emitter> emitters = emitters_apart(scene);
+  const LeafElements leaves(scene, transport.display->mesh);
+  const SpectrumField reflectance = leaf_reflectance(scene, transport.display->mesh, leaves);
+  const std::size_t elements = scene.patches.size() + transport.display->mesh.elements + scene.sky_cells();
+  for (std::size_t first = 0; first < groups.size(); first += RadiosityTable::kMostFields) {
+    const std::size_t count = std::min(groups.size() - first, RadiosityTable::kMostFields);
+    RadiosityTable sent(count, elements, RadiosityTable::Precision::single);
+    std::vector<Gather> gathers;
+    for (std::size_t f = 0; f < count; ++f)
+      gathers.emplace_back(scene, transport, emitters, leaves, reflectance, groups[first + f], sent, f);
+    for (int pass = 0; pass < kPasses; ++pass) {
+      std::vector<FormFactorRows::Receiver> receivers;
+      for (Gather& gather : gathers) receivers.push_back(gather.begin_pass());
+      rows.receive(sent, receivers);
+      for (Gather& gather : gathers) gather.end_pass(rows);
+    }
+    for (Gather& gather : gathers) gather.finish();
+  }
+}
+
+}  // namespace patchlight

@@ -1,0 +1,138 @@
+#include "solver/display/display_mesh_builder.h"
+
+#include <tbb/parallel_for.h>
+#include <xmmintrin.h>
+
+#include <algorithm>
+#include <span>
+
+#include "pipeline/optics/sampling/random.h"
+#include "pipeline/optics/transport/elements.h"
+#include "solver/direct/direct_factors.h"
+#include "solver/display/display_facets.h"
+#include "solver/display/display_vertices.h"
+#include "solver/form_factors/harmonic_distance.h"
+
+namespace patchlight {
+
+namespace {
+
+// Measured: smaller values cost more vertices than they are worth.
+constexpr float kNear = 0.25f;    // size over harmonic mean distance from which a patch gets vertices of its own
+constexpr float kSplit = 0.25f;   // and from which it is cut
+constexpr float kContact = 4.0f;  // and from which it is cut a last time: where things touch or stand just off a wall
+
+/// How cells lie among other surfaces.
+struct Surroundings {
+  float closeness = 0.0f;  ///< Size over harmonic mean distance.
+  bool cut = false;        ///< Something stands between the corners.
+};
+
+class Builder {
+ public:
+  Builder(const PatchSet& scene, const RayScene& ray_scene, const PatchLookup& lookup, std::uint64_t seed)
+      : scene_(scene), ray_scene_(ray_scene), lookup_(lookup), smooth_(scene), seed_(seed) {}
+
+  DisplayMesh build(std::int64_t& cast) {
+    mesh_.roots.assign(scene_.patches.size(), -1);
+    plant(cast);
+    std::vector<std::int32_t> level;
+    for (std::size_t i = 0; i < mesh_.cells.size(); ++i) level.push_back(std::int32_t(i));
+    for (int depth = 0; !level.empty(); ++depth) level = grow(level, depth, cast);
+    add_display_vertices(scene_, ray_scene_, lookup_, smooth_, mesh_);
+    for (auto& cell : mesh_.cells) {
+      if (cell.children < 0) cell.leaf = mesh_.elements;
+      mesh_.elements += cell.elements();
+    }
+    add_display_facets(scene_, ray_scene_, lookup_, close_facets_, mesh_);
+    cast += std::int64_t(mesh_.vertices.size()) * RayPacket::kSize;
+    return std::move(mesh_);
+  }
+
+ private:
+  /// Roots for patches that are too close to others, and for those about them, so that what borders on whole patches is
+  /// smooth enough for what they say.
+  void plant(std::int64_t& cast) {
+    const std::vector<Surroundings> found = look_around(scene_.patches, cast);
+    const DirectFactors::Neighbours neighbours = grid_neighbours(scene_, lookup_);
+    for (std::int32_t i = 0; i < std::int32_t(found.size()); ++i) {
+      if (found[i].closeness < kNear && !found[i].cut) continue;
+      if (is_facet(scene_.patches[i].primitive)) {
+        close_facets_.push_back(i);
+        continue;
+      }
+      mesh_.roots[i] = 0;
+      DirectFactors::Near near;
+      for (const std::int32_t j : std::span(near).first(neighbours(i, near))) mesh_.roots[j] = 0;
+    }
+    for (std::size_t i = 0; i < mesh_.roots.size(); ++i) {
+      if (mesh_.roots[i] < 0) continue;
+      mesh_.roots[i] = std::int32_t(mesh_.cells.size());
+      mesh_.cells.emplace_back();
+      parts_.push_back(scene_.patches[i]);
+    }
+  }
+
+  /// Cuts those of a level's cells that need it, if there may be another level. Returns the new ones.
+  std::vector<std::int32_t> grow(const std::vector<std::int32_t>& level, int depth, std::int64_t& cast) {
+    const auto is_to_be_cut = [&](const Surroundings& at) {
+      if (depth + 1 < kDisplayLevels) return at.closeness >= kSplit || at.cut;
+      return depth < kDisplayLevels && at.closeness >= kContact;
+    };
+    std::vector<Patch> parts;
+    for (const std::int32_t i : level) parts.push_back(parts_[i]);
+    const std::vector<Surroundings> found = look_around(parts, cast);
+    std::vector<std::int32_t> next;
+    for (std::size_t k = 0; k < level.size(); ++k) {
+      DisplayMesh::Cell& cell = mesh_.cells[level[k]];
+      if (!is_to_be_cut(found[k])) {
+        cell.cut = found[k].cut;
+        continue;
+      }
+      cell.children = std::int32_t(mesh_.cells.size());
+      for (const Patch& quarter : quarters(scene_, parts[k])) {
+        next.push_back(std::int32_t(mesh_.cells.size()));
+        mesh_.cells.emplace_back();
+        parts_.push_back(quarter);
+      }
+    }
+    return next;
+  }
+
+  bool is_facet(std::int32_t i) const {
+    return (lookup_.rows(i) == 1 || lookup_.row(i, 0).cells == 1) && smooth_.meets(scene_.primitives[i]);
+  }
+
+  std::vector<Surroundings> look_around(const std::vector<Patch>& parts, std::int64_t& cast) const {
+    constexpr int kBlock = 256;
+    std::vector<Surroundings> found(parts.size());
+    const int count = int(parts.size());
+    tbb::parallel_for(0, (count + kBlock - 1) / kBlock, [&](int block) {
+      _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree wants denormals flushed
+      for (int k = block * kBlock; k < std::min((block + 1) * kBlock, count); ++k)
+        found[k] = {closeness(scene_, ray_scene_, parts[k], scramble(seed_ ^ scramble(std::uint64_t(k)))).value,
+                    is_cut(scene_, ray_scene_, parts[k])};
+    });
+    cast += std::int64_t(count) * (RayPacket::kSize + 6);
+    Progress::check_interrupted();
+    return found;
+  }
+
+  const PatchSet& scene_;
+  const RayScene& ray_scene_;
+  const PatchLookup& lookup_;
+  const SmoothEdges smooth_;
+  const std::uint64_t seed_;
+  DisplayMesh mesh_;
+  std::vector<Patch> parts_;                ///< [cells].
+  std::vector<std::int32_t> close_facets_;  ///< Patches.
+};
+
+}  // namespace
+
+DisplayMesh build_display_mesh(const PatchSet& scene, const RayScene& ray_scene, const PatchLookup& lookup,
+                               std::uint64_t seed, std::int64_t& cast) {
+  return Builder(scene, ray_scene, lookup, scramble(seed)).build(cast);
+}
+
+}  // namespace patchlight

@@ -1,0 +1,111 @@
+#include "solver/form_factors/harmonic_distance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "pipeline/optics/sampling/patch_sampling.h"
+#include "pipeline/optics/sampling/random.h"
+
+namespace patchlight {
+
+namespace {
+
+constexpr float kLeast = 0.05f;  // of a part's size: distances below count as this
+constexpr float kLift = 1e-3f;   // of a part's size: how far above it its corners look for each other
+constexpr float kInset = 0.02f;  // and how far inside its borders
+
+using Ways = std::array<Vec3f, RayPacket::kSize>;
+
+/// Sixteen directions about +Z that are stratified over the hemisphere.
+Ways stratified_ways(std::uint64_t random) {
+  static const std::array<Vec2f, RayPacket::kSize> kAround = [] {
+    std::array<Vec2f, RayPacket::kSize> around;
+    for (int k = 0; k < RayPacket::kSize; ++k) {
+      const float angle = float(2 * kPi) * radical_inverse(std::uint32_t(k));
+      around[k] = Vec2f(std::cos(angle), std::sin(angle));
+    }
+    return around;
+  }();
+  const float shift = to_unit(random << 24), turn = float(2 * kPi) * to_unit(random);
+  const float cosine = std::cos(turn), sine = std::sin(turn);
+  Ways ways;
+  for (int k = 0; k < RayPacket::kSize; ++k) {
+    const float square = shifted((float(k) + 0.5f) / float(RayPacket::kSize), shift);
+    const float radius = std::sqrt(square);
+    ways[k] = Vec3f(radius * (kAround[k].x * cosine - kAround[k].y * sine),
+                    radius * (kAround[k].x * sine + kAround[k].y * cosine), std::sqrt(1.0f - square));
+  }
+  return ways;
+}
+
+}  // namespace
+
+void leave_surface(int lane, const RayScene& ray_scene, const SurfacePoint& point, float offset, const Vec3f& about_z,
+                   RayPacket& packet) {
+  Vec3f tangent, bitangent;
+  orthonormal_frame(point.normal, tangent, bitangent);
+  packet.set(lane, ray_scene.to_local(point.position) + point.normal * offset,
+             tangent * about_z.x + bitangent * about_z.y + point.normal * about_z.z);
+}
+
+float exposure(const RayScene& ray_scene, std::int32_t primitive, const SurfacePoint& point, std::uint64_t random) {
+  const Ways ways = stratified_ways(random);
+  RayPacket packet;
+  packet.clear();
+  for (int lane = 0; lane < RayPacket::kSize; ++lane)
+    leave_surface(lane, ray_scene, point, ray_scene.offset(primitive), ways[lane], packet);
+  ray_scene.intersect(packet, false);
+  int lit = 0, backs = 0;
+  for (int lane = 0; lane < RayPacket::kSize; ++lane) {
+    const SurfaceHit hit = ray_scene.hit(packet, lane);
+    lit += hit.front;
+    backs += !hit.front && hit.primitive >= 0;
+  }
+  return backs > 0 ? float(lit) / float(RayPacket::kSize) : 1.0f;
+}
+
+Closeness closeness(const PatchSet& scene, const RayScene& ray_scene, const Patch& part, std::uint64_t random) {
+  const PatchSampler sampler(scene.primitives[part.primitive], part);
+  const float size = float(std::sqrt(part.area));
+  const Ways ways = stratified_ways(random);
+  RayPacket packet;
+  packet.clear();
+  for (int lane = 0; lane < RayPacket::kSize; ++lane) {
+    const Vec2f at = kronecker2(std::uint64_t(lane), random);
+    leave_surface(lane, ray_scene, sampler(at.x, at.y), ray_scene.offset(part.primitive), ways[lane], packet);
+  }
+  ray_scene.intersect(packet, false);
+  Closeness result;
+  for (int lane = 0; lane < RayPacket::kSize; ++lane) {
+    const SurfaceHit hit = ray_scene.hit(packet, lane);
+    if (hit.primitive < 0) continue;
+    result.value += size / std::max(hit.t, kLeast * size) / float(RayPacket::kSize);
+    result.to_backs = result.to_backs || !hit.front;
+  }
+  return result;
+}
+
+bool is_cut(const PatchSet& scene, const RayScene& ray_scene, const Patch& part) {
+  const Primitive& primitive = scene.primitives[part.primitive];
+  if (primitive.shape != Primitive::Shape::quad) return false;
+  const float u_inset = kInset * (part.u1 - part.u0), v_inset = kInset * (part.v1 - part.v0);
+  const float lift = ray_scene.offset(part.primitive) + kLift * float(std::sqrt(part.area));
+  std::array<Vec3f, 4> corners;
+  for (int k = 0; k < 4; ++k) {
+    const float u = k % 2 ? part.u1 - u_inset : part.u0 + u_inset, v = k / 2 ? part.v1 - v_inset : part.v0 + v_inset;
+    corners[k] = ray_scene.to_local(point_at(primitive, u, v).position) + part.normal * lift;
+  }
+  RayPacket packet;
+  packet.clear();
+  int lane = 0;
+  for (int a = 0; a < 4; ++a)
+    for (int b = a + 1; b < 4; ++b) {
+      const Vec3f across = corners[b] - corners[a];
+      const float distance = across.length();
+      if (distance > 0) packet.set_shadow(lane++, corners[a], across / distance, distance);
+    }
+  return ray_scene.occluded(packet) != 0;
+}
+
+}  // namespace patchlight

@@ -1,0 +1,256 @@
+#include "solver/hemicube/patch_id_renderer.h"
+
+#include <ImathBox.h>
+#include <epoxy/gl.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+
+#include "pipeline/model/error.h"
+#include "pipeline/optics/intersect/quad_shape.h"
+#include "solver/hemicube/patch_id_shaders.h"
+
+namespace patchlight {
+
+namespace {
+
+struct QuadSide {
+  std::int32_t first = 0, columns = 0, rows = 0;
+};
+struct Vertex {
+  Vec3f position;
+  Vec2f st, shape;
+  QuadSide front, back;
+  std::int32_t mask;  ///< Which of the cut-outs.
+};
+
+// As the shaders lay them out (std430).
+struct SphereRecord {
+  std::array<float, 4> ball;
+  std::array<std::int32_t, 4> rings;  ///< First ring and their number, of the outside and of the inside.
+};
+
+struct CutoutRecord {
+  std::array<float, 8> texcoords;
+  std::array<float, 4> alphas;
+  std::array<std::int32_t, 4> image;
+  std::array<std::int32_t, 2> wraps;
+  std::array<float, 2> factor;
+};
+
+std::string with_masks(const std::string& shader) {
+  const std::size_t first_line = shader.find('\n') + 1;
+  return shader.substr(0, first_line) + "#define MASKED\n" + shader.substr(first_line);
+}
+
+template <class T>
+void upload(unsigned target, const std::vector<T>& values) {
+  unsigned buffer = 0;
+  glGenBuffers(1, &buffer);
+  glBindBuffer(target, buffer);
+  glBufferData(target, GLsizeiptr(std::max<std::size_t>(values.size(), 1) * sizeof(T)), values.data(), GL_STATIC_DRAW);
+}
+
+template <class T>
+void upload_storage(unsigned binding, const std::vector<T>& values) {
+  unsigned buffer = 0;
+  glGenBuffers(1, &buffer);
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, buffer);
+  glBufferData(GL_SHADER_STORAGE_BUFFER, GLsizeiptr(std::max<std::size_t>(values.size(), 1) * sizeof(T)), values.data(),
+               GL_STATIC_DRAW);
+}
+
+QuadSide side_of(const PatchLookup& lookup, std::int32_t primitive) {
+  if (primitive < 0) return {};
+  const PatchLookup::Row& row = lookup.row(primitive, 0);
+  return {row.first + 1, row.cells, lookup.rows(primitive)};
+}
+
+Vec3d middle_of(const PatchSet& scene) {
+  Imath::Box3d bounds;
+  for (const Patch& patch : scene.patches) bounds.extendBy(patch.center);
+  return bounds.center();
+}
+
+}  // namespace
+
+PatchIdRenderer::PatchIdRenderer(const PatchSet& scene) : origin_(middle_of(scene)) {
+  const PatchLookup lookup(scene);
+  sphere_program_ = link_program(kSphereVertexShader, kSphereFragmentShader);
+  whole_ = upload_quads(scene, lookup, false);
+  if (!scene.masks.empty()) {
+    masked_ = upload_quads(scene, lookup, true);
+    upload_masks(scene);
+  }
+  upload_spheres(scene, lookup);
+  glGenFramebuffers(1, &framebuffer_);
+  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
+  glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_GREATER);
+  glClearDepth(0.0);
+  glEnable(GL_SCISSOR_TEST);
+}
+
+PatchIdRenderer::~PatchIdRenderer() = default;
+
+PatchIdRenderer::Quads PatchIdRenderer::upload_quads(const PatchSet& scene, const PatchLookup& lookup,
+                                                     bool masked) const {
+  std::vector<Vertex> vertices;
+  std::int32_t masks = 0;
+  for (std::int32_t i = 0; i < std::int32_t(scene.primitives.size()); ++i) {
+    const Primitive& p = scene.primitives[i];
+    if (p.shape != Primitive::Shape::quad || (p.back >= 0 && p.back < i) || (p.mask >= 0) != masked) continue;
+    const Vec2f shape = quad_shape(p.corners);
+    const std::array<Vec2f, 4> st{Vec2f(0, 0), Vec2f(1, 0), shape, Vec2f(0, 1)};
+    const std::array<int, 6> order{0, 1, 2, 0, 2, 3};
+    for (int k = 0; k < (p.is_triangle() ? 3 : 6); ++k)
+      vertices.push_back(
+          {to_local(p.corners[order[k]]), st[order[k]], shape, side_of(lookup, i), side_of(lookup, p.back), masks});
+    ++masks;
+  }
+  Quads quads;
+  quads.vertices = int(vertices.size());
+  quads.program = masked ? link_program(with_masks(kQuadVertexShader).c_str(), with_masks(kQuadFragmentShader).c_str())
+                         : link_program(kQuadVertexShader, kQuadFragmentShader);
+  glGenVertexArrays(1, &quads.array);
+  glBindVertexArray(quads.array);
+  upload(GL_ARRAY_BUFFER, vertices);
+  const auto offset = [](std::size_t bytes) { return reinterpret_cast<const void*>(bytes); };
+  glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(Vertex), offset(offsetof(Vertex, position)));
+  glVertexAttribPointer(1, 2, GL_FLOAT, GL_FALSE, sizeof(Vertex), offset(offsetof(Vertex, st)));
+  glVertexAttribPointer(2, 2, GL_FLOAT, GL_FALSE, sizeof(Vertex), offset(offsetof(Vertex, shape)));
+  glVertexAttribIPointer(3, 3, GL_INT, sizeof(Vertex), offset(offsetof(Vertex, front)));
+  glVertexAttribIPointer(4, 3, GL_INT, sizeof(Vertex), offset(offsetof(Vertex, back)));
+  glVertexAttribIPointer(5, 1, GL_INT, sizeof(Vertex), offset(offsetof(Vertex, mask)));
+  for (unsigned attribute = 0; attribute < (masked ? 6u : 5u); ++attribute) glEnableVertexAttribArray(attribute);
+  return quads;
+}
+
+/// In the order of the masked quads.
+void PatchIdRenderer::upload_masks(const PatchSet& scene) const {
+  std::vector<std::uint32_t> texels;
+  std::vector<std::int32_t> starts;
+  std::size_t count = 0;
+  for (const Texture& mask : scene.masks) {
+    starts.push_back(std::int32_t(count));
+    texels.resize((count + mask.texels.size() + 3) / 4, 0);
+    for (const std::int32_t alpha : mask.texels) {
+      texels[count / 4] |= std::uint32_t(alpha) << 8 * (count % 4);
+      ++count;
+    }
+  }
+  std::vector<CutoutRecord> cutouts;
+  for (std::size_t i = 0; i < scene.primitives.size(); ++i) {
+    const Primitive& p = scene.primitives[i];
+    if (p.mask < 0 || (p.back >= 0 && p.back < std::int32_t(i))) continue;
+    const Texture& mask = scene.masks[p.mask];
+    const Texcoords& t = scene.texcoords.empty() ? kOwnTexcoords : scene.texcoords[i];
+    const CornerColors& c = scene.colors.empty() ? kUncolored : scene.colors[i];
+    const Material& material = scene.materials[p.material];
+    cutouts.push_back({{t[0].x, t[0].y, t[1].x, t[1].y, t[2].x, t[2].y, t[3].x, t[3].y},
+                       {c[0].w, c[1].w, c[2].w, c[3].w},
+                       {starts[p.mask], mask.width, mask.height, mask.nearest},
+                       {std::int32_t(mask.wrap[0]), std::int32_t(mask.wrap[1])},
+                       {material.alpha, material.alpha_cutoff}});
+  }
+  upload_storage(3, cutouts);
+  upload_storage(4, texels);
+}
+
+void PatchIdRenderer::upload_spheres(const PatchSet& scene, const PatchLookup& lookup) {
+  std::vector<SphereRecord> spheres;
+  std::vector<std::array<std::int32_t, 2>> rings;
+  sphere_of_.assign(scene.primitives.size(), -1);
+  const auto add_rings = [&](std::int32_t i) {
+    const auto first = std::int32_t(rings.size());
+    const int count = i < 0 ? 0 : lookup.rows(i);
+    for (int k = 0; k < count; ++k) rings.push_back({lookup.row(i, k).first, lookup.row(i, k).cells});
+    return std::array{first, std::int32_t(count)};
+  };
+  for (std::int32_t i = 0; i < std::int32_t(scene.primitives.size()); ++i) {
+    const Primitive& p = scene.primitives[i];
+    if (p.shape != Primitive::Shape::sphere || (p.back >= 0 && p.back < i)) continue;
+    const bool outside = p.sphere_radius > 0;
+    const auto outer = add_rings(outside ? i : p.back), inner = add_rings(outside ? p.back : i);
+    sphere_of_[i] = std::int32_t(spheres.size());
+    if (p.back >= 0) sphere_of_[p.back] = sphere_of_[i];
+    const Vec3f center = to_local(p.sphere_center);
+    spheres.push_back(
+        {{center.x, center.y, center.z, float(std::abs(p.sphere_radius))}, {outer[0], outer[1], inner[0], inner[1]}});
+  }
+  spheres_ = int(spheres.size());
+  glGenVertexArrays(1, &sphere_array_);
+  upload_storage(1, spheres);
+  upload_storage(2, rings);
+}
+
+void PatchIdRenderer::begin(int width, int height) {
+  if (width != width_ || height != height_) {
+    int largest = 0;
+    glGetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &largest);
+    if (std::max(width, height) > largest)
+      throw Error(ExitCode::over_limit, "the OpenGL driver draws no image so large",
+                  std::to_string(largest) + " pixels", "lower solve.hemicube_resolution or the preview's resolution");
+    glDeleteRenderbuffers(1, &ids_);
+    glDeleteRenderbuffers(1, &depth_);
+    const auto attach = [&](unsigned& buffer, unsigned format, unsigned attachment) {
+      glGenRenderbuffers(1, &buffer);
+      glBindRenderbuffer(GL_RENDERBUFFER, buffer);
+      glRenderbufferStorage(GL_RENDERBUFFER, format, width, height);
+      glFramebufferRenderbuffer(GL_FRAMEBUFFER, attachment, GL_RENDERBUFFER, buffer);
+    };
+    attach(ids_, GL_R32UI, GL_COLOR_ATTACHMENT0);
+    attach(depth_, GL_DEPTH_COMPONENT32F, GL_DEPTH_ATTACHMENT);
+    width_ = width;
+    height_ = height;
+    pixels_.resize(std::size_t(width) * height);
+  }
+  const std::array<unsigned, 4> nothing{0, 0, 0, 0};
+  glScissor(0, 0, width, height);
+  glClearBufferuiv(GL_COLOR, 0, nothing.data());
+  glClear(GL_DEPTH_BUFFER_BIT);
+}
+
+void PatchIdRenderer::draw(const GlView& view, int x, int y, int width, int height) {
+  glViewport(x, y, width, height);
+  glScissor(x, y, width, height);
+  const Vec3f right = view.right / view.width;
+  const std::array<float, 9> axes{right.x,        view.up.x, view.forward.x, right.y,       view.up.y,
+                                  view.forward.y, right.z,   view.up.z,      view.forward.z};
+  const float scale = 2.0f / (view.top - view.bottom);
+  const auto set_view = [&](unsigned program) {
+    glUseProgram(program);
+    glUniform3f(glGetUniformLocation(program, "eye"), view.eye.x, view.eye.y, view.eye.z);
+    glUniformMatrix3fv(glGetUniformLocation(program, "axes"), 1, GL_FALSE, axes.data());
+    glUniform2f(glGetUniformLocation(program, "height"), scale, -1.0f - scale * view.bottom);
+    glUniform1f(glGetUniformLocation(program, "near"), view.near);
+  };
+  for (const Quads& quads : {whole_, masked_}) {
+    if (quads.vertices == 0) continue;
+    set_view(quads.program);
+    glBindVertexArray(quads.array);
+    glDrawArrays(GL_TRIANGLES, 0, quads.vertices);
+  }
+  if (spheres_ > 0) {
+    set_view(sphere_program_);
+    const std::int32_t self = view.self >= 0 ? sphere_of_[view.self] : -1;
+    glUniform1i(glGetUniformLocation(sphere_program_, "self"), self);
+    glUniform1i(glGetUniformLocation(sphere_program_, "self_inside"), view.self_inside);
+    glBindVertexArray(sphere_array_);
+    glEnable(GL_CULL_FACE);  // far sides of the boxes alone: each pixel once, from inside too
+    glCullFace(GL_FRONT);
+    glDrawArraysInstanced(GL_TRIANGLES, 0, 36, spheres_);
+    glDisable(GL_CULL_FACE);
+  }
+}
+
+const std::vector<std::uint32_t>& PatchIdRenderer::read() {
+  glPixelStorei(GL_PACK_ALIGNMENT, 4);
+  glReadPixels(0, 0, width_, height_, GL_RED_INTEGER, GL_UNSIGNED_INT, pixels_.data());
+  return pixels_;
+}
+
+}  // namespace patchlight

@@ -1,0 +1,169 @@
+#include "solver/linear/irradiance_filter.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "pipeline/system/vector_code.h"
+
+namespace patchlight {
+
+namespace {
+
+constexpr std::array<int, 6> kWidths{1, 5, 7, 9, 13, 19};  // windows along either side of a grid
+
+/// Weights of a window's values in the value, at each of its places, of the parabola that fits them best: [m][m].
+std::vector<double> find_projection(int m) {
+  std::vector<std::vector<double>> basis;
+  for (int degree = 0; degree < std::min(m, 3); ++degree) {
+    std::vector<double> q(m);
+    for (int k = 0; k < m; ++k) q[k] = std::pow(2.0 * k / std::max(m - 1, 1) - 1, degree);
+    for (const auto& before : basis) {
+      double dot = 0;
+      for (int k = 0; k < m; ++k) dot += q[k] * before[k];
+      for (int k = 0; k < m; ++k) q[k] -= dot * before[k];
+    }
+    double norm = 0;
+    for (const double x : q) norm += x * x;
+    for (double& x : q) x /= std::sqrt(norm);
+    basis.push_back(q);
+  }
+  std::vector<double> weights(m * m, 0.0);
+  for (const auto& q : basis)
+    for (int i = 0; i < m; ++i)
+      for (int k = 0; k < m; ++k) weights[i * m + k] += q[i] * q[k];
+  return weights;
+}
+
+/// The same, found once for each size of window.
+const std::vector<double>& projection(int m) {
+  static const auto all = [] {
+    std::array<std::vector<double>, kWidths.back() + 1> found;
+    for (int k = 1; k <= kWidths.back(); ++k) found[k] = find_projection(k);
+    return found;
+  }();
+  return all[m];
+}
+
+/// Smooths along one side of a grid of `lines` lines of `cells` values, `step` apart.
+VECTOR_CODE void smooth_lines(const SpectrumField& from, SpectrumField& to, int lines, int line_step, int cells,
+                              int step, int width) {
+  const int m = std::min(width, cells);
+  const std::vector<double>& weights = projection(m);
+  for (int line = 0; line < lines; ++line)
+    for (int i = 0; i < cells; ++i) {
+      const int start = std::clamp(i - m / 2, 0, cells - m);
+      Spectrum sum;
+      for (int k = 0; k < m; ++k)
+        sum += from[line * line_step + (start + k) * step] * Spectrum(weights[(i - start) * m + k]);
+      to[line * line_step + i * step] = sum;
+    }
+}
+
+/// Sums over the square of `reach` patches to either side, without the one in the middle.
+std::vector<double> pool(const std::vector<double>& values, int nu, int nv, int reach) {
+  const auto along = [reach](const std::vector<double>& from, int lines, int line_step, int cells, int step) {
+    std::vector<double> to(from.size());
+    for (int line = 0; line < lines; ++line)
+      for (int i = 0; i < cells; ++i)
+        for (int k = std::max(0, i - reach); k <= std::min(cells - 1, i + reach); ++k)
+          to[line * line_step + i * step] += from[line * line_step + k * step];
+    return to;
+  };
+  std::vector<double> sums = along(along(values, nv, nu, nu, 1), nu, 1, nv, nu);
+  for (std::size_t i = 0; i < sums.size(); ++i) sums[i] -= values[i];
+  return sums;
+}
+
+SpectrumField smoothed(const SpectrumField& values, int nu, int nv, int width) {
+  SpectrumField along(values.size()), both(values.size());
+  smooth_lines(values, along, nv, nu, nu, 1, width);
+  smooth_lines(along, both, nu, 1, nv, nu, width);
+  return both;
+}
+
+double weighted_square(const Spectrum& s, const Spectrum& weight) {
+  return (s * s * weight * weight).sum();
+}
+
+}  // namespace
+
+IrradianceFilter::IrradianceFilter(const PatchLookup& lookup, std::size_t primitives, const SpectrumField& irradiance,
+                                   const SpectrumField& deviation, const SpectrumField& reflectance,
+                                   const SpectrumField& lit)
+    : choice_(irradiance.size(), 0), bias_(irradiance.size()) {
+  for (std::int32_t p = 0; p < std::int32_t(primitives); ++p) {
+    const int nv = lookup.rows(p), nu = nv > 0 ? lookup.row(p, 0).cells : 0;
+    bool even = std::max(nu, nv) > 3;
+    for (int k = 1; k < nv; ++k) even = even && lookup.row(p, k).cells == nu;
+    bool seen = false;
+    for (std::int32_t i = 0; even && !seen && i < nu * nv; ++i)
+      seen = irradiance[lookup.row(p, 0).first + i].sum() != 0;
+    if (seen) grids_.push_back({lookup.row(p, 0).first, nu, nv});
+  }
+  tbb::parallel_for(std::size_t(0), grids_.size(),
+                    [&](std::size_t g) { choose(grids_[g], irradiance, deviation, reflectance, lit); });
+}
+
+void IrradianceFilter::choose(const Grid& grid, const SpectrumField& irradiance, const SpectrumField& deviation,
+                              const SpectrumField& reflectance, const SpectrumField& lit) {
+  const auto cut = [&](const SpectrumField& field) {
+    return SpectrumField(field.begin() + grid.first, field.begin() + grid.first + grid.patches());
+  };
+  const SpectrumField all = cut(irradiance), half = cut(deviation), weight = cut(reflectance);
+  const std::size_t cells = all.size();
+  SpectrumField narrow = all, narrow_noise = half;
+  std::vector<double> noise(cells), more(cells);
+  for (std::size_t i = 0; i < cells; ++i) noise[i] = weighted_square(half[i], weight[i]);
+  for (std::uint8_t width = 1; width < kWidths.size(); ++width) {
+    if (kWidths[width - 1] >= std::max(grid.nu, grid.nv)) break;
+    SpectrumField wide = smoothed(all, grid.nu, grid.nv, kWidths[width]);
+    SpectrumField wide_noise = smoothed(half, grid.nu, grid.nv, kWidths[width]);
+    for (std::size_t i = 0; i < cells; ++i) {
+      more[i] = weighted_square(wide[i] - narrow[i], weight[i]) -
+                weighted_square(wide_noise[i] - narrow_noise[i], weight[i]) +
+                weighted_square(wide_noise[i], weight[i]) - noise[i];
+      noise[i] = weighted_square(wide_noise[i], weight[i]);
+    }
+    const std::vector<double> pooled = pool(more, grid.nu, grid.nv, kWidths[width]);
+    for (std::size_t i = 0; i < cells; ++i) {
+      std::uint8_t& choice = choice_[grid.first + i];
+      if (choice + 1 != width || pooled[i] >= 0) continue;
+      choice = width;
+      const double own = weighted_square(half[i], weight[i]);
+      bias_[grid.first + i] = {
+          weighted_square(wide[i] - all[i], weight[i]) - weighted_square(wide_noise[i] - half[i], weight[i]),
+          4.0 / 3 * own * own};
+    }
+    narrow = std::move(wide);
+    narrow_noise = std::move(wide_noise);
+  }
+  for (std::int32_t i = grid.first; i < grid.first + grid.patches(); ++i)
+    if (lit[i].sum() == 0) choice_[i] = 0, bias_[i] = {};
+}
+
+SpectrumField IrradianceFilter::apply(const SpectrumField& field) const {
+  SpectrumField result = field;
+  tbb::parallel_for(std::size_t(0), grids_.size(), [&](std::size_t g) {
+    const Grid& grid = grids_[g];
+    const auto begin = choice_.begin() + grid.first, end = begin + grid.patches();
+    const SpectrumField values(field.begin() + grid.first, field.begin() + grid.first + grid.patches());
+    for (std::uint8_t width = 1; width < kWidths.size(); ++width) {
+      if (std::find(begin, end, width) == end) continue;
+      const SpectrumField smooth = smoothed(values, grid.nu, grid.nv, kWidths[width]);
+      for (std::size_t i = 0; i < values.size(); ++i)
+        if (choice_[grid.first + i] == width) result[grid.first + i] = smooth[i];
+    }
+  });
+  return result;
+}
+
+double IrradianceFilter::correlated(std::size_t i) const {
+  // The weights' autocorrelation at a distance, squared and summed: 0.345 of the width along each side, very nearly.
+  const double width = kWidths[choice_[i]];
+  return choice_[i] == 0 ? 1.0 : 0.345 * 0.345 * width * width;
+}
+
+}  // namespace patchlight

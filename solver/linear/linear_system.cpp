@@ -1,0 +1,180 @@
+#include "solver/linear/linear_system.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pipeline/model/error.h"
+#include "solver/linear/parallel_rows.h"
+
+namespace patchlight {
+
+namespace {
+
+Spectrum ratio(const Spectrum& a, const Spectrum& b) {
+  Spectrum result;
+  for (int k = 0; k < 3; ++k) result.c[k] = b.c[k] != 0 && std::isfinite(a.c[k] / b.c[k]) ? a.c[k] / b.c[k] : 0.0;
+  return result;
+}
+
+/// Largest root of a channel's ratio of squared norms.
+double worst(const Spectrum& square, const Spectrum& reference) {
+  double largest = 0;
+  for (int k = 0; k < 3; ++k)
+    if (reference.c[k] > 0) largest = std::max(largest, std::sqrt(square.c[k] / reference.c[k]));
+  return largest;
+}
+
+bool is_black(const SpectrumField& field) {
+  return std::all_of(field.begin(), field.end(), [](const Spectrum& value) { return value.sum() == 0; });
+}
+
+/// One source's system on its way. Between the steps stands the product of F: v of p, t of the residual, which is the
+/// paper's s halfway.
+class BiCgStab {
+ public:
+  SpectrumField p, v, r, t;
+  LinearSolve result;
+
+  BiCgStab(const std::vector<double>& areas, const SpectrumField& source, SpectrumField& x)
+      : p(areas.size()), v(p), r(source), t(p), areas_(areas), x_(x) {
+    source_square_ = sums_over_rows<1>(areas.size(),
+                                       [&](std::size_t i) { return std::array{weighted(source[i], source[i], i)}; })[0];
+  }
+
+  bool has_start() const { return !is_black(x_); }
+
+  /// Before the first step; `p` holds x, `v` F of it, if it has a start.
+  void begin(bool started) {
+    if (started) for_each_row(size(), [&](std::size_t i) { r[i] -= x_[i] - v[i]; });
+    shadow_ = p = r;
+    rho_ = r_square_ = shadow_square_ =
+        sums_over_rows<1>(size(), [&](std::size_t i) { return std::array{weighted(r[i], r[i], i)}; })[0];
+    note(worst(r_square_, source_square_));
+  }
+
+  /// From v = F p to the residual halfway; true if that is near enough already.
+  bool first_half(double tolerance) {
+    const auto [shadow_v] = sums_over_rows<1>(size(), [&](std::size_t i) {
+      v[i] = p[i] - v[i];
+      return std::array{weighted(shadow_[i], v[i], i)};
+    });
+    alpha_ = ratio(rho_, shadow_v);
+    const auto [square] = sums_over_rows<1>(size(), [&](std::size_t i) {
+      r[i] -= alpha_ * v[i];
+      return std::array{weighted(r[i], r[i], i)};
+    });
+    const double halfway = worst(square, source_square_);
+    if (halfway > tolerance) return false;
+    for_each_row(size(), [&](std::size_t i) { x_[i] += alpha_ * p[i]; });
+    ++result.iterations;
+    note(halfway);
+    return true;
+  }
+
+  /// From t = F r to the next p.
+  void second_half() {
+    const auto [t_r, t_square] = sums_over_rows<2>(size(), [&](std::size_t i) {
+      t[i] = r[i] - t[i];
+      return std::array{weighted(t[i], r[i], i), weighted(t[i], t[i], i)};
+    });
+    const Spectrum omega = ratio(t_r, t_square);
+    const auto [rho_next, r_square] = sums_over_rows<2>(size(), [&](std::size_t i) {
+      x_[i] += alpha_ * p[i] + omega * r[i];
+      r[i] -= omega * t[i];
+      return std::array{weighted(shadow_[i], r[i], i), weighted(r[i], r[i], i)};
+    });
+    const Spectrum beta = ratio(rho_next, rho_) * ratio(alpha_, omega);
+    rho_ = rho_next;
+    r_square_ = r_square;
+    ++result.iterations;
+    note(worst(r_square_, source_square_));
+    if (is_breakdown()) {
+      shadow_ = p = r;
+      rho_ = shadow_square_ = r_square_;
+    } else {
+      for_each_row(size(), [&](std::size_t i) { p[i] = r[i] + beta * (p[i] - omega * v[i]); });
+    }
+  }
+
+ private:
+  std::size_t size() const { return areas_.size(); }
+
+  Spectrum weighted(const Spectrum& a, const Spectrum& b, std::size_t i) const { return a * b * Spectrum(areas_[i]); }
+
+  void note(double residual) {
+    result.residual = residual;
+    result.residuals.push_back(residual);
+  }
+
+  /// The shadow residual has become orthogonal to the residual: start again from here.
+  bool is_breakdown() const {
+    for (int k = 0; k < 3; ++k)
+      if (std::abs(rho_.c[k]) < 1e-12 * std::sqrt(r_square_.c[k] * shadow_square_.c[k])) return true;
+    return false;
+  }
+
+  const std::vector<double>& areas_;
+  SpectrumField& x_;
+  SpectrumField shadow_;
+  Spectrum source_square_, rho_, r_square_, shadow_square_, alpha_;
+};
+
+}  // namespace
+
+std::vector<Color> to_colors(const SpectrumField& field, const std::string& group) {
+  std::vector<Color> colors;
+  colors.reserve(field.size());
+  for (const Spectrum& s : field) {
+    Color c;
+    for (int k = 0; k < 3; ++k) c[k] = float(std::max(s.c[k], 0.0));
+    if (!std::isfinite(c.x + c.y + c.z))
+      throw Error(ExitCode::bad_data, "light group `" + group + "` is too strong for single precision", "energy.h5",
+                  "give its emitters less, and frames more by `lights` or the exposure");
+    colors.push_back(c);
+  }
+  return colors;
+}
+
+std::vector<LinearSolve> solve_irradiance(const FormFactorRows& rows, const SpectrumField& reflectance,
+                                          const std::vector<double>& areas, const std::vector<SpectrumField>& sources,
+                                          double tolerance, int max_iterations, std::vector<SpectrumField>& x,
+                                          const std::function<void(double)>& step) {
+  const auto precision = FormFactorRows::precision_for(tolerance);
+  std::vector<BiCgStab> systems;
+  for (std::size_t k = 0; k < sources.size(); ++k) systems.emplace_back(areas, sources[k], x[k]);
+  std::vector<BiCgStab*> active;
+  /// to = F (reflectance from) of all that are active
+  const auto apply = [&](SpectrumField BiCgStab::*from, SpectrumField BiCgStab::*to) {
+    std::vector<FormFactorRows::Exchange> fields;
+    for (BiCgStab* system : active) fields.push_back({&(system->*from), {&(system->*to)}});
+    rows.receive(fields, &reflectance, precision);
+  };
+
+  for (std::size_t k = 0; k < systems.size(); ++k)
+    if (systems[k].has_start()) {
+      systems[k].p = x[k];
+      active.push_back(&systems[k]);
+    }
+  apply(&BiCgStab::p, &BiCgStab::v);
+  for (BiCgStab& system : systems) system.begin(system.has_start());
+  for (;;) {
+    active.clear();
+    double residual = 0;
+    for (BiCgStab& system : systems)
+      if (system.result.residual > tolerance && system.result.iterations < max_iterations) {
+        active.push_back(&system);
+        residual = std::max(residual, system.result.residual);
+      }
+    if (active.empty()) break;
+    step(residual);
+    apply(&BiCgStab::p, &BiCgStab::v);
+    std::erase_if(active, [&](BiCgStab* system) { return system->first_half(tolerance); });
+    apply(&BiCgStab::r, &BiCgStab::t);
+    for (BiCgStab* system : active) system->second_half();
+  }
+  std::vector<LinearSolve> results;
+  for (BiCgStab& system : systems) results.push_back(std::move(system.result));
+  return results;
+}
+
+}  // namespace patchlight

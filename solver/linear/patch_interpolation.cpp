@@ -1,0 +1,30 @@
+#include "solver/linear/patch_interpolation.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace patchlight {
+
+Spectrum interpolate(const PatchSet& scene, const PatchLookup& lookup, std::int32_t patch, float u, float v,
+                     const std::vector<Color>& field) {
+  const std::int32_t primitive = scene.patches[patch].primitive;
+  const bool around = scene.primitives[primitive].shape == Primitive::Shape::sphere;
+  const auto along = [&](int row) {
+    const PatchLookup::Row& cells = lookup.row(primitive, row);
+    const float x = u * float(cells.cells) - 0.5f;
+    const int k = int(std::floor(x));
+    const auto at = [&](int cell) {
+      const int inside = around ? (cell + cells.cells) % cells.cells : std::clamp(cell, 0, cells.cells - 1);
+      return Spectrum(field[cells.first + inside]);
+    };
+    const double part = double(x) - k;
+    return at(k) * Spectrum(1 - part) + at(k + 1) * Spectrum(part);
+  };
+  const int rows = lookup.rows(primitive);
+  const float y = std::clamp(v * float(rows) - 0.5f, 0.0f, float(rows - 1));
+  const int k = std::min(int(y), std::max(rows - 2, 0));
+  const double part = double(y) - k;
+  return along(k) * Spectrum(1 - part) + along(std::min(k + 1, rows - 1)) * Spectrum(part);
+}
+
+}  // namespace patchlight

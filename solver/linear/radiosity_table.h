@@ -1,0 +1,63 @@
+#pragma once
+#include <cstdint>
+#include <memory>
+
+#include "solver/linear/spectrum.h"
+
+namespace patchlight {
+
+/// Radiosity of several fields, W/m2, as rows gather it: what all of them have at an element stands side by side, in as
+/// few cache lines as it fits. Where none is set it is zero.
+class RadiosityTable {
+ public:
+  enum class Precision { single, full };
+
+  /// Fields that fit: what a pass over the rows costs is to come by an element at all.
+  static constexpr std::size_t kMostFields = 5;
+
+  RadiosityTable(std::size_t fields, std::size_t elements, Precision precision)
+      : elements_(elements),
+        precision_(precision),
+        width_(fields > 2   ? 16
+               : fields > 1 ? 8
+                            : 4),
+        lines_(std::make_unique<Line[]>(elements * width_ * number_bytes() / sizeof(Line) + 1)) {}
+
+  void set(std::size_t field, std::size_t element, const Spectrum& value) {
+    if (precision_ == Precision::single)
+      put(reinterpret_cast<float*>(lines_.get()) + element * width_ + 3 * field, value);
+    else
+      put(reinterpret_cast<double*>(lines_.get()) + element * width_ + 3 * field, value);
+  }
+
+  std::size_t elements() const { return elements_; }
+  Precision precision() const { return precision_; }
+
+  /// Numbers from one element to the next: 4, 8 or 16.
+  std::size_t width() const { return width_; }
+
+  /// Shape: [elements][width]; `Number` is what the precision says.
+  template <class Number>
+  const Number* values() const {
+    return reinterpret_cast<const Number*>(lines_.get());
+  }
+
+ private:
+  struct alignas(64) Line {
+    unsigned char bytes[64];
+  };
+
+  std::size_t number_bytes() const { return precision_ == Precision::single ? sizeof(float) : sizeof(double); }
+
+  template <class Number>
+  static void put(Number* to, const Spectrum& value) {
+    for (int c = 0; c < 3; ++c) to[c] = Number(value.c[c]);
+  }
+
+  std::size_t elements_;
+  Precision precision_;
+  std::size_t width_;
+  std::unique_ptr<Line[]> lines_;
+};
+
+}  // namespace patchlight

@@ -1,0 +1,167 @@
+#include "solver/transport/transport_builder.h"
+
+#include <tbb/parallel_for.h>
+#include <xmmintrin.h>
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <utility>
+
+#include "pipeline/job/stage_keys.h"
+#include "pipeline/optics/sampling/random.h"
+#include "solver/direct/direct_factors.h"
+#include "solver/direct/photons.h"
+#include "solver/form_factors/harmonic_distance.h"
+#include "solver/form_factors/ray_rows.h"
+#include "solver/form_factors/sky_rows.h"
+#include "solver/form_factors/visible_area_fraction.h"
+#include "solver/hemicube/hemicube.h"
+
+namespace patchlight {
+
+namespace {
+
+constexpr double kPhotons = 0.125;  // of all emitters together, for each ray of the rows
+
+/// Two hemicubes a row, one for each half.
+void draw_rows(const PatchSet& scene, const SolveConfig& config, Transport& transport, Progress& progress) {
+  HemicubeFormFactors hemicubes(scene, config.hemicube_resolution, std::uint64_t(config.seed));
+  std::vector<Shot> shots;
+  for (std::size_t k = 0; k < 2 * scene.patches.size(); ++k) shots.push_back({std::int32_t(k / 2), 0, 1 + k % 2});
+  transport.starts.push_back(0);
+  for (std::size_t done = 0; done < shots.size();) {
+    const std::span<const Shot> rest = std::span(shots).subspan(done);
+    const std::span<const Shot> batch = rest.first(hemicubes.batch(rest));
+    for (const std::span<const FormFactor> row : hemicubes.rows(batch)) {
+      for (const FormFactor& f : row) {
+        transport.ends.push_back(f.patch);
+        transport.weights.push_back(f.value);
+      }
+      transport.starts.push_back(transport.ends.size());
+    }
+    done += batch.size();
+    progress.update(double(done) / double(shots.size()), "hemicubes");
+  }
+}
+
+/// Tells which parts of patches that see unlit backs are exposed, and makes their rows rows of these. Returns the
+/// number of rays that that took.
+std::int64_t find_exposed(const PatchSet& scene, const RayScene& ray_scene, std::uint64_t seed, Transport& transport) {
+  transport.exposed.assign(2 * scene.patches.size(), 1.0f);
+  std::atomic<std::int64_t> cast{0};
+  tbb::parallel_for(std::size_t(0), scene.patches.size(), [&](std::size_t i) {
+    _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree wants denormals flushed
+    std::uint64_t random = scramble(seed + i);
+    std::int64_t rays = RayPacket::kSize;
+    if (closeness(scene, ray_scene, scene.patches[i], random).to_backs)
+      for (const std::size_t half : {2 * i, 2 * i + 1}) {
+        random = scramble(random);
+        const float part = transport.exposed[half] =
+            exposed_part(scene, ray_scene, scene.patches[i], kLeastForExposedPart, random, rays);
+        for (std::uint64_t at = transport.starts[half]; at < transport.starts[half + 1]; ++at)
+          transport.weights[at] /= part;
+      }
+    cast += rays;
+  });
+  return cast;
+}
+
+/// Lets rows end on what others, of the same patches, end on too.
+void add_rows(const TransportRows& more, TransportRows& rows) {
+  TransportRows sum;
+  sum.starts.push_back(0);
+  for (std::size_t k = 0; k + 1 < rows.starts.size(); ++k) {
+    for (const TransportRows* from : {&std::as_const(rows), &more}) {
+      const auto begin = std::ptrdiff_t(from->starts[k]), end = std::ptrdiff_t(from->starts[k + 1]);
+      sum.ends.insert(sum.ends.end(), from->ends.begin() + begin, from->ends.begin() + end);
+      sum.weights.insert(sum.weights.end(), from->weights.begin() + begin, from->weights.begin() + end);
+    }
+    sum.starts.push_back(sum.ends.size());
+  }
+  rows.starts = std::move(sum.starts);
+  rows.ends = std::move(sum.ends);
+  rows.weights = std::move(sum.weights);
+}
+
+/// See Transport::Emitter::light.
+std::int64_t light_number(const PatchSet& scene, const Emitter& emitter) {
+  if (emitter.light < 0) return 0;
+  const Light& light = scene.lights[emitter.light];
+  std::uint64_t number = scramble(std::uint64_t(light.kind) + 1);
+  const auto add = [&](double x) { number = scramble(number ^ std::bit_cast<std::uint64_t>(x + 0.0)); };
+  for (const Vec3d& v : {light.position, light.direction})
+    for (int k = 0; k < 3; ++k) add(v[k]);
+  add(light.inner);
+  add(light.outer);
+  return std::max<std::int64_t>(std::int64_t(number >> 1), 1);
+}
+
+}  // namespace
+
+std::int64_t cast_rows(const PatchSet& scene, const RayScene& ray_scene, const SolveConfig& config, int rays,
+                       TransportRows& to, Progress& progress, Shard shard) {
+  const Elements elements(scene);
+  return RayRows(scene, ray_scene, scene.patches, elements, std::uint64_t(config.seed), RayRows::Halves::apart, true)
+      .cast(rays, to, progress, shard);
+}
+
+std::int64_t complete_transport(const PatchSet& scene, const SolveConfig& config, int rays, Transport& transport,
+                                Progress& progress) {
+  if (scene.light_groups.empty()) return 0;
+  const std::string key = transport_key(scene.geometry_key, config);
+  const std::vector<Emitter> wanted = emitters_apart(scene);
+  const auto is_of = [&](const Transport::Emitter& kept, const Emitter& emitter) {
+    return kept.first_patch == emitter.first_patch && kept.patches == emitter.patches &&
+           kept.light == light_number(scene, emitter);
+  };
+  const bool hemicubes = config.form_factors == "hemicube";
+  const bool same_rows =
+      transport.key == key && transport.sky == scene.sky_cells() && (hemicubes || transport.rays >= rays);
+  if (same_rows &&
+      std::equal(transport.emitters.begin(), transport.emitters.end(), wanted.begin(), wanted.end(), is_of))
+    return 0;
+
+  const std::uint64_t seed = std::uint64_t(config.seed);
+  const RayScene ray_scene(scene);
+  const PatchLookup lookup(scene);
+  std::int64_t cast = 0;
+  if (!same_rows) {
+    transport = {};
+    if (hemicubes) {
+      draw_rows(scene, config, transport, progress);
+      cast += find_exposed(scene, ray_scene, seed, transport);
+      if (scene.environment) add_rows(sky_rows(scene, ray_scene, rays, seed, cast, progress), transport);
+    } else {
+      cast += cast_rows(scene, ray_scene, config, rays, transport, progress);
+    }
+    transport.key = key;
+    transport.sky = scene.sky_cells();
+  }
+  std::vector<Transport::Emitter> emitters;
+  const DirectFactors direct(scene, ray_scene, scene.patches, grid_neighbours(scene, lookup), seed);
+  const Photons photons(scene, ray_scene, seed);
+  for (const Emitter& emitter : wanted) {
+    const auto at = std::find_if(transport.emitters.begin(), transport.emitters.end(),
+                                 [&](const Transport::Emitter& e) { return is_of(e, emitter) && !e.factors.empty(); });
+    if (at != transport.emitters.end()) {
+      emitters.push_back(std::move(*at));
+    } else {
+      Transport::Emitter& added = emitters.emplace_back(direct.sample(emitter, wanted.size(), rays, cast));
+      added.light = light_number(scene, emitter);
+      const double share = kPhotons * rays * double(scene.patches.size()) / double(wanted.size());
+      if (!hemicubes && photons.has_metals()) added.mirrored = photons.shoot(emitter, std::int64_t(share), cast);
+      for (std::size_t k = 0; k < added.factors.size() && !transport.exposed.empty(); ++k) {
+        const float part = transport.exposed[k];
+        added.factors[k] /= part;
+        if (!added.mirrored.empty()) added.mirrored[k] /= part;
+      }
+    }
+    progress.update(double(emitters.size()) / double(wanted.size()), "direct light");
+  }
+  transport.emitters = std::move(emitters);
+  transport.changed = true;
+  return cast;
+}
+
+}  // namespace patchlight

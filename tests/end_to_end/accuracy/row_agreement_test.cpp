@@ -1,0 +1,56 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "pipeline/formats/patches/patch_file.h"
+#include "solver/form_factors/ray_form_factors.h"
+#include "solver/hemicube/hemicube.h"
+#include "tests/end_to_end/program.h"
+
+namespace patchlight::test {
+namespace {
+
+const std::string kScenes = PATCHLIGHT_SCENES;
+
+/// Rows of form factors by hemicubes against rows by rays, patch by patch, in scenes that Blender made.
+class RowAgreement : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(RowAgreement, HoldsPatchByPatch) {
+  const std::string file = kScenes + "/blender/" + GetParam() + ".glb";
+  if (!std::filesystem::exists(file)) GTEST_SKIP() << "no scene " << file;
+  const TemporaryFolder folder;
+  folder.write("job.yaml", "scene: " + file + "\noutput: out\n");
+  ASSERT_EQ(run_program(folder, "patchlight-import", {"job.yaml"}).code, 0);
+  const PatchSet scene = read_patches(folder / "out/patches.h5");
+  HemicubeFormFactors hemicubes(scene, 128, 1);
+  RayFormFactors rays(scene, 1);
+  constexpr std::uint32_t kRays = 1 << 16;
+  constexpr int kHemicubes = 64, kRows = 24;
+  for (int k = 0; k < kRows; ++k) {
+    const auto i = std::int32_t(k * scene.patches.size() / kRows);
+    std::vector<double> drawn(scene.patches.size()), cast(scene.patches.size());
+    for (int shot = 0; shot < kHemicubes; ++shot) {
+      const Shot from{i, 0, std::uint64_t(shot)};
+      const std::span<const FormFactor> row = hemicubes.rows({&from, 1})[0];
+      for (const FormFactor& f : row) drawn[f.patch] += f.value / kHemicubes;
+    }
+    const Shot from{i, kRays, 0};
+    const std::span<const FormFactor> row = rays.rows({&from, 1})[0];
+    for (const FormFactor& f : row) cast[f.patch] += f.value;
+    double lost = 1, lost_drawn = 1;
+    for (std::size_t j = 0; j < cast.size(); ++j) {
+      // Five standard errors of the rays, and of 64 points on the patch, each good to a cell.
+      const double tolerance = 5 * std::sqrt((cast[j] + 1.0 / kRays) / kRays) + 0.1 * cast[j] + 5e-4;
+      EXPECT_NEAR(drawn[j], cast[j], tolerance) << i << " to " << j;
+      lost -= cast[j];
+      lost_drawn -= drawn[j];
+    }
+    EXPECT_NEAR(lost_drawn, lost, 0.02) << "escaping from " << i;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, RowAgreement, ::testing::Values("cornell", "gallery"),
+                         [](const auto& scene) { return std::string(scene.param); });
+
+}  // namespace
+}  // namespace patchlight::test

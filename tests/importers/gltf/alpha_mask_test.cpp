@@ -1,0 +1,137 @@
+#include "pipeline/optics/intersect/alpha_mask.h"
+
+#include <gtest/gtest.h>
+
+#include "pipeline/formats/patches/patch_file.h"
+#include "tests/expect_error.h"
+#include "tests/importers/textured_square.h"
+
+namespace patchlight::test {
+namespace {
+
+const Json kLeaf{
+    {"name", "leaf"},
+    {"alphaMode", "MASK"},
+    {"pbrMetallicRoughness", {{"metallicFactor", 0}, {"baseColorTexture", {{"index", 0}}}}},
+};
+
+/// Red and there, green and a hole, blue and half there, white and a hole; four patches, or sixteen, side by side.
+struct Leaf {
+  Importer importer;
+  GltfBuilder gltf;
+
+  explicit Leaf(const Json& material = kLeaf, double patch_area = 1.0 / 16)
+      : gltf(textured_square(material, {"leaf.png"})) {
+    importer.job.import.patch_area = patch_area;
+    write_row(importer.folder / "leaf.png", {{255, 0, 0, 255}, {0, 255, 0, 0}, {0, 0, 255, 128}, {255, 255, 255, 127}});
+  }
+  PatchSet import() { return importer.import(gltf); }
+};
+
+TEST(Cutouts, PatchesAreOfWhatIsThere) {
+  Leaf leaf(kLeaf, 1.0 / 4);  // two by two patches
+  const PatchSet scene = leaf.import();
+  ASSERT_EQ(scene.masks.size(), 1u);
+  EXPECT_EQ(scene.masks[0].texels, (std::vector<std::int32_t>{255, 0, 128, 127}));
+  EXPECT_EQ(scene.primitives[0].mask, 0);
+  EXPECT_FLOAT_EQ(scene.materials[0].alpha_cutoff, 0.5f);
+  EXPECT_NEAR(total_area(scene), 1, 1e-6);
+  EXPECT_NEAR(patch_at(scene, 0.25).coverage, 0.5, 0.01);
+  EXPECT_NEAR(patch_at(scene, 0.25).reflectance.x, 0.99999, 1e-5);
+  EXPECT_NEAR(patch_at(scene, 0.25).reflectance.y, 0, 1e-6);
+  EXPECT_NEAR(patch_at(scene, 0.75).coverage, 0.5, 0.01);
+  EXPECT_NEAR(patch_at(scene, 0.75).reflectance.z, 0.99999, 1e-5);
+  EXPECT_NEAR(patch_at(scene, 0.75).reflectance.x, 0, 1e-6);
+}
+
+TEST(Cutouts, TheFactorsAlphaAndTheCutoffCount) {
+  Leaf leaf;
+  leaf.gltf.json["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"] = {1, 1, 1, 0.5};
+  leaf.gltf.json["materials"][0]["alphaCutoff"] = 0.25;
+  EXPECT_EQ(patch_at(leaf.import(), 0.625).coverage, 1);       // 0.251
+  EXPECT_LT(patch_at(leaf.import(), 0.875).coverage, 0.002f);  // 0.249
+  leaf.gltf.json["materials"][0]["alphaCutoff"] = 0.0;
+  EXPECT_TRUE(leaf.import().masks.empty());
+  leaf.gltf.json["materials"][0]["alphaCutoff"] = 0.75;
+  EXPECT_ERROR(leaf.import(), ExitCode::bad_data, "nothing with an area");
+  EXPECT_THAT(leaf.importer.messages(), ::testing::HasSubstr("'leaf' is left out: its alpha"));
+  leaf.gltf.json["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"] = {1, 1, 1, -1};
+  EXPECT_ERROR(leaf.import(), ExitCode::bad_data, "leaf");
+}
+
+TEST(Cutouts, BlendIsMaskAtAHalfWithAWarning) {
+  Leaf leaf;
+  leaf.gltf.json["materials"][0]["alphaMode"] = "BLEND";
+  leaf.gltf.json["materials"][0]["alphaCutoff"] = 0.9;
+  const PatchSet scene = leaf.import();
+  EXPECT_FLOAT_EQ(scene.materials[0].alpha_cutoff, 0.5f);
+  EXPECT_EQ(patch_at(scene, 0.625).coverage, 1);
+  EXPECT_THAT(leaf.importer.messages(), ::testing::HasSubstr("BLEND is read as MASK"));
+  leaf.gltf.json["materials"][0]["alphaMode"] = "GLASS";
+  EXPECT_ERROR(leaf.import(), ExitCode::bad_data, "alphaMode");
+}
+
+TEST(Cutouts, WhatIsWholeHasNoMask) {
+  Leaf opaque;
+  opaque.gltf.json["materials"][0].erase("alphaMode");
+  EXPECT_TRUE(opaque.import().masks.empty());
+  Leaf full;
+  write_row(full.importer.folder / "leaf.png", {{255, 0, 0, 255}, {0, 255, 0, 130}});
+  EXPECT_TRUE(full.import().masks.empty());
+  Leaf unmapped;
+  unmapped.gltf.primitive(0)["attributes"].erase("TEXCOORD_0");
+  EXPECT_EQ(unmapped.import().primitives[0].mask, -1);
+}
+
+TEST(Cutouts, BothSidesAreCutOutInOnePlace) {
+  Leaf leaf;
+  leaf.gltf.json["materials"][0]["doubleSided"] = true;
+  const PatchSet scene = leaf.import();
+  ASSERT_EQ(scene.primitives.size(), 2u);
+  for (const double x : {0.125, 0.375, 0.625, 0.875})
+    EXPECT_EQ(patch_at(scene, x, 0).coverage, patch_at(scene, x, 1).coverage) << x;
+  EXPECT_EQ(patch_at(scene, 0.125, 1).coverage, 1);
+  EXPECT_LT(patch_at(scene, 0.375, 1).coverage, 0.002f);
+}
+
+TEST(Cutouts, AlphaOfVerticesCutsOutToo) {
+  const Json plain{{"name", "veil"}, {"alphaMode", "MASK"}, {"pbrMetallicRoughness", {{"metallicFactor", 0}}}};
+  Leaf veil(plain);
+  veil.gltf.primitive(0)["attributes"]["COLOR_0"] =
+      veil.gltf.accessor(std::vector<Vec4f>{{1, 0, 0, 0}, {1, 0, 0, 1}, {1, 0, 0, 0}, {1, 0, 0, 1}}, 5126, "VEC4");
+  const PatchSet scene = veil.import();
+  const auto there = [&](double x) {
+    const Imath::V2d uv = uv_of(scene, 0, x, 0.5);
+    return is_there(scene, 0, uv.x, uv.y);
+  };
+  EXPECT_FALSE(there(0.49));
+  EXPECT_TRUE(there(0.51));
+  EXPECT_EQ(patch_at(scene, 0.625).coverage, 1);
+  EXPECT_NEAR(patch_at(scene, 0.625).reflectance.y, 0, 1e-6);
+  veil.importer.job.materials = {{"veil"}};
+  veil.importer.job.materials[0].reflectance = Color(0.25f);
+  EXPECT_EQ(patch_at(veil.import(), 0.625).reflectance, Color(0.25f));
+  EXPECT_LT(patch_at(veil.import(), 0.375).coverage, 0.002f);
+}
+
+TEST(Cutouts, ANewMaskIsANewTransportANewColourIsNot) {
+  Leaf leaf;
+  const auto keys = [&] {
+    PatchSet scene = leaf.import();
+    write_patches(leaf.importer.folder / "patches.h5", scene);
+    const PatchSet read = read_patches(leaf.importer.folder / "patches.h5");
+    EXPECT_EQ(read.masks[0].texels, scene.masks[0].texels);
+    EXPECT_EQ(read.patches[5].coverage, scene.patches[5].coverage);
+    return std::pair(scene.geometry_key, scene.key);
+  };
+  const auto first = keys();
+  leaf.gltf.json["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"] = {0.5, 1, 1, 1};
+  const auto tinted = keys();
+  EXPECT_EQ(tinted.first, first.first);
+  EXPECT_NE(tinted.second, first.second);
+  write_row(leaf.importer.folder / "leaf.png", {{255, 0, 0, 255}, {0, 255, 0, 0}, {0, 0, 255, 0}, {255, 255, 255, 0}});
+  EXPECT_NE(keys().first, first.first);
+}
+
+}  // namespace
+}  // namespace patchlight::test

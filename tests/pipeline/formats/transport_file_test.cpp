@@ -1,0 +1,241 @@
+#include "pipeline/formats/solution/transport_file.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+
+#include "pipeline/formats/file_kind.h"
+#include "tests/expect_error.h"
+#include "tests/temporary_folder.h"
+
+namespace patchlight {
+namespace {
+
+using test::TemporaryFolder;
+
+Transport sample() {
+  Transport transport;
+  transport.starts = {0, 2, 4, 4, 6};  // two patches
+  transport.ends = {1, 0, 1, 1, 0, 1};
+  transport.shares = {0.25f, 0.5f, 0.25f, 0.5f};
+  transport.exposed = {0.5f, 0.5f, 1.0f, 1.0f};
+  transport.rays = 4;
+  transport.mirrored = {{0, 1, 1, Color(0.5f, 0.25f, 0.0f)}, {1, 0, 0, Color(0.1f)}};
+  transport.emitters = {{0, 1, {0.1f, 0.2f, 0.3f, -0.01f}}, {1, 1, {0.0f, 0.0f, 0.5f, 0.5f}}};
+  for (auto& emitter : transport.emitters) emitter.mirrored.assign(4, Color(0.25f, 0.5f, 0.75f));
+  transport.key = "key";
+  return transport;
+}
+
+/// As rows by hemicubes are.
+void weigh(Transport& transport) {
+  transport.rays = 0;
+  transport.shares.clear();
+  transport.weights = {0.1f, 0.2f, 0.3f, 0.4f, 0.5f, 0.6f};
+}
+
+TEST(TransportFile, ReadsBackWhatWasWritten) {
+  const TemporaryFolder folder;
+  Transport written = sample();
+  for (const bool weighted : {false, true}) {
+    if (weighted) weigh(written);
+    write_transport(folder / "transport.h5", written);
+    const Transport read = read_transport(folder / "transport.h5");
+    EXPECT_EQ(read.starts, written.starts);
+    EXPECT_EQ(read.ends, written.ends);
+    EXPECT_EQ(read.weights, written.weights);
+    EXPECT_EQ(read.shares, written.shares);
+    EXPECT_EQ(read.exposed, written.exposed);
+    EXPECT_EQ(read.rays, written.rays);
+    ASSERT_EQ(read.mirrored.size(), 2u);
+    EXPECT_EQ(read.mirrored[0].half, 1);
+    EXPECT_EQ(read.mirrored[0].weight, written.mirrored[0].weight);
+    ASSERT_EQ(read.emitters.size(), 2u);
+    EXPECT_EQ(read.emitters[1].first_patch, 1);
+    EXPECT_EQ(read.emitters[1].factors, written.emitters[1].factors);
+    EXPECT_EQ(read.emitters[1].mirrored, written.emitters[1].mirrored);
+    EXPECT_FALSE(read.changed);
+    EXPECT_EQ(read_transport_key(folder / "transport.h5"), "key");
+  }
+  EXPECT_EQ(kind_of(folder / "transport.h5"), FileKind::transport);
+}
+
+/// The second patch cut once, something standing on its last quarter.
+DisplayMesh cut_patch() {
+  DisplayMesh mesh;
+  mesh.roots = {-1, 0};
+  mesh.cells.resize(5);
+  mesh.cells[0].children = 1;
+  mesh.cells[1].corners = {0, 3, 4, 1};
+  mesh.cells[2].corners = {3, 1, 1, 1};
+  mesh.cells[3].corners = {0, 1, 2, 3};
+  mesh.cells[4].corners = {0, 1, 2, 3};
+  mesh.cells[4].cut = true;
+  mesh.vertices = {{1, 0.5f, 0.5f}, {1, 0.6f, 0.5f}, {1, 0.7f, 0.5f}, {1, 0.5f, 0.0f}, {1, 0.5f, 0.25f}};
+  mesh.gathered = 2;
+  mesh.midpoints = {{0, 3}};
+  mesh.facets = {{0, {1, -1, 0, -1}}};
+  return mesh;
+}
+
+Transport sample_with_display() {
+  Transport transport = sample();
+  transport.display = {cut_patch(), {}};
+  transport.display->rows.starts = {0, 1, 2, 4, 6};
+  transport.display->rows.ends = {7, 8, 0, 1, 2, 3};  // 2 patches, 7 elements of leaves
+  transport.display->rows.shares = {1.0f, 1.0f, 0.5f, 0.5f};
+  transport.display->rows.rays = 4;
+  transport.display->rows.mirrored = {{1, 0, 8, Color(0.5f)}};
+  for (auto& emitter : transport.emitters) emitter.display.assign(14, 0.125f);
+  return transport;
+}
+
+TEST(TransportFile, ReadsBackWhatTheDisplaySolutionNeeds) {
+  const TemporaryFolder folder;
+  const Transport written = sample_with_display();
+  write_transport(folder / "transport.h5", written);
+  const Transport read = read_transport(folder / "transport.h5");
+  ASSERT_TRUE(read.display);
+  EXPECT_EQ(read.display->rows.ends, written.display->rows.ends);
+  EXPECT_EQ(read.display->rows.mirrored[0].patch, 8);
+  EXPECT_EQ(read.emitters[1].display, written.emitters[1].display);
+  const DisplayMesh &mesh = read.display->mesh, &cut = written.display->mesh;
+  ASSERT_EQ(mesh.facets.size(), 1u);
+  EXPECT_EQ(mesh.facets[0].corners, cut.facets[0].corners);
+  EXPECT_EQ(mesh.roots, cut.roots);
+  EXPECT_EQ(mesh.elements, 7);
+  EXPECT_EQ(mesh.gathered, 2);
+  EXPECT_EQ(mesh.midpoints, cut.midpoints);
+  EXPECT_EQ(mesh.vertices[4].v, 0.25f);
+  for (std::size_t k = 0; k < 5; ++k) {
+    EXPECT_EQ(mesh.cells[k].children, cut.cells[k].children);
+    EXPECT_EQ(mesh.cells[k].cut, cut.cells[k].cut);
+    EXPECT_EQ(mesh.cells[k].corners, cut.cells[k].corners);
+  }
+  EXPECT_EQ(mesh.cells[4].leaf, 3);
+}
+
+TEST(TransportFile, RefusesMeshesThatAreNone) {
+  const std::vector<std::function<void(Transport::Display&)>> faults{
+      [](Transport::Display& d) { d.mesh.roots[0] = 0; },
+      [](Transport::Display& d) { d.mesh.roots[1] = 5; },
+      [](Transport::Display& d) { d.mesh.roots[1] = -2; },
+      [](Transport::Display& d) { d.mesh.roots[1] = -1; },
+      [](Transport::Display& d) { d.mesh.roots.push_back(-1); },
+      [](Transport::Display& d) { d.mesh.cells[0].children = 0; },
+      [](Transport::Display& d) { d.mesh.cells[0].children = 2; },
+      [](Transport::Display& d) { d.mesh.cells[0].children = 1 << 30; },
+      [](Transport::Display& d) { d.mesh.cells[1].children = 2; },
+      [](Transport::Display& d) { d.mesh.cells[1].corners[2] = 5; },
+      [](Transport::Display& d) { d.mesh.cells[1].corners[2] = -1; },
+      [](Transport::Display& d) { d.mesh.vertices[0].patch = 2; },
+      [](Transport::Display& d) { d.mesh.vertices[0].u = std::numeric_limits<float>::quiet_NaN(); },
+      [](Transport::Display& d) { d.mesh.vertices[0].v = 1.5f; },
+      [](Transport::Display& d) { d.mesh.midpoints[0][1] = 4; },
+      [](Transport::Display& d) { d.mesh.facets[0].patch = 1; },
+      [](Transport::Display& d) { d.mesh.facets[0].patch = 2; },
+      [](Transport::Display& d) { d.mesh.facets[0].corners[1] = -2; },
+      [](Transport::Display& d) { d.mesh.facets[0].corners[1] = 2; },
+      [](Transport::Display& d) { d.mesh.gathered = 5; },
+      [](Transport::Display& d) { d.mesh.gathered = 1; },
+      [](Transport::Display& d) { d.rows.ends[0] = 9; },
+      [](Transport::Display& d) { d.rows.mirrored[0].patch = 9; },
+      [](Transport::Display& d) { d.rows.mirrored[0].row = 2; },
+  };
+  const TemporaryFolder folder;
+  for (std::size_t k = 0; k < faults.size(); ++k) {
+    SCOPED_TRACE(k);
+    Transport broken = sample_with_display();
+    faults[k](*broken.display);
+    write_transport(folder / "transport.h5", broken);
+    EXPECT_ERROR(read_transport(folder / "transport.h5"), ExitCode::bad_data, "transport.h5");
+  }
+}
+
+TEST(TransportFile, HoldsScenesWithoutMirrorsOrEmitters) {
+  const TemporaryFolder folder;
+  Transport bare = sample();
+  bare.mirrored.clear();
+  bare.emitters.clear();
+  write_transport(folder / "transport.h5", bare);
+  const Transport read = read_transport(folder / "transport.h5");
+  EXPECT_TRUE(read.mirrored.empty() && read.emitters.empty() && read.weights.empty());
+  EXPECT_EQ(read.rows(), 2);
+}
+
+TEST(TransportFile, HoldsLightsAndWhatRowsSeeOfTheSky) {
+  const TemporaryFolder folder;
+  Transport written = sample_with_display();
+  for (const std::int64_t light : {5, 7}) {
+    Transport::Emitter& emitter = written.emitters.emplace_back(written.emitters[0]);
+    emitter.first_patch = 2;
+    emitter.patches = 0;
+    emitter.light = light;
+    emitter.factors[0] = float(light);
+  }
+  written.sky = 3;
+  written.ends[0] = 4;                 // 2 patches, 3 cells
+  written.display->rows.ends[0] = 11;  // behind 7 elements
+  write_transport(folder / "transport.h5", written);
+  const Transport read = read_transport(folder / "transport.h5");
+  ASSERT_EQ(read.emitters.size(), 4u);
+  for (std::size_t k = 0; k < 4; ++k) {
+    EXPECT_EQ(read.emitters[k].first_patch, written.emitters[k].first_patch);
+    EXPECT_EQ(read.emitters[k].patches, written.emitters[k].patches);
+    EXPECT_EQ(read.emitters[k].light, written.emitters[k].light);
+    EXPECT_EQ(read.emitters[k].factors, written.emitters[k].factors);
+    EXPECT_EQ(read.emitters[k].display, written.emitters[k].display);
+    EXPECT_EQ(read.emitters[k].mirrored, written.emitters[k].mirrored);
+  }
+  EXPECT_EQ(read.sky, 3);
+  EXPECT_EQ(read.ends, written.ends);
+  for (const bool display : {false, true}) {
+    Transport broken = written;
+    ++(display ? broken.display->rows.ends[0] : broken.ends[0]);
+    write_transport(folder / "transport.h5", broken);
+    EXPECT_ERROR(read_transport(folder / "transport.h5"), ExitCode::bad_data, "rows/patch");
+  }
+}
+
+TEST(TransportFile, RefusesWhatIsOutOfBounds) {
+  const std::vector<std::function<void(Transport&)>> faults{
+      [](Transport& t) { t.starts[0] = 1; },
+      [](Transport& t) { t.starts[1] = 5; },
+      [](Transport& t) { t.starts.back() = 5; },
+      [](Transport& t) { t.starts.push_back(6); },
+      [](Transport& t) { t.ends[0] = 2; },
+      [](Transport& t) { t.ends[0] = -1; },
+      [](Transport& t) { weigh(t), t.weights[1] = std::numeric_limits<float>::quiet_NaN(); },
+      [](Transport& t) { weigh(t), t.weights.pop_back(); },
+      [](Transport& t) { t.shares[1] = std::numeric_limits<float>::quiet_NaN(); },
+      [](Transport& t) { t.shares[1] = 1.5f; },
+      [](Transport& t) { t.shares.pop_back(); },
+      [](Transport& t) { t.rays = -1; },
+      [](Transport& t) { t.exposed[0] = 0.0f; },
+      [](Transport& t) { t.exposed.pop_back(); },
+      [](Transport& t) { t.mirrored[0].row = 2; },
+      [](Transport& t) { t.mirrored[0].half = 2; },
+      [](Transport& t) { t.mirrored[0].patch = 2; },
+      [](Transport& t) { t.mirrored[0].weight.x = std::numeric_limits<float>::infinity(); },
+      [](Transport& t) { std::swap(t.mirrored[0], t.mirrored[1]); },
+      [](Transport& t) { t.emitters[1].patches = 2; },
+      [](Transport& t) { t.emitters[0].first_patch = -1; },
+      [](Transport& t) { t.emitters[0].factors[0] = std::numeric_limits<float>::infinity(); },
+      [](Transport& t) { t.emitters[0].factors.resize(2); },
+      [](Transport& t) { t.emitters[0].mirrored.resize(2); },
+      [](Transport& t) { t.emitters[1].mirrored[3].z = std::numeric_limits<float>::quiet_NaN(); },
+      [](Transport& t) { t.emitters[1].mirrored[0].x = -0.1f; },
+      [](Transport& t) { t.emitters[1].mirrored.clear(); },
+  };
+  const TemporaryFolder folder;
+  for (std::size_t k = 0; k < faults.size(); ++k) {
+    Transport broken = sample();
+    faults[k](broken);
+    write_transport(folder / "transport.h5", broken);
+    EXPECT_ERROR(read_transport(folder / "transport.h5"), ExitCode::bad_data, "transport.h5");
+  }
+}
+
+}  // namespace
+}  // namespace patchlight

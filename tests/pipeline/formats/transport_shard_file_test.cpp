@@ -1,0 +1,123 @@
+#include "pipeline/formats/solution/transport_shard_file.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <limits>
+
+#include "tests/expect_error.h"
+#include "tests/temporary_folder.h"
+
+namespace patchlight {
+namespace {
+
+using test::TemporaryFolder;
+
+/// Of four patches the middle two, which see any.
+TransportShard sample() {
+  TransportShard shard;
+  shard.rows.starts = {0, 2, 4, 4, 6};
+  shard.rows.ends = {1, 3, 1, 1, 0, 2};
+  shard.rows.shares = {0.25f, 0.5f, 0.25f, 0.5f};
+  shard.rows.exposed = {0.5f, 0.5f, 1.0f, 1.0f};
+  shard.rows.rays = 4;
+  shard.rows.mirrored = {{0, 1, 3, Color(0.5f, 0.25f, 0.0f)}};
+  shard.display_rows.emplace();
+  shard.display_rows->starts = {0, 1, 2};
+  shard.display_rows->ends = {4, 3};
+  shard.display_rows->shares = {1.0f, 1.0f};
+  shard.display_rows->rays = 2;
+  shard.cast = 12;
+  shard.key = "key";
+  return shard;
+}
+
+DisplayMesh mesh() {
+  DisplayMesh mesh;
+  mesh.roots = {0, -1, -1, -1};
+  mesh.cells.resize(1);
+  mesh.cells[0].corners = {0, 0, 0, 0};
+  mesh.vertices = {{0, 0.5f, 0.5f}};
+  mesh.gathered = 1;
+  mesh.elements = 1;
+  return mesh;
+}
+
+TEST(TransportShardFile, ReadsBackWhatWasWritten) {
+  const TemporaryFolder folder;
+  const TransportShard written = sample();
+  const DisplayMesh of_first = mesh();
+  write_transport_shard(folder / "shard.h5", written);
+  const TransportShard read = read_transport_shard(folder / "shard.h5", 4, 0, &of_first);
+  EXPECT_EQ(read.rows.starts, written.rows.starts);
+  EXPECT_EQ(read.rows.ends, written.rows.ends);
+  EXPECT_EQ(read.rows.shares, written.rows.shares);
+  EXPECT_EQ(read.rows.exposed, written.rows.exposed);
+  EXPECT_EQ(read.rows.rays, 4);
+  EXPECT_EQ(read.rows.mirrored.at(0).weight, written.rows.mirrored[0].weight);
+  EXPECT_EQ(read.display_rows->ends, written.display_rows->ends);
+  EXPECT_EQ(read.display_rows->rays, 2);
+  EXPECT_FALSE(read.mesh);
+  EXPECT_EQ(read.cast, 12);
+  EXPECT_EQ(read.key, "key");
+  EXPECT_TRUE(is_fresh_shard(folder / "shard.h5", "key"));
+  EXPECT_FALSE(is_fresh_shard(folder / "shard.h5", "other"));
+  EXPECT_FALSE(is_fresh_shard(folder / "none.h5", "key"));
+
+  std::fstream file(folder / "shard.h5", std::ios::in | std::ios::out | std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  const std::size_t shares = bytes.find(std::string(reinterpret_cast<const char*>(written.rows.shares.data()), 8));
+  ASSERT_NE(shares, std::string::npos);
+  file.seekp(std::streamoff(shares));
+  file.put(char(bytes[shares] ^ 1));
+  file.close();
+  EXPECT_FALSE(is_fresh_shard(folder / "shard.h5", "key")) << "with another byte in what only a merge reads";
+}
+
+TEST(TransportShardFile, HoldsTheDisplayMeshOfTheFirst) {
+  const TemporaryFolder folder;
+  TransportShard first = sample();
+  first.mesh = mesh();
+  write_transport_shard(folder / "shard.h5", first);
+  EXPECT_EQ(read_transport_shard(folder / "shard.h5", 4, 0, nullptr).mesh->gathered, 1);
+  write_transport_shard(folder / "shard.h5", sample());
+  EXPECT_ERROR(read_transport_shard(folder / "shard.h5", 4, 0, nullptr), ExitCode::bad_data, "that is not there");
+}
+
+TEST(TransportShardFile, MayHoldNoRow) {
+  const TemporaryFolder folder;
+  TransportShard none;
+  none.rows.starts = {0};
+  none.rows.rays = 4;
+  write_transport_shard(folder / "shard.h5", none);
+  EXPECT_EQ(read_transport_shard(folder / "shard.h5", 4, 0, nullptr).rows.rows(), 0);
+}
+
+TEST(TransportShardFile, RefusesWhatIsOutOfBounds) {
+  const std::vector<std::function<void(TransportShard&)>> faults{
+      [](TransportShard& s) { s.rows.starts[0] = 1; },
+      [](TransportShard& s) { s.rows.ends[0] = 4; },
+      [](TransportShard& s) { s.rows.ends[0] = -1; },
+      [](TransportShard& s) { s.rows.shares[0] = std::numeric_limits<float>::quiet_NaN(); },
+      [](TransportShard& s) { s.rows.exposed[0] = 0; },
+      [](TransportShard& s) { s.rows.exposed.pop_back(); },
+      [](TransportShard& s) { s.rows.mirrored[0].row = 2; },
+      [](TransportShard& s) { s.rows.mirrored[0].patch = 4; },
+      [](TransportShard& s) { s.display_rows->ends[0] = 5; },
+      [](TransportShard& s) { s.display_rows->shares.pop_back(); },
+  };
+  const TemporaryFolder folder;
+  const DisplayMesh of_first = mesh();
+  for (std::size_t k = 0; k < faults.size(); ++k) {
+    SCOPED_TRACE(k);
+    TransportShard broken = sample();
+    faults[k](broken);
+    write_transport_shard(folder / "shard.h5", broken);
+    EXPECT_ERROR(read_transport_shard(folder / "shard.h5", 4, 0, &of_first), ExitCode::bad_data, "shard.h5");
+  }
+}
+
+}  // namespace
+}  // namespace patchlight

@@ -1,0 +1,151 @@
+#include "pipeline/optics/intersect/packet_tracer.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <random>
+
+#include "pipeline/optics/intersect/ray_scene.h"
+#include "tests/patch_scene.h"
+
+namespace patchlight {
+namespace {
+
+using test::PatchScene;
+
+/// Quads of all shapes, one of them bent, triangles, and spheres, at random places in a room.
+PatchSet clutter(int count, double size) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  const auto vector = [&](double scale) { return Vec3d(unit(random), unit(random), unit(random)) * scale; };
+  PatchScene builder;
+  builder.room(2, 1, {});
+  for (int k = 0; k < count; ++k) {
+    const Vec3d at = vector(1.8), u = vector(size), v = vector(size);
+    const double a = 0.6 + 0.5 * unit(random), b = 1.2 - 0.5 * a;
+    const Vec3d far = k % 5 == 0 ? at + v : at + u * a + v * b + (k % 5 == 1 ? (u % v) * 0.2 : Vec3d(0.0));
+    if (k % 7 == 3)
+      builder.sphere(at, (k % 2 ? 0.3 : -0.3) * size, 1, 1, {});
+    else
+      builder.quad({{at, at + u, far, at + v}}, 1, 1, {});
+  }
+  return std::move(builder.get());
+}
+
+RayPacket random_packet(std::mt19937& random, double spread) {
+  std::uniform_real_distribution<float> unit(-1, 1);
+  const Vec3f from(unit(random), unit(random), unit(random)), along(unit(random), unit(random), unit(random));
+  RayPacket packet;
+  packet.clear();
+  for (int lane = 0; lane < RayPacket::kSize; ++lane)
+    packet.set(lane, from, (along + Vec3f(unit(random), unit(random), unit(random)) * float(spread)).normalized());
+  return packet;
+}
+
+TEST(PacketTracer, MeetsWhatEmbreeMeets) {
+  for (const auto& [count, size] : {std::pair(5, 1.0), {60, 0.5}, {2000, 0.1}}) {
+    const PatchSet scene = clutter(count, size);
+    const RayScene few(scene), embree(scene, 0);
+    std::mt19937 random(1);
+    int differ = 0, rays = 0;
+    for (int k = 0; k < 2000; ++k) {
+      RayPacket a = random_packet(random, k % 2 ? 0.1 : 2.0), b = a;
+      few.intersect(a, true);
+      embree.intersect(b, true);
+      for (int lane = 0; lane < RayPacket::kSize; ++lane, ++rays) {
+        const SurfaceHit one = few.hit(a, lane), other = embree.hit(b, lane);
+        if (one.primitive != other.primitive) {
+          ++differ;  // on an edge, to the last places
+          continue;
+        }
+        EXPECT_EQ(one.front, other.front);
+        EXPECT_NEAR(one.t, other.t, 1e-4);
+        EXPECT_NEAR(one.u, other.u, 2e-3);
+        EXPECT_NEAR(one.v, other.v, 2e-3);
+      }
+    }
+    EXPECT_LT(differ, rays / 5000) << count;
+  }
+}
+
+TEST(PacketTracer, SeesTheSameShadowsAsEmbree) {
+  const PatchSet scene = clutter(300, 0.3);
+  const RayScene few(scene), embree(scene, 0);
+  std::mt19937 random(2);
+  int differ = 0;
+  for (int k = 0; k < 2000; ++k) {
+    RayPacket a = random_packet(random, 0.5);
+    for (int lane = 0; lane < RayPacket::kSize; ++lane) a.rays.ray.tfar[lane] = 0.1f * float(lane + 1);
+    a.valid[k % 16] = 0;
+    RayPacket b = a;
+    const std::uint32_t blocked = few.occluded(a);
+    EXPECT_EQ(blocked >> k % 16 & 1u, 0u) << "a lane that nobody asked for";
+    differ += std::popcount(blocked ^ embree.occluded(b));
+  }
+  EXPECT_LT(differ, 8);
+}
+
+TEST(PacketTracer, LetsNoRayThroughBetweenNeighbours) {
+  for (const double scale : {1e-3, 1.0, 1e3}) {
+    PatchScene builder;
+    builder.room(scale, 1, {});
+    const RayScene rays(builder.get());
+    std::mt19937 random(3);
+    std::uniform_real_distribution<float> unit(-1, 1);
+    for (int k = 0; k < 4000; ++k) {
+      RayPacket packet;
+      packet.clear();
+      for (int lane = 0; lane < RayPacket::kSize; ++lane) {  // at edges and corners, exactly
+        Vec3f to(unit(random), unit(random), unit(random));
+        to[k % 3] = k % 2 ? 1.0f : -1.0f;
+        to[(k + 1) % 3] = k % 4 < 2 ? 1.0f : -1.0f;
+        if (k % 8 == 7) to[(k + 2) % 3] = 1.0f;
+        packet.set(lane, Vec3f(unit(random), unit(random), unit(random)) * float(0.4 * scale), to * float(scale));
+        packet.set(lane, packet.origin(lane), to * float(scale) - packet.origin(lane));
+      }
+      rays.intersect(packet, false);
+      for (int lane = 0; lane < RayPacket::kSize; ++lane) ASSERT_GE(rays.hit(packet, lane).primitive, 0);
+    }
+  }
+}
+
+TEST(PacketTracer, LeavesOutLanesWhateverTheyHold) {
+  const PatchSet scene = clutter(60, 0.5);
+  const RayScene rays(scene);
+  std::mt19937 random(4);
+  const float values[] = {
+      0.0f, -1e30f, 1e30f, 1e-42f, std::numeric_limits<float>::quiet_NaN(), -std::numeric_limits<float>::infinity()};
+  for (int k = 0; k < 600; ++k) {
+    RayPacket clean = random_packet(random, 0.5);
+    for (int lane = 3; lane < RayPacket::kSize; ++lane) clean.valid[lane] = 0;
+    RayPacket other = clean;
+    for (int lane = 3; lane < RayPacket::kSize; ++lane) {
+      auto& ray = other.rays.ray;
+      for (float* field : {ray.org_x, ray.org_y, ray.org_z, ray.dir_x, ray.dir_y, ray.dir_z, ray.tnear, ray.tfar})
+        field[lane] = values[random() % 6];
+    }
+    RayPacket shadows = other;
+    rays.intersect(clean, true);
+    rays.intersect(other, true);
+    std::uint32_t met = 0;
+    for (int lane = 0; lane < RayPacket::kSize; ++lane) {
+      EXPECT_EQ(rays.hit(other, lane).primitive, rays.hit(clean, lane).primitive);
+      EXPECT_EQ(rays.hit(other, lane).t, rays.hit(clean, lane).t);
+      met |= std::uint32_t(rays.hit(clean, lane).primitive >= 0) << lane;
+    }
+    EXPECT_EQ(rays.occluded(shadows), met);
+  }
+}
+
+TEST(PacketTracer, TakesAnEmptyScene) {
+  const RayScene rays{PatchSet{}};
+  RayPacket packet;
+  packet.clear();
+  packet.set(0, Vec3f(0.0f), Vec3f(1, 0, 0));
+  rays.intersect(packet, false);
+  EXPECT_EQ(rays.hit(packet, 0).primitive, -1);
+  EXPECT_EQ(rays.occluded(packet), 0u);
+}
+
+}  // namespace
+}  // namespace patchlight

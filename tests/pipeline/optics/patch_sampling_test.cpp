@@ -1,0 +1,74 @@
+#include "pipeline/optics/sampling/patch_sampling.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/patch_scene.h"
+
+namespace patchlight {
+namespace {
+
+/// Mean of the sampled positions over a fine regular grid of the unit square.
+Vec3d sampled_centroid(const Primitive& primitive, const Patch& patch) {
+  const PatchSampler sample(primitive, patch);
+  Vec3d sum(0.0);
+  constexpr int kSide = 256;
+  for (int j = 0; j < kSide; ++j)
+    for (int i = 0; i < kSide; ++i) sum += sample((float(i) + 0.5f) / kSide, (float(j) + 0.5f) / kSide).position;
+  return sum / (kSide * kSide);
+}
+
+TEST(PatchSampling, IsUniformOverATriangle) {
+  test::PatchScene builder;
+  builder.quad({{{0, 0, 0}, {3, 0, 0}, {0, 6, 0}, {0, 6, 0}}}, 1, 1, {});
+  const Vec3d centroid = sampled_centroid(builder.get().primitives[0], builder.get().patches[0]);
+  EXPECT_LT((centroid - Vec3d(1, 2, 0)).length(), 1e-4);
+}
+
+TEST(PatchSampling, IsUniformOverATrapezoid) {
+  test::PatchScene builder;
+  builder.quad({{{0, 0, 0}, {2, 0, 0}, {1, 1, 0}, {0, 1, 0}}}, 1, 1, {});
+  const Vec3d centroid = sampled_centroid(builder.get().primitives[0], builder.get().patches[0]);
+  EXPECT_LT((centroid - Vec3d(7.0 / 9, 4.0 / 9, 0)).length(), 1e-4);  // of a trapezoid by its two triangles
+}
+
+TEST(PatchSampling, IsUniformOverASphere) {
+  test::PatchScene builder;
+  builder.sphere({1, 2, 3}, 2, 2, 1, {});  // upper hemisphere: centroid at R / 2
+  const Vec3d centroid = sampled_centroid(builder.get().primitives[0], builder.get().patches[0]);
+  EXPECT_LT((centroid - Vec3d(1, 3, 3)).length(), 1e-3);
+}
+
+TEST(PatchSampling, SphereAzimuthStartsAtXAndGrowsTowardsMinusZ) {
+  Primitive sphere;
+  sphere.shape = Primitive::Shape::sphere;
+  sphere.sphere_radius = 1;
+  EXPECT_LT((point_at(sphere, 0, 0.5).position - Vec3d(1, 0, 0)).length(), 1e-12);
+  EXPECT_LT((point_at(sphere, 0.25, 0.5).position - Vec3d(0, 0, -1)).length(), 1e-12);
+  EXPECT_LT((point_at(sphere, 0.3, 0).position - Vec3d(0, 1, 0)).length(), 1e-12);
+  sphere.sphere_radius = -1;
+  EXPECT_LT((point_at(sphere, 0, 0.5).normal - Vec3f(-1, 0, 0)).length(), 1e-6f);
+}
+
+TEST(PatchSampling, CosineDirectionsHaveTheirMeanAtTwoThirds) {
+  double sum = 0;
+  constexpr int kSide = 512;
+  for (int j = 0; j < kSide; ++j)
+    for (int i = 0; i < kSide; ++i) {
+      const Vec3f d = cosine_direction((float(i) + 0.5f) / kSide, (float(j) + 0.5f) / kSide);
+      EXPECT_NEAR(d.length(), 1.0f, 1e-5f);
+      sum += d.z;
+    }
+  EXPECT_NEAR(sum / (kSide * kSide), 2.0 / 3.0, 1e-4);
+}
+
+TEST(PatchSampling, FramesAreOrthonormalAndRightHanded) {
+  for (const Vec3f& n : {Vec3f(0, 0, 1), Vec3f(0, 0, -1), Vec3f(1, 0, 0), Vec3f(0.6f, 0, -0.8f), Vec3f(0, -1, 0)}) {
+    Vec3f t, b;
+    orthonormal_frame(n, t, b);
+    EXPECT_NEAR(t.length(), 1, 1e-6);
+    EXPECT_LT((t % b - n).length(), 1e-6f);
+  }
+}
+
+}  // namespace
+}  // namespace patchlight

@@ -1,0 +1,118 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "pipeline/optics/surface/mirror.h"
+#include "tests/tracer/solved_scene.h"
+
+namespace patchlight {
+namespace {
+
+using test::PatchScene;
+using test::Solved;
+
+/// A mirror 1 m before the camera, of reflectance `specular`, and a glowing wall 1 m behind it.
+PatchScene mirror_scene(const Color& specular) {
+  PatchScene builder;
+  builder.get().materials.push_back({"mirror", specular, 0.0f});
+  builder.quad({{{-9, -9, -1}, {9, -9, -1}, {9, 9, -1}, {-9, 9, -1}}}, 1, 1, {0.0f, 0.0f, 0, 1});
+  builder.quad({{{-9, -9, 1}, {-9, 9, 1}, {9, 9, 1}, {9, -9, 1}}}, 1, 1, {0.0f, 3.0f});
+  return builder;
+}
+
+TEST(Metals, MirrorsShowWhatIsBeforeThem) {
+  PatchScene builder = mirror_scene(Color(0.5f, 0.25f, 1.0f));
+  const Solved solved(builder);
+  for (const Color& pixel : solved.render().pixels) {
+    EXPECT_NEAR(pixel.x, 0.5 * 3 / kPi, 1e-5);
+    EXPECT_NEAR(pixel.y, 0.25 * 3 / kPi, 1e-5);
+  }
+}
+
+TEST(Metals, MirrorsShowAsMuchFromFarAway) {
+  PatchScene builder;
+  builder.get().materials.push_back({"mirror", Color(1.0f), 0.0f});
+  builder.quad({{{-0.01, -0.01, 0}, {0.01, -0.01, 0}, {0.01, 0.01, 0}, {-0.01, 0.01, 0}}}, 1, 1, {0.0f, 0.0f, 0, 1});
+  builder.quad({{{-9, -9, 400}, {-9, 9, 400}, {9, 9, 400}, {9, -9, 400}}}, 1, 1, {0.0f, 3.0f});
+  Solved solved(builder);
+  solved.camera.to_world.translate(Vec3d(0, 0, 300));
+  solved.camera.vertical = 3e-5;  // the mirror fills the frame
+  for (const Color& pixel : solved.render().pixels) EXPECT_NEAR(pixel.y, 3 / kPi, 1e-5);
+}
+
+TEST(Metals, EndsBetweenMirrorsThatFaceEachOther) {
+  PatchScene builder;
+  builder.get().materials[0] = {"mirror", Color(1.0f), 0.0f};
+  builder.room(1, 1, {0.0f, 0.0f});
+  const Solved solved(builder);
+  for (const Color& pixel : solved.render().pixels) EXPECT_EQ(pixel, Color(0.0f));
+}
+
+TEST(Metals, RoughMetalsShowEmittersAsTheirLobesHaveThem) {
+  for (const float roughness : {0.1f, 0.3f, 0.7f}) {
+    PatchScene builder;
+    builder.get().materials.push_back({"metal", Color(1.0f, 0.5f, 0.25f), roughness});
+    builder.quad({{{-9, -9, -1}, {9, -9, -1}, {9, 9, -1}, {-9, 9, -1}}}, 1, 1, {0.0f, 0.0f, 0, 1});
+    builder.quad({{{0.1, 0, 1}, {0.1, 0.4, 1}, {0.5, 0.4, 1}, {0.5, 0, 1}}}, 1, 1, {0.0f, 5.0f});
+    builder.quad({{{-2, 0, 3}, {-2, 1, 3}, {-1, 1, 3}, {-1, 0, 3}}}, 1, 1, {0.0f, 20.0f});
+    Solved solved(builder);
+    solved.job.trace.samples = 256;
+    solved.camera.vertical = 1e-3;
+    double exact = 0;
+    const auto add_lamp = [&](double x0, double y0, double z, double size, double exitance) {
+      constexpr int kFine = 200;
+      for (int k = 0; k < kFine * kFine; ++k) {
+        const Vec3d to(x0 + (k % kFine + 0.5) / kFine * size, y0 + (k / kFine + 0.5) / kFine * size, z + 1);
+        const Vec3d out = to.normalized();
+        const double solid_angle = size * size / (kFine * kFine) * out.z / to.length2();
+        exact += exitance / kPi * solid_angle * metal_lobe(roughness, {0, 0, 1}, {0, 0, -1}, Vec3f(out)).value;
+      }
+    };
+    add_lamp(0.1, 0, 1, 0.4, 5);
+    add_lamp(-2, 0, 3, 1, 20);
+    Color mean(0.0f);
+    for (const Color& pixel : solved.render().pixels) mean += pixel / 64;
+    EXPECT_NEAR(mean.x, exact, 0.02 * exact) << roughness;
+    EXPECT_NEAR(mean.z, 0.25 * exact, 0.02 * 0.25 * exact) << roughness;
+  }
+}
+
+TEST(Metals, RoughMetalsShowSurroundingsLessWhatTheirFacetsKeep) {
+  for (const bool lamps : {true, false}) {  // that glow, or that reflect as much
+    PatchScene builder;
+    builder.get().materials.push_back({"metal", Color(1.0f), 0.5f});
+    builder.room(1, 2, lamps ? PatchScene::Surface{0.0f, 3.0f} : PatchScene::Surface{0.5f, 0.0f});
+    builder.get().primitives[4].material = 1;  // before the camera
+    for (Patch& patch : builder.get().patches)
+      if (patch.primitive == 4) patch.emission = patch.reflectance = Color(0.0f);
+    Solved solved(builder, 4.0f, 2.0f);
+    solved.job.trace.samples = 64;
+    solved.camera.vertical = 0.05;
+    double mean = 0;
+    for (const Color& pixel : solved.render().pixels) mean += pixel.y / 64;
+    EXPECT_NEAR(mean * kPi, 3 * 0.9119, 0.02) << "as Mirror.RoughOnesReflectWhatTheirMicrofacetsLeave has it";
+  }
+}
+
+TEST(Metals, MirrorsOnCurvedMeshesTurnSmoothly) {
+  PatchScene builder;  // two facets at an angle; what they show runs on from one to the other
+  builder.get().materials.push_back({"mirror", Color(1.0f), 0.0f});
+  builder.quad({{{-1, -1, -1.1}, {0, -1, -1}, {0, 1, -1}, {-1, 1, -1.1}}}, 1, 1, {0.0f, 0.0f, 0, 1});
+  builder.quad({{{0, -1, -1}, {1, -1, -1.1}, {1, 1, -1.1}, {0, 1, -1}}}, 1, 1, {0.0f, 0.0f, 0, 1});
+  builder.get().primitives[0].smooth_vertices = {0, 1, 2, 3};
+  builder.get().primitives[1].smooth_vertices = {1, 4, 5, 2};
+  builder.quad({{{-9, -9, 1}, {-9, 9, 1}, {9, 9, 1}, {9, -9, 1}}}, 1, 1, {0.0f, 1.0f});
+  builder.get().shaders = {{"ramp", {}, {"2 + x", "1", "1"}}};
+  builder.get().primitives[2].shader = 0;
+  Solved solved(builder);
+  solved.job.trace.resolution = {64, 1};
+  solved.camera.vertical = 0.02;
+  const Image image = solved.render();
+  for (std::size_t x = 1; x < 64; ++x)
+    EXPECT_NEAR(image.pixels[x].x, image.pixels[x - 1].x, 0.05) << "no step at the edge";
+  EXPECT_GT(image.pixels[63].x - image.pixels[0].x, 0.1);
+}
+
+}  // namespace
+}  // namespace patchlight

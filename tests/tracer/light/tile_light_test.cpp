@@ -1,0 +1,155 @@
+#include "tracer/light/tile_light.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/patch_scene.h"
+
+namespace patchlight {
+namespace {
+
+using test::PatchScene;
+
+constexpr int kWidth = 8, kPerPixel = 16;
+
+/// What a strip of pixels gets from points at them. `place`: of the first pixel, from which come the random numbers.
+std::vector<Color> light_of(const PatchSet& scene, const Color& setting, std::vector<ShadingPoint> points, int width,
+                            int place) {
+  const RayScene rays(scene);
+  const PixelLight lights(scene, rays, {setting});
+  TileLight tile(lights, {place, 0, width, 1}, kPerPixel);
+  std::vector<Color> pixels(std::size_t(width), Color(0.0f));
+  tile.look(points, std::vector<std::uint8_t>(std::size_t(width), 1));
+  std::erase_if(points, [&](const ShadingPoint& p) { return !tile.sharp(p.pixel) && tile.add_seen(p, pixels); });
+  tile.add(points, pixels);
+  return pixels;
+}
+
+/// A lamp of a metre square above the ground, and a tile that looks at a strip of ground of the width of `extent`.
+struct Ground {
+  PatchScene builder;
+  double extent;
+
+  explicit Ground(double wide) : extent(wide) {
+    builder.quad({{{-0.5, 2, -0.5}, {0.5, 2, -0.5}, {0.5, 2, 0.5}, {-0.5, 2, 0.5}}}, 2, 2, {0.0f, 3.0f});
+    builder.quad({{{-9, 0, -9}, {-9, 0, 9}, {9, 0, 9}, {9, 0, -9}}}, 1, 1, {0.5f, 0.0f});
+  }
+
+  /// x of sample k of a pixel.
+  double x(int pixel, int k) const { return extent * ((pixel + (k + 0.5) / kPerPixel) / kWidth - 0.5); }
+
+  std::vector<Color> light(int place, const Color& setting = Color(1.0f)) {
+    std::vector<ShadingPoint> points;
+    for (int k = 0; k < kPerPixel; ++k)
+      for (std::uint32_t pixel = 0; pixel < kWidth; ++pixel)
+        points.push_back(
+            {pixel, 1, 1, {}, Vec3d(x(int(pixel), k), 1e-6, 0.1), Vec3f(0, 1, 0), Color(1.0f / kPerPixel)});
+    return light_of(builder.get(), setting, points, kWidth, place);
+  }
+
+  /// Irradiance of a pixel by a grid of rays to each lamp, which are squares that look down, of these corners, sizes
+  /// and exitances. Those that `hidden` says so of do not arrive.
+  struct Lamp {
+    Vec3d corner;
+    double size, exitance;
+  };
+  template <typename Hidden>
+  double brute_force(int pixel, const std::vector<Lamp>& lamps, Hidden&& hidden) const {
+    constexpr int kFine = 64;
+    double sum = 0;
+    for (const Lamp& lamp : lamps)
+      for (int k = 0; k < kPerPixel; ++k)
+        for (int i = 0; i < kFine * kFine; ++i) {
+          const Vec3d at(x(pixel, k), 1e-6, 0.1);
+          const Vec3d to = lamp.corner + Vec3d(i % kFine + 0.5, 0, i / kFine + 0.5) * (lamp.size / kFine);
+          if (hidden(at, to)) continue;
+          const Vec3d d = to - at;
+          sum += lamp.exitance * lamp.size * lamp.size * d.y * d.y / (kPi * d.length2() * d.length2());
+        }
+    return sum / (kFine * kFine * kPerPixel);
+  }
+};
+
+TEST(TileLight, OfALampThatNothingHidesIsItsClosedForm) {
+  Ground ground(0.5);
+  const RayScene rays(ground.builder.get());
+  const DirectLight lamp(ground.builder.get(), rays, emitters_apart(ground.builder.get()).at(0));
+  const std::vector<Color> pixels = ground.light(1);
+  for (int p = 0; p < kWidth; ++p) {
+    double exact = 0;
+    for (int k = 0; k < kPerPixel; ++k)
+      exact += 3 * lamp.form_factor({ground.x(p, k), 1e-6, 0.1}, {0, 1, 0}) / kPerPixel;
+    EXPECT_NEAR(pixels[p].y, exact, 3e-4 * exact);
+  }
+}
+
+TEST(TileLight, InPenumbraeIsRightInTheMean) {
+  Ground ground(1.5);
+  ground.builder.quad({{{0, 1, -2}, {0, 1, 2}, {4, 1, 2}, {4, 1, -2}}}, 1, 1, {0.0f, 0.0f});
+  const RayScene rays(ground.builder.get());
+  const DirectLight lamp(ground.builder.get(), rays, emitters_apart(ground.builder.get()).at(0));
+  const std::vector<Ground::Lamp> lamps{{{-0.5, 2, -0.5}, 1, 3}};
+  constexpr int kPlaces = 200;
+  std::vector<double> mean(kWidth, 0.0);
+  for (int place = 0; place < kPlaces; ++place) {
+    const std::vector<Color> pixels = ground.light(9 * place);
+    for (int p = 0; p < kWidth; ++p) mean[p] += pixels[p].y / kPlaces;
+  }
+  // The shade reaches from x = 0 on, half way up.
+  const auto exact = [&](int p) {
+    return ground.brute_force(p, lamps, [](const Vec3d& at, const Vec3d& to) { return at.x + to.x > 0; });
+  };
+  for (int p = 0; p < kWidth; ++p) EXPECT_NEAR(mean[p], exact(p), 0.004) << p;
+  EXPECT_GT(exact(0), 0.15);
+  EXPECT_LT(exact(kWidth - 1), 0.01);
+}
+
+TEST(TileLight, FaintLampsCountAsMuchAsByBruteForce) {
+  Ground ground(1.5);
+  ground.builder.quad({{{0, 1, -2}, {0, 1, 2}, {4, 1, 2}, {4, 1, -2}}}, 1, 1, {0.0f, 0.0f});
+  std::vector<Ground::Lamp> lamps{{{-0.5, 2, -0.5}, 1, 3}};
+  for (const double x : {-4.0, -1.0, 0.5, 3.0}) {
+    lamps.push_back({{x, 2.5, 0.7}, 0.5, 0.4});
+    const double to = x + 0.5;
+    ground.builder.quad({{{x, 2.5, 0.7}, {to, 2.5, 0.7}, {to, 2.5, 1.2}, {x, 2.5, 1.2}}}, 1, 1, {0.0f, 0.4f});
+  }
+  // Behind the ground, beside it and turned away: none of them arrives.
+  ground.builder.quad({{{0, -1, 0}, {1, -1, 0}, {1, -1, 1}, {0, -1, 1}}}, 1, 1, {0.0f, 9.0f});
+  ground.builder.quad({{{0, 3, 0}, {0, 3, 1}, {1, 3, 1}, {1, 3, 0}}}, 1, 1, {0.0f, 9.0f});
+  constexpr int kPlaces = 100;
+  std::vector<double> mean(kWidth, 0.0);
+  for (int place = 0; place < kPlaces; ++place) {
+    const std::vector<Color> pixels = ground.light(9 * place);
+    for (int p = 0; p < kWidth; ++p) mean[p] += pixels[p].y / kPlaces;
+  }
+  for (int p = 0; p < kWidth; ++p) {
+    const double exact = ground.brute_force(p, lamps, [](const Vec3d& at, const Vec3d& to) {
+      return at.x + (to.x - at.x) / to.y > 0 && at.z + (to.z - at.z) / to.y < 2;
+    });
+    EXPECT_NEAR(mean[p], exact, 0.005) << p;
+  }
+}
+
+TEST(TileLight, FollowsTheSettingsOfTheLights) {
+  Ground ground(0.5);
+  const std::vector<Color> full = ground.light(1), dim = ground.light(1, Color(0.5f, 0.25f, 0.0f));
+  EXPECT_NEAR(dim[3].x, 0.5f * full[3].x, 1e-6);
+  EXPECT_NEAR(dim[3].y, 0.25f * full[3].y, 1e-6);
+  EXPECT_EQ(dim[3].z, 0);
+  EXPECT_EQ(ground.light(1, Color(0.0f))[3], Color(0.0f));
+}
+
+TEST(TileLight, ALampDoesNotLightItself) {
+  PatchScene builder;
+  builder.quad({{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}, 2, 2, {0.5f, 3.0f});
+  builder.sphere({0, 0, 5}, 1, 4, 8, {0.5f, 3.0f});
+  const std::vector<ShadingPoint> points{{0, 0, 0, {}, Vec3d(0.3, 0.4, 1e-5), Vec3f(0, 0, 1), Color(1.0f)},
+                                         {1, 1, 1, {}, Vec3d(0, 0, 6 + 1e-4), Vec3f(0, 0, 1), Color(1.0f)}};
+  const std::vector<Color> pixels = light_of(builder.get(), Color(1.0f), points, 2, 1);
+  EXPECT_GT(pixels[0].y, 0) << "the sphere lights the square";
+  EXPECT_EQ(pixels[1].y, 0) << "the sphere's far side sees nothing";
+}
+
+}  // namespace
+}  // namespace patchlight

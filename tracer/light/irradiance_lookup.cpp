@@ -1,0 +1,241 @@
+#include "tracer/light/irradiance_lookup.h"
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+
+namespace patchlight {
+
+namespace {
+
+Color positive(const Color& c) {
+  return Color(std::max(c.x, 0.0f), std::max(c.y, 0.0f), std::max(c.z, 0.0f));
+}
+
+Color mix(const Color& a, const Color& b, float t) {
+  return a * (1.0f - t) + b * t;
+}
+
+/// Edges of a quad, from one corner to another in the direction of growing u or v.
+struct Edge {
+  int from, to;
+};
+constexpr std::array<Edge, 4> kEdges{{{0, 1}, {1, 2}, {3, 2}, {0, 3}}};  // v = 0, u = 1, v = 1, u = 0
+
+}  // namespace
+
+/// Makes the values of cells, group by group.
+class IrradianceLookup::Builder {
+ public:
+  Builder(const PatchSet& scene, const PatchLookup& lookup) : scene_(scene), lookup_(lookup) {
+    for (std::int32_t i = 0; i < std::int32_t(scene.primitives.size()); ++i) add_sides(i);
+    for (std::int32_t i = 0; i < std::int32_t(scene.primitives.size()); ++i) add_grid(i);
+  }
+
+  std::size_t cell_count() const { return cells_.size(); }
+  std::vector<Grid> grids() && { return std::move(grids_); }
+
+  /// For one group's irradiance of patches.
+  const std::vector<Color>& cells(const std::vector<Color>& irradiance) {
+    irradiance_ = &irradiance;
+    for (auto& [id, vertex] : vertices_) vertex = {};
+    for (std::int32_t i = 0; i < std::int32_t(grids_.size()); ++i) add_to_vertices(i);
+    for (std::int32_t i = 0; i < std::int32_t(grids_.size()); ++i) {
+      if (grids_[i].columns < 0) fill_facet(i);
+      if (grids_[i].columns > 0) fill_cells(i);
+    }
+    return cells_;
+  }
+
+ private:
+  struct Side {
+    std::int32_t primitive;
+    int edge;
+    bool reversed;  ///< The edge runs from the larger vertex id to the smaller.
+  };
+  struct VertexSum {
+    Color sum{0.0f};
+    float count = 0.0f;
+  };
+
+  static std::uint64_t edge_key(std::int32_t a, std::int32_t b) {
+    return std::uint64_t(std::uint32_t(std::min(a, b))) << 32 | std::uint32_t(std::max(a, b));
+  }
+
+  const Color& cell(std::int32_t i, int column, int row) const {
+    return (*irradiance_)[lookup_.row(i, row).first + column];
+  }
+
+  /// The cell of an edge at `k` of its cells, counted along the edge.
+  const Color& edge_cell(std::int32_t i, int edge, int k) const {
+    const int last_row = lookup_.rows(i) - 1, last_column = lookup_.row(i, 0).cells - 1;
+    switch (edge) {
+      case 0:
+        return cell(i, k, 0);
+      case 1:
+        return cell(i, last_column, k);
+      case 2:
+        return cell(i, k, last_row);
+      default:
+        return cell(i, 0, k);
+    }
+  }
+  int edge_cells(std::int32_t i, int edge) const { return edge % 2 == 0 ? lookup_.row(i, 0).cells : lookup_.rows(i); }
+
+  bool has_smooth_vertices(std::int32_t i) const {
+    const Primitive& p = scene_.primitives[i];
+    return p.shape == Primitive::Shape::quad && p.smooth_vertices[0] >= 0;
+  }
+
+  void add_sides(std::int32_t i) {
+    if (!has_smooth_vertices(i)) return;
+    const auto& ids = scene_.primitives[i].smooth_vertices;
+    for (int e = 0; e < 4; ++e) {
+      const std::int32_t a = ids[kEdges[e].from], b = ids[kEdges[e].to];
+      if (a != b) sides_[edge_key(a, b)].push_back({i, e, a > b});
+    }
+    for (int k = 0; k < (scene_.primitives[i].is_triangle() ? 3 : 4); ++k) vertices_[ids[k]].count += 1;
+  }
+
+  void add_grid(std::int32_t i) {
+    Grid grid;
+    grid.first = cells_.size();
+    grid.rows = lookup_.rows(i);
+    if (scene_.primitives[i].shape == Primitive::Shape::quad) {
+      grid.columns = lookup_.row(i, 0).cells;
+      if (grid.columns == 1 && grid.rows == 1 && meets_smoothly(i)) grid.columns = -1;
+      cells_.resize(cells_.size() + (grid.columns < 0 ? 4 : std::size_t(grid.columns + 2) * (grid.rows + 2)));
+    }
+    grids_.push_back(grid);
+  }
+
+  void add_to_vertices(std::int32_t i) {
+    if (!has_smooth_vertices(i)) return;
+    const auto& ids = scene_.primitives[i].smooth_vertices;
+    const int last_row = lookup_.rows(i) - 1, last_column = lookup_.row(i, 0).cells - 1;
+    for (int k = 0; k < (scene_.primitives[i].is_triangle() ? 3 : 4); ++k) {
+      VertexSum& vertex = vertices_[ids[k]];
+      vertex.sum += cell(i, k == 1 || k == 2 ? last_column : 0, k >= 2 ? last_row : 0);
+      vertex.count += 1;
+    }
+  }
+
+  bool meets_smoothly(std::int32_t i) const {
+    const auto& ids = scene_.primitives[i].smooth_vertices;
+    return std::any_of(ids.begin(), ids.end(), [&](std::int32_t id) { return id >= 0 && vertices_.at(id).count > 1; });
+  }
+
+  void fill_facet(std::int32_t i) {
+    const auto& ids = scene_.primitives[i].smooth_vertices;
+    Color* cell = cells_.data() + grids_[i].first;
+    for (const int k : {0, 1, 3, 2}) {
+      const VertexSum& vertex = vertices_.at(ids[k]);
+      *cell++ = vertex.sum / vertex.count;
+    }
+  }
+
+  /// What lies behind cell `k` of an edge: the smooth neighbour's cells, or the line through the last two of its own.
+  Color beyond(std::int32_t i, int edge, int k, const Color& last, const Color& before) const {
+    const auto& ids = scene_.primitives[i].smooth_vertices;
+    const std::int32_t a = ids[kEdges[edge].from], b = ids[kEdges[edge].to];
+    if (a >= 0 && a != b) {
+      const auto& sides = sides_.at(edge_key(a, b));
+      if (sides.size() == 2) {
+        const Side& other = sides[sides[0].primitive == i && sides[0].edge == edge ? 1 : 0];
+        const int count = edge_cells(other.primitive, other.edge);
+        float t = (float(k) + 0.5f) / float(edge_cells(i, edge));
+        if (other.reversed != (a > b)) t = 1.0f - t;
+        const float x = std::clamp(t * float(count) - 0.5f, 0.0f, float(count - 1));
+        const int low = std::min(int(x), std::max(count - 2, 0));
+        return mix(edge_cell(other.primitive, other.edge, low),
+                   edge_cell(other.primitive, other.edge, std::min(low + 1, count - 1)), x - float(low));
+      }
+    }
+    return positive(last * 2.0f - before);
+  }
+
+  void fill_cells(std::int32_t i) {
+    const int nu = grids_[i].columns, nv = grids_[i].rows, stride = nu + 2;
+    Color* origin = cells_.data() + grids_[i].first;
+    const auto at = [&](int column, int row) -> Color& { return origin[(row + 1) * stride + column + 1]; };
+    for (int row = 0; row < nv; ++row)
+      for (int column = 0; column < nu; ++column) at(column, row) = cell(i, column, row);
+    for (int k = 0; k < nu; ++k) {
+      at(k, -1) = beyond(i, 0, k, at(k, 0), at(k, std::min(1, nv - 1)));
+      at(k, nv) = beyond(i, 2, k, at(k, nv - 1), at(k, std::max(nv - 2, 0)));
+    }
+    for (int k = 0; k < nv; ++k) {
+      at(-1, k) = beyond(i, 3, k, at(0, k), at(std::min(1, nu - 1), k));
+      at(nu, k) = beyond(i, 1, k, at(nu - 1, k), at(std::max(nu - 2, 0), k));
+    }
+    for (const int row : {-1, nv})
+      for (const int column : {-1, nu}) {
+        const int c = std::clamp(column, 0, nu - 1), r = std::clamp(row, 0, nv - 1);
+        at(column, row) = positive(at(c, row) + at(column, r) - at(c, r));
+      }
+  }
+
+  const PatchSet& scene_;
+  const PatchLookup& lookup_;
+  const std::vector<Color>* irradiance_ = nullptr;
+  std::vector<Grid> grids_;
+  std::vector<Color> cells_;
+  std::unordered_map<std::uint64_t, std::vector<Side>> sides_;
+  std::unordered_map<std::int32_t, VertexSum> vertices_;
+};
+
+IrradianceLookup::IrradianceLookup(const PatchSet& scene, const PatchLookup& lookup, const OfGroup& of_group,
+                                   const std::vector<LightMix>& mixes)
+    : lookup_(lookup) {
+  Builder builder(scene, lookup);
+  mixes_.resize(mixes.size(), {std::vector<Color>(scene.patches.size(), Color(0.0f)),
+                               std::vector<Color>(builder.cell_count(), Color(0.0f))});
+  const auto add = [](const std::vector<Color>& values, const Color& weight, std::vector<Color>& sums) {
+    for (std::size_t k = 0; k < values.size(); ++k) sums[k] += values[k] * weight;
+  };
+  for (std::size_t g = 0; g < scene.light_groups.size(); ++g) {
+    const std::vector<Color> irradiance = of_group(g);
+    const std::vector<Color>& cells = builder.cells(irradiance);
+    for (std::size_t m = 0; m < mixes.size(); ++m) {
+      add(irradiance, mixes[m][g], mixes_[m].patches);
+      add(cells, mixes[m][g], mixes_[m].cells);
+    }
+  }
+  grids_ = std::move(builder).grids();
+}
+
+Color IrradianceLookup::operator()(std::int32_t i, float u, float v, std::size_t mix_index) const {
+  const Grid& grid = grids_[i];
+  const Values& values = mixes_[mix_index];
+  if (grid.columns == 0) return on_sphere(i, u, v, values);
+  const Color* cells = values.cells.data() + grid.first;
+  if (grid.columns < 0) return mix(mix(cells[0], cells[1], u), mix(cells[2], cells[3], u), v);
+  const float x = u * float(grid.columns) + 0.5f, y = v * float(grid.rows) + 0.5f;
+  const int column = std::clamp(int(x), 0, grid.columns), row = std::clamp(int(y), 0, grid.rows);
+  const int stride = grid.columns + 2;
+  const Color* at = cells + row * stride + column;
+  const float s = x - float(column), t = y - float(row);
+  return positive(mix(mix(at[0], at[1], s), mix(at[stride], at[stride + 1], s), t));
+}
+
+Color IrradianceLookup::on_ring(const PatchLookup::Row& ring, float u, const Values& values) const {
+  const float x = u * float(ring.cells) - 0.5f;
+  const float low = std::floor(x);
+  const int a = (int(low) + ring.cells) % ring.cells, b = (a + 1) % ring.cells;
+  return mix(values.patches[ring.first + a], values.patches[ring.first + b], x - low);
+}
+
+Color IrradianceLookup::on_sphere(std::int32_t i, float u, float v, const Values& values) const {
+  const int rings = lookup_.rows(i);
+  const float y = v * float(rings) - 0.5f;
+  const int low = std::clamp(int(std::floor(y)), 0, rings - 1), high = std::min(low + 1, rings - 1);
+  const float outside = y < 0 ? -y : y - float(rings - 1);
+  if (outside <= 0)
+    return mix(on_ring(lookup_.row(i, low), u, values), on_ring(lookup_.row(i, high), u, values), y - float(low));
+  const PatchLookup::Row& ring = lookup_.row(i, y < 0 ? 0 : rings - 1);
+  Color mean(0.0f);
+  for (int k = 0; k < ring.cells; ++k) mean += values.patches[ring.first + k];
+  return mix(on_ring(ring, u, values), mean / float(ring.cells), std::min(2.0f * outside, 1.0f));
+}
+
+}  // namespace patchlight

@@ -1,0 +1,17 @@
+#include "tracer/light/pixel_light.h"
+
+namespace patchlight {
+
+PixelLight::PixelLight(const PatchSet& scene, const RayScene& ray_scene, const std::vector<Color>& settings)
+    : ray_scene_(ray_scene) {
+  for (const Emitter& emitter : emitters_apart(scene)) {
+    const bool light = emitter.light >= 0;
+    const std::int32_t group =
+        light ? scene.lights[emitter.light].light_group : scene.primitives[emitter.primitive].light_group;
+    const Color own = light ? scene.lights[emitter.light].strength : scene.patches[emitter.first_patch].emission;
+    const Lamp lamp{{scene, ray_scene, emitter}, emitter, group, own, own * settings[group]};
+    if (lamp.brightness() > 0) lamps_.push_back(lamp);
+  }
+}
+
+}  // namespace patchlight

@@ -1,0 +1,109 @@
+#include "tracer/output/frame_writer.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <limits>
+#include <utility>
+
+#include "pipeline/job/reader/job_reader.h"
+#include "pipeline/job/stage_keys.h"
+#include "pipeline/system/content_hash.h"
+
+namespace patchlight {
+
+namespace {
+
+/// Largest half float; what is brighter would become infinite in the file.
+constexpr float kBrightest = 65504.0f;
+
+void clamp(std::vector<Color>& pixels, float most) {
+  for (Color& pixel : pixels)
+    for (int k = 0; k < 3; ++k) pixel[k] = pixel[k] > 0 ? std::min(pixel[k], most) : 0.0f;  // NaN is not > 0
+}
+
+/// Hours, minutes, seconds and frames, by SMPTE.
+std::string timecode(int frame, double fps) {
+  const auto seconds = std::int64_t(frame / fps);
+  return fmt::format("{:02}:{:02}:{:02}:{:02}", seconds / 3600, seconds / 60 % 60, seconds % 60,
+                     int(std::lround(frame - double(seconds) * fps)));
+}
+
+std::string duration(double seconds) {
+  const auto whole = std::int64_t(seconds * 100);
+  const std::string hours = whole >= 360000 ? fmt::format("{:02}:", whole / 360000) : "";
+  return hours + fmt::format("{:02}:{:02}.{:02}", whole / 6000 % 60, whole / 100 % 60, whole % 100);
+}
+
+/// Focal length in mm on the sensor that Blender gives every camera, 36 mm along the image's longer side.
+std::string lens(const Camera& camera, const std::array<int, 2>& size) {
+  const double longer = double(std::max(size[0], size[1])) / size[1];
+  return fmt::format("{:.2f}", 18 / (std::tan(camera.vertical / 2) * longer));
+}
+
+}  // namespace
+
+FrameWriter::FrameWriter(const Job& job, const PatchSet& scene, std::string energy_key)
+    : job_(job),
+      scene_(scene),
+      energy_key_(std::move(energy_key)),
+      view_(job.trace.view, job.trace.exposure),
+      view_config_(view_config_key()) {}
+
+std::string FrameWriter::key(const Frame& frame) const {
+  return frame_key(scene_, energy_key_, job_, frame.camera, frame.number, view_config_);
+}
+
+void FrameWriter::write(const Frame& frame, Image image, double seconds, const std::string& relit_from) const {
+  const float most = job_.trace.pixel_type == "half" ? kBrightest : std::numeric_limits<float>::max();
+  clamp(image.pixels, most);
+  for (ImageLayer& layer : image.layers)
+    if (layer.channels == "RGB") clamp(std::get<std::vector<Color>>(layer.values), most);
+  Job job = job_;
+  job.output.clear();  // the same picture wherever it is put
+  job.bench = {};
+  job.matrix.clear();
+  job.executor = Job().executor;
+  job.slurm = {};
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const auto in_seconds = [](const timeval& time) { return double(time.tv_sec) + 1e-6 * double(time.tv_usec); };
+  const double cpu = in_seconds(usage.ru_utime) + in_seconds(usage.ru_stime),
+               cpu_before = std::exchange(cpu_before_, cpu);
+  // The names under which Blender stamps its frames, in its formats.
+  image.metadata = {
+      {"Software", "Patchlight"},
+      {"File", job_.file.filename().string()},
+      {"Scene", job_.scene.filename().string()},
+      {"Camera", frame.camera.name},
+      {"Frame", fmt::format("{:04}", frame.number)},
+      {"Time", timecode(frame.number, job_.trace.fps)},
+      {"RenderTime", duration(seconds)},
+      {"Date", fmt::format("{:%Y/%m/%d %H:%M:%S}", fmt::localtime(std::time(nullptr)))},
+      {"patchlight:wall_seconds", fmt::format("{:.3f}", seconds)},
+      {"patchlight:cpu_seconds", fmt::format("{:.3f}", cpu - cpu_before)},  // what comes before the first counts in it
+      {"patchlight:peak_bytes", fmt::format("{}", std::int64_t(usage.ru_maxrss) * 1024)},
+      {"patchlight:key", key(frame)},
+      {"patchlight:patches_key", scene_.key},
+      {"patchlight:energy_key", energy_key_},
+      {"patchlight:frames_key", scene_.frames_key},
+      {"patchlight:camera_key", camera_key(frame.camera)},
+      {"patchlight:view_config", view_config_},
+      {"patchlight:job", effective_job(job)},
+  };
+  if (!relit_from.empty()) {
+    image.metadata["patchlight:key"] = relit_key(key(frame));
+    image.metadata["patchlight:relit_from"] = relit_from;
+  }
+  if (frame.camera.projection == Camera::Projection::perspective)
+    image.metadata["Lens"] = lens(frame.camera, job_.trace.resolution);
+  write_png(frame.png, view_(image), job_.output);
+  image.metadata["patchlight:png"] = hash_file(frame.png);
+  write_exr(frame.exr, image, job_.output, {job_.trace.pixel_type, job_.trace.compression});
+}
+
+}  // namespace patchlight

@@ -1,0 +1,149 @@
+#include "tracer/sampling/outlines.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace patchlight {
+
+namespace {
+
+constexpr double kPlane = 1 - 1e-9;  // cosine between the normals of one plane
+constexpr double kNearest = 1e-4;    // part of an edge's largest depth that it is cut at
+constexpr int kAroundSphere = 64;    // straight pieces of a sphere's outline
+
+}  // namespace
+
+/// The image that edges are drawn into.
+struct Outlines::Canvas {
+  const CameraRays& rays;
+  int width, height;
+  std::vector<float> depths;
+
+  /// `a` and `b` in the camera's axes.
+  void line(Vec3d a, Vec3d b) {
+    if (a.z > b.z) std::swap(a, b);  // b is nearer
+    if (!(a.z < 0)) return;
+    const double nearest = rays.perspective() ? kNearest * a.z : 0.0;
+    if (b.z > nearest) b = a + (b - a) * ((nearest - a.z) / (b.z - a.z));
+    const Imath::V2d p = rays.to_image(a), q = rays.to_image(b);
+    // Along a line of the image it is 1 / depth, or in parallel projection depth itself, that runs linearly.
+    const double at_p = rays.perspective() ? -1 / a.z : -a.z, at_q = rays.perspective() ? -1 / b.z : -b.z;
+    const bool flat = std::abs(q.x - p.x) >= std::abs(q.y - p.y);
+    const auto along = [&](const Imath::V2d& v) { return flat ? v.x : v.y; };
+    const auto across = [&](const Imath::V2d& v) { return flat ? v.y : v.x; };
+    const double low = std::min(along(p), along(q)), high = std::max(along(p), along(q));
+    const int steps = flat ? width : height, rows = flat ? height : width;
+    if (!(high >= 0 && low < steps)) return;
+    const double length = along(q) - along(p);
+    for (int step = int(std::max(0.0, std::floor(low))); step < steps && step <= high; ++step) {
+      const auto part = [&](double x) { return length != 0 ? std::clamp((x - along(p)) / length, 0.0, 1.0) : 0.0; };
+      const double s = part(step), t = length != 0 ? part(step + 1) : 1.0;
+      const double from = across(p) + (across(q) - across(p)) * s, to = across(p) + (across(q) - across(p)) * t;
+      const double v = at_p + (at_q - at_p) * s, w = at_p + (at_q - at_p) * t;
+      const auto depth = float(rays.perspective() ? 1 / std::max(v, w) : std::min(v, w));
+      const double first = std::max(0.0, std::floor(std::min(from, to)));
+      const double last = std::min(double(rows - 1), std::floor(std::max(from, to)));
+      for (int row = int(std::min(first, double(rows))); row <= last; ++row) {
+        float& nearest_edge = flat ? depths[std::size_t(row) * width + step] : depths[std::size_t(step) * width + row];
+        nearest_edge = std::min(nearest_edge, depth);
+      }
+    }
+  }
+};
+
+Outlines::Outlines(const PatchSet& scene)
+    : scene_(scene), normals_(scene.primitives.size(), Vec3d(0.0)), surfaces_(scene.primitives.size()) {
+  std::iota(surfaces_.begin(), surfaces_.end(), 0);
+  for (std::size_t i = 0; i < normals_.size(); ++i) {
+    const Primitive& p = scene.primitives[i];
+    if (p.shape == Primitive::Shape::quad)
+      normals_[i] = ((p.corners[2] - p.corners[0]) % (p.corners[3] - p.corners[1])).normalized();
+  }
+  add_sides();
+  for (std::size_t i = 0; i < surfaces_.size(); ++i) surfaces_[i] = root(std::int32_t(i));
+}
+
+void Outlines::add_sides() {
+  struct Side {
+    std::int32_t low, high;  ///< Smooth vertices that it joins.
+    std::int32_t primitive;
+    int corner;
+  };
+  const auto edge_of = [this](const Side& side) {
+    const Primitive& p = scene_.primitives[side.primitive];
+    return Edge{p.corners[side.corner], p.corners[(side.corner + 1) % (p.is_triangle() ? 3 : 4)], side.primitive};
+  };
+  std::vector<Side> sides;
+  for (std::int32_t i = 0; i < std::int32_t(scene_.primitives.size()); ++i) {
+    const Primitive& p = scene_.primitives[i];
+    if (p.shape != Primitive::Shape::quad) continue;
+    const int count = p.is_triangle() ? 3 : 4;
+    for (int k = 0; k < count; ++k) {
+      const std::int32_t a = p.smooth_vertices[k], b = p.smooth_vertices[(k + 1) % count];
+      if (a < 0 || b < 0 || a == b)
+        edges_.push_back(edge_of({a, b, i, k}));
+      else
+        sides.push_back({std::min(a, b), std::max(a, b), i, k});
+    }
+  }
+  std::stable_sort(sides.begin(), sides.end(),
+                   [](const Side& a, const Side& b) { return std::pair(a.low, a.high) < std::pair(b.low, b.high); });
+  for (std::size_t first = 0, end = 0; first < sides.size(); first = end) {
+    while (end < sides.size() && sides[end].low == sides[first].low && sides[end].high == sides[first].high) ++end;
+    const std::int32_t i = sides[first].primitive;
+    if (end - first != 2) {
+      for (std::size_t k = first; k < end; ++k) edges_.push_back(edge_of(sides[k]));
+      continue;
+    }
+    const std::int32_t other = sides[first + 1].primitive;
+    surfaces_[root(i)] = root(other);
+    if ((normals_[i] ^ normals_[other]) > kPlane) continue;
+    edges_.push_back(edge_of(sides[first]));
+    edges_.back().other = other;
+  }
+}
+
+/// Of the primitives that `i` meets smoothly, directly or by others, the one that stands for all.
+std::int32_t Outlines::root(std::int32_t i) {
+  while (surfaces_[i] != i) i = surfaces_[i] = surfaces_[surfaces_[i]];
+  return i;
+}
+
+std::vector<float> Outlines::draw(const CameraRays& rays, int width, int height) const {
+  Canvas canvas{rays, width, height,
+                std::vector<float>(std::size_t(width) * height, std::numeric_limits<float>::infinity())};
+  const Vec3d eye = rays.eye(), forward = rays.forward();
+  const auto faces = [&](std::int32_t i, const Vec3d& at) {
+    return ((rays.perspective() ? at - eye : forward) ^ normals_[i]) < 0;
+  };
+  for (const Edge& edge : edges_)
+    if (edge.other < 0 || faces(edge.primitive, edge.from) != faces(edge.other, edge.from))
+      canvas.line(rays.to_camera(edge.from), rays.to_camera(edge.to));
+  for (const Primitive& p : scene_.primitives)
+    if (p.shape == Primitive::Shape::sphere) draw_sphere(p, canvas);
+  return std::move(canvas.depths);
+}
+
+void Outlines::draw_sphere(const Primitive& sphere, Canvas& canvas) const {
+  Vec3d middle = sphere.sphere_center, axis = canvas.rays.forward();
+  double radius = std::abs(sphere.sphere_radius);
+  if (canvas.rays.perspective()) {
+    const Vec3d to = canvas.rays.eye() - middle;
+    const double part = radius * radius / to.length2();
+    if (part >= 1) return;
+    middle += to * part;
+    radius *= std::sqrt(1 - part);
+    axis = to.normalized();
+  }
+  const Vec3d side = (std::abs(axis.y) < 0.9 ? axis % Vec3d(0, 1, 0) : axis % Vec3d(1, 0, 0)).normalized();
+  const Vec3d up = axis % side;
+  const auto at = [&](int k) {
+    const double turn = 2 * kPi * k / kAroundSphere;
+    return canvas.rays.to_camera(middle + (side * std::cos(turn) + up * std::sin(turn)) * radius);
+  };
+  for (int k = 0; k < kAroundSphere; ++k) canvas.line(at(k), at(k + 1));
+}
+
+}  // namespace patchlight
