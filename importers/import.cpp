@@ -33,7 +33,7 @@ PrimitiveList build_primitives(const GltfScene& scene, const Job& job, Progress&
   }
   if (list.without_area > 0) progress.warning(fmt::format("{} triangles without area are skipped", list.without_area));
   if (!list.texcoords.empty()) list.texcoords.resize(list.primitives.size(), kOwnTexcoords);
-  for (auto* others : {&list.emission_texcoords, &list.finish_texcoords}) {
+  for (auto* others : {&list.emission_texcoords, &list.metallic_roughness_texcoords}) {
     if (others->empty()) continue;
     others->resize(list.primitives.size(), kNoTexcoords);
     for (std::size_t i = 0; i < others->size(); ++i)
@@ -65,7 +65,7 @@ std::vector<Material> lasting_materials(const std::vector<SurfaceMaterial>& mate
   std::vector<Material> result;
   for (const SurfaceMaterial& material : materials)
     result.push_back({material.name, material.specular, material.roughness, material.tint, material.alpha,
-                      material.alpha_cutoff, material.metal, material.finish_roughness, material.emission_tint});
+                      material.alpha_cutoff, material.metal, material.roughness_factor, material.emission_tint});
   return result;
 }
 
@@ -110,7 +110,7 @@ PatchSet import_scene(const Job& job, Progress& progress) {
   set.primitives = std::move(list.primitives);
   set.texcoords = std::move(list.texcoords);
   set.emission_texcoords = std::move(list.emission_texcoords);
-  set.finish_texcoords = std::move(list.finish_texcoords);
+  set.metallic_roughness_texcoords = std::move(list.metallic_roughness_texcoords);
   set.colors = std::move(list.colors);
   set.shaders = scene.shaders;
   set.textures = std::move(scene.textures);

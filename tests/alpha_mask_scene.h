@@ -11,7 +11,7 @@ inline Texture checkers(int count) {
 }
 
 /// Cuts a mask out of a primitive, both sides of it; the mask lies along its (u,v). `coverage`: of each of its patches.
-inline void cut_out(PatchSet& scene, int primitive, const Texture& mask, float coverage) {
+inline void alpha_masked(PatchSet& scene, int primitive, const Texture& mask, float coverage) {
   scene.materials.push_back(scene.materials[std::size_t(scene.primitives[std::size_t(primitive)].material)]);
   scene.materials.back().alpha_cutoff = 0.5f;
   Primitive& p = scene.primitives[std::size_t(primitive)];

@@ -31,10 +31,10 @@ void share_frames(const std::vector<Frame>& frames, const FrameWriter& writer, c
                   const std::filesystem::path& folder, const std::function<void(const Frame&)>& render,
                   Progress& progress) {
   FrameClaims claims(folder);
-  const auto is_there = [&](const Frame& frame) { return is_fresh(frame, writer.key(frame), layers); };
+  const auto passes_alpha_test = [&](const Frame& frame) { return is_fresh(frame, writer.key(frame), layers); };
   std::vector<const Frame*> left;
   for (const Frame& frame : frames)
-    if (!is_there(frame)) left.push_back(&frame);
+    if (!passes_alpha_test(frame)) left.push_back(&frame);
   if (left.size() < frames.size())
     progress.note(fmt::format("{} of {} frames are up to date", frames.size() - left.size(), frames.size()));
   for (const std::size_t all = left.size(); !left.empty();) {
@@ -42,13 +42,13 @@ void share_frames(const std::vector<Frame>& frames, const FrameWriter& writer, c
     for (std::size_t i = 0; i < left.size(); ++i) {
       Progress::check_interrupted();
       const Frame& frame = *left[i];
-      if (is_there(frame)) continue;
+      if (passes_alpha_test(frame)) continue;
       if (!claims.take(writer.key(frame))) {
         others.push_back(&frame);
         continue;
       }
       progress.set_part(all - left.size() + i - others.size(), all);
-      if (!is_there(frame)) render(frame);  // else it has just become so
+      if (!passes_alpha_test(frame)) render(frame);  // else it has just become so
       claims.release();
     }
     if (others.size() == left.size()) {

@@ -145,18 +145,18 @@ void number_smooth_vertices(MeshTopology& topology, const std::vector<Vec3f>& no
 }
 
 void find_components(MeshTopology& topology) {
-  std::vector<char> reached(topology.triangles.size(), 0);
+  std::vector<char> visited(topology.triangles.size(), 0);
   for (std::size_t seed = 0; seed < topology.triangles.size(); ++seed) {
-    if (reached[seed]) continue;
+    if (visited[seed]) continue;
     MeshTopology::Component& component = topology.components.emplace_back();
     component.closed = true;
     component.triangles.push_back(static_cast<std::int32_t>(seed));
-    reached[seed] = 1;
+    visited[seed] = 1;
     for (std::size_t i = 0; i < component.triangles.size(); ++i) {
       for (const std::int32_t neighbor : topology.triangles[component.triangles[i]].neighbors) {
         component.closed = component.closed && neighbor >= 0;
-        if (neighbor < 0 || reached[neighbor]) continue;
-        reached[neighbor] = 1;
+        if (neighbor < 0 || visited[neighbor]) continue;
+        visited[neighbor] = 1;
         component.triangles.push_back(neighbor);
       }
     }

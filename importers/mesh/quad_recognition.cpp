@@ -24,7 +24,7 @@ constexpr std::int32_t kNone = -1;
 using Triangle = MeshTopology::Triangle;
 
 /// Two triangles as a quad. Corners 0 and 2 are the ends of the edge that they share.
-struct Pair {
+struct TrianglePair {
   std::int64_t score = 0;  ///< 0 for a rectangle; the cosine of the corner farthest from a right angle.
   std::int32_t first = 0;
   std::int32_t second = 0;
@@ -105,7 +105,7 @@ bool mapped_as_one(const std::array<Vec3d, 4>& c, const std::array<Value, 4>& va
          (Wide(second_end) - t[2]).length() <= most;
 }
 
-std::optional<Pair> paired(const MeshTopology& topology, std::int32_t first, int edge) {
+std::optional<TrianglePair> paired(const MeshTopology& topology, std::int32_t first, int edge) {
   const Triangle& a = topology.triangles[first];
   const std::int32_t second = a.neighbors[edge];
   const Triangle& b = topology.triangles[second];
@@ -115,7 +115,7 @@ std::optional<Pair> paired(const MeshTopology& topology, std::int32_t first, int
   const auto start_in_b = std::find(b.vertices.begin(), b.vertices.end(), a.vertices[edge]) - b.vertices.begin();
   const auto apex = static_cast<std::size_t>(start_in_b + 1) % 3;
 
-  Pair pair;
+  TrianglePair pair;
   pair.first = first;
   pair.second = second;
   const std::array<std::int32_t, 4> vertices{a.vertices[edge], b.vertices[apex], a.vertices[end], a.vertices[rest]};
@@ -169,36 +169,37 @@ Facet single_triangle(const MeshTopology& topology, std::int32_t index) {
 }
 
 /// Pairs, the best first, and for each triangle the one that it goes into.
-std::vector<Pair> chosen_pairs(const MeshTopology& topology, const std::vector<char>& taken,
-                               std::vector<std::int32_t>& pair_of) {
-  std::vector<Pair> pairs;
+std::vector<TrianglePair> chosen_triangle_pairs(const MeshTopology& topology, const std::vector<char>& taken,
+                                                std::vector<std::int32_t>& pair_of) {
+  std::vector<TrianglePair> triangle_pairs;
   const auto count = static_cast<std::int32_t>(topology.triangles.size());
   for (std::int32_t first = 0; first < count; ++first) {
     if (taken[first]) continue;
     for (int edge = 0; edge < 3; ++edge) {
       const std::int32_t second = topology.triangles[first].neighbors[edge];
       if (second <= first || taken[second]) continue;
-      if (const auto pair = paired(topology, first, edge)) pairs.push_back(*pair);
+      if (const auto pair = paired(topology, first, edge)) triangle_pairs.push_back(*pair);
     }
   }
-  std::sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) { return a.order() < b.order(); });
+  std::sort(triangle_pairs.begin(), triangle_pairs.end(),
+            [](const TrianglePair& a, const TrianglePair& b) { return a.order() < b.order(); });
 
   pair_of.assign(topology.triangles.size(), kNone);
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
-    const Pair& pair = pairs[i];
+  for (std::size_t i = 0; i < triangle_pairs.size(); ++i) {
+    const TrianglePair& pair = triangle_pairs[i];
     if (pair_of[pair.first] != kNone || pair_of[pair.second] != kNone) continue;
     pair_of[pair.first] = pair_of[pair.second] = static_cast<std::int32_t>(i);
   }
-  return pairs;
+  return triangle_pairs;
 }
 
 /// How many facets pairs make of a region.
-std::size_t facet_count(const CoplanarRegion& region, const std::vector<Pair>& pairs,
+std::size_t facet_count(const CoplanarRegion& region, const std::vector<TrianglePair>& triangle_pairs,
                         const std::vector<std::int32_t>& pair_of) {
   const auto& triangles = region.triangles;
   return static_cast<std::size_t>(std::count_if(triangles.begin(), triangles.end(), [&](std::int32_t triangle) {
     if (pair_of[triangle] == kNone) return true;
-    const std::int32_t first = pairs[pair_of[triangle]].first;
+    const std::int32_t first = triangle_pairs[pair_of[triangle]].first;
     return first == triangle || !std::binary_search(triangles.begin(), triangles.end(), first);
   }));
 }
@@ -207,12 +208,12 @@ std::size_t facet_count(const CoplanarRegion& region, const std::vector<Pair>& p
 
 RecognizedFacets recognize_quads(const MeshTopology& topology, std::vector<char> taken) {
   std::vector<std::int32_t> pair_of;
-  std::vector<Pair> pairs = chosen_pairs(topology, taken, pair_of);
+  std::vector<TrianglePair> triangle_pairs = chosen_triangle_pairs(topology, taken, pair_of);
   RecognizedFacets result;
   result.smooth_vertices = static_cast<std::int32_t>(3 * topology.triangles.size());
   std::map<std::int32_t, std::vector<Facet>> merged;  // by their region's first triangle
   for (const CoplanarRegion& region : find_coplanar_regions(topology, taken)) {
-    const std::size_t most = facet_count(region, pairs, pair_of) - 1;
+    const std::size_t most = facet_count(region, triangle_pairs, pair_of) - 1;
     std::vector<Facet> quads = region_quads(topology, region, most, result.smooth_vertices);
     if (quads.empty()) continue;
     for (const std::int32_t triangle : region.triangles) taken[triangle] = 1;
@@ -220,7 +221,7 @@ RecognizedFacets recognize_quads(const MeshTopology& topology, std::vector<char>
     result.merged_facets += quads.size();
     merged.emplace(region.triangles.front(), std::move(quads));
   }
-  if (!merged.empty()) pairs = chosen_pairs(topology, taken, pair_of);
+  if (!merged.empty()) triangle_pairs = chosen_triangle_pairs(topology, taken, pair_of);
 
   for (std::int32_t t = 0; t < static_cast<std::int32_t>(topology.triangles.size()); ++t) {
     const auto quads = merged.find(t);
@@ -230,8 +231,8 @@ RecognizedFacets recognize_quads(const MeshTopology& topology, std::vector<char>
       continue;
     } else if (pair_of[t] == kNone) {
       result.facets.push_back(single_triangle(topology, t));
-    } else if (pairs[pair_of[t]].first == t) {
-      result.facets.push_back(pairs[pair_of[t]].quad);
+    } else if (triangle_pairs[pair_of[t]].first == t) {
+      result.facets.push_back(triangle_pairs[pair_of[t]].quad);
     }
   }
   return result;

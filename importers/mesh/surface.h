@@ -34,11 +34,11 @@ struct SurfaceMaterial {
   Color tint{1.0f};                    ///< What the texture is multiplied by; `reflectance` is the mean.
   std::int32_t emission_texture = -1;  ///< Among the scene's; -1: none.
   TextureMapping emission_mapping{};
-  Color emission_tint{0.0f};         ///< What that texture is multiplied by, W/m2; `emission` is the mean.
-  std::int32_t finish_texture = -1;  ///< Among the scene's; -1: none.
-  TextureMapping finish_mapping{};
-  float finish_metal = 1.0f;      ///< The mean of what that texture says of how metallic it is.
-  float finish_roughness = 1.0f;  ///< What that texture's roughness is multiplied by; `roughness` is the mean.
+  Color emission_tint{0.0f};                     ///< What that texture is multiplied by, W/m2; `emission` is the mean.
+  std::int32_t metallic_roughness_texture = -1;  ///< Among the scene's; -1: none.
+  TextureMapping metallic_roughness_mapping{};
+  float texture_metallic = 1.0f;  ///< The mean of what that texture says of how metallic it is.
+  float roughness_factor = 1.0f;  ///< What that texture's roughness is multiplied by; `roughness` is the mean.
   Color metal{0.0f};          ///< What base colour times that texture's metal is multiplied by; `specular` the mean.
   bool overridden = false;    ///< The job says what the reflectance is, whatever vertices say.
   std::int32_t mask = -1;     ///< Of its cut-outs, among the scene's; -1: none.
@@ -53,7 +53,7 @@ struct SurfaceMaterial {
   /// The textures' mappings, each once; the first is `mapping`, which shaders see too.
   struct Mappings {
     std::vector<TextureMapping> all;
-    std::size_t emission = 0, finish = 0;  ///< Which of them those textures lie by.
+    std::size_t emission = 0, metallic_roughness = 0;  ///< Which of them those textures lie by.
   };
   Mappings mappings() const {
     Mappings result{{mapping}};
@@ -65,10 +65,10 @@ struct SurfaceMaterial {
       return at;
     };
     result.emission = number(emission_texture, emission_mapping);
-    result.finish = number(finish_texture, finish_mapping);
+    result.metallic_roughness = number(metallic_roughness_texture, metallic_roughness_mapping);
     return result;
   }
-  bool has_texture() const { return texture >= 0 || emission_texture >= 0 || finish_texture >= 0; }
+  bool has_texture() const { return texture >= 0 || emission_texture >= 0 || metallic_roughness_texture >= 0; }
   bool emits() const { return emission != Color(0.0f); }
 };
 

@@ -22,16 +22,16 @@ struct EdgeUse {
 };
 
 /// Sorts items by a key in [0, keys), and those of one key by their order().
-template <class Item, class Key>
-std::vector<Item> sorted_by(Key Item::*key, std::size_t keys, const std::vector<Item>& items) {
-  std::vector<std::uint32_t> ends(keys + 1, 0);
-  for (const Item& item : items) ++ends[std::size_t(item.*key) + 1];
-  std::partial_sum(ends.begin(), ends.end(), ends.begin());
-  std::vector<Item> sorted(items.size());
-  for (const Item& item : items) sorted[ends[std::size_t(item.*key)]++] = item;
-  const auto before = [](const Item& a, const Item& b) { return a.order() < b.order(); };
-  for (std::size_t k = 0, begin = 0; k < keys; begin = ends[k++])
-    std::sort(sorted.begin() + std::ptrdiff_t(begin), sorted.begin() + std::ptrdiff_t(ends[k]), before);
+template <class Entry, class Key>
+std::vector<Entry> sorted_by(Key Entry::*key, std::size_t keys, const std::vector<Entry>& items) {
+  std::vector<std::uint32_t> counts(keys + 1, 0);
+  for (const Entry& item : items) ++counts[std::size_t(item.*key) + 1];
+  std::partial_sum(counts.begin(), counts.end(), counts.begin());
+  std::vector<Entry> sorted(items.size());
+  for (const Entry& item : items) sorted[counts[std::size_t(item.*key)]++] = item;
+  const auto before = [](const Entry& a, const Entry& b) { return a.order() < b.order(); };
+  for (std::size_t k = 0, begin = 0; k < keys; begin = counts[k++])
+    std::sort(sorted.begin() + std::ptrdiff_t(begin), sorted.begin() + std::ptrdiff_t(counts[k]), before);
   return sorted;
 }
 

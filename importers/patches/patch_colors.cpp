@@ -73,13 +73,13 @@ class PatchMean {
   PatchMean(const PatchSet& scene, const Patch& patch) : sampler_(scene.primitives[patch.primitive], patch) {
     if (scene.primitives[patch.primitive].mask < 0) return;
     for (const Lattice& lattice : {kMany, kMost}) {
-      there_.clear();
+      opaque_points_.clear();
       for (int i = 0; i < lattice.count; ++i) {
         const Imath::V2d at = place(lattice, i);
-        if (is_there(scene, patch.primitive, at.x, at.y)) there_.push_back(at);
+        if (passes_alpha_test(scene, patch.primitive, at.x, at.y)) opaque_points_.push_back(at);
       }
-      coverage_ = static_cast<float>(there_.size()) / static_cast<float>(lattice.count);
-      if (there_.empty() || coverage_ == 1.0f) break;
+      coverage_ = static_cast<float>(opaque_points_.size()) / static_cast<float>(lattice.count);
+      if (opaque_points_.empty() || coverage_ == 1.0f) break;
     }
     coverage_ = std::max(coverage_, kLeastCoverage);
   }
@@ -89,10 +89,10 @@ class PatchMean {
   /// Of `value(u, v)`.
   template <class Value>
   Color operator()(const Value& value) const {
-    if (!there_.empty() && coverage_ < 1.0f) {
+    if (!opaque_points_.empty() && coverage_ < 1.0f) {
       Vec3d sum(0.0);
-      for (const Imath::V2d& at : there_) sum += value(at.x, at.y);
-      return Color(sum / static_cast<double>(there_.size()));
+      for (const Imath::V2d& at : opaque_points_) sum += value(at.x, at.y);
+      return Color(sum / static_cast<double>(opaque_points_.size()));
     }
     for (const Lattice& lattice : {kFew, kMany}) {
       Vec3d sum(0.0);
@@ -120,7 +120,7 @@ class PatchMean {
 
   const PatchSampler sampler_;
   float coverage_ = 1.0f;
-  std::vector<Imath::V2d> there_{};  ///< (u,v) of points of the patch; none where it is not masked.
+  std::vector<Imath::V2d> opaque_points_{};  ///< (u,v) of points of the patch; none where it is not masked.
 };
 
 }  // namespace

@@ -136,7 +136,8 @@ void append_primitives(const Surface& surface, const SurfaceMaterial& material, 
     };
     if (is_mapped(0)) primitive.texture = material.texture;
     if (is_mapped(mappings.emission)) primitive.emission_texture = material.emission_texture;
-    if (is_mapped(mappings.finish)) primitive.finish_texture = material.finish_texture;
+    if (is_mapped(mappings.metallic_roughness))
+      primitive.metallic_roughness_texture = material.metallic_roughness_texture;
     if (surface.is_masked && (is_mapped(0) || material.mask_of_vertices)) primitive.mask = material.mask;
     append(primitive, material.double_sided, smooth_count, list);
     const auto at_corners = [&](const auto& values) {
@@ -144,8 +145,8 @@ void append_primitives(const Surface& surface, const SurfaceMaterial& material, 
       return std::array{s[0](values), s[1](values), s[2](values), s[3](values)};
     };
     if (is_mapped(0)) append_corners(at_corners(topology.texcoords[0]), kOwnTexcoords, list, list.texcoords);
-    for (const auto& [mapping, corners] :
-         {std::pair(mappings.emission, &list.emission_texcoords), std::pair(mappings.finish, &list.finish_texcoords)})
+    for (const auto& [mapping, corners] : {std::pair(mappings.emission, &list.emission_texcoords),
+                                           std::pair(mappings.metallic_roughness, &list.metallic_roughness_texcoords)})
       if (mapping > 0 && is_mapped(mapping))
         append_corners(at_corners(topology.texcoords[mapping]), kNoTexcoords, list, *corners);
     if (!topology.colors.empty()) append_corners(at_corners(topology.colors), kUncolored, list, list.colors);

@@ -22,9 +22,9 @@ struct PrimitiveList {
   std::vector<Primitive> primitives;
   std::vector<Texcoords> texcoords;  ///< Of the first primitives, up to the last one that has any from the file.
   std::vector<Texcoords> emission_texcoords{};  ///< The same of emission and finish textures that lie by other mappings
-  std::vector<Texcoords> finish_texcoords{};    ///< than base colour's; kNoTexcoords where they do not.
-  std::vector<CornerColors> colors;             ///< Of vertices, of the first primitives in the same way.
-  std::int32_t smooth_vertices = 0;             ///< Numbers in use.
+  std::vector<Texcoords> metallic_roughness_texcoords{};  ///< than base colour's; kNoTexcoords where they do not.
+  std::vector<CornerColors> colors;                       ///< Of vertices, of the first primitives in the same way.
+  std::int32_t smooth_vertices = 0;                       ///< Numbers in use.
   std::int64_t quads = 0;
   std::int64_t triangles = 0;
   std::int64_t spheres = 0;

@@ -19,9 +19,9 @@ std::vector<Color> irradiance(const EnergyField::Group& group) {
   return sum;
 }
 
-std::vector<Color> irradiance_without_apart(const EnergyField::Group& group) {
+std::vector<Color> irradiance_without_explicit(const EnergyField::Group& group) {
   std::vector<Color> sum = group.indirect;
-  for (std::size_t i = 0; i < group.direct_by_rows.size(); ++i) sum[i] += group.direct_by_rows[i];
+  for (std::size_t i = 0; i < group.gathered_direct.size(); ++i) sum[i] += group.gathered_direct[i];
   return sum;
 }
 

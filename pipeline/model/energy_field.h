@@ -16,8 +16,8 @@ struct EnergyField {
     std::vector<Color> direct;    ///< [n] W/m2, straight from the group's emitters.
     std::vector<Color> indirect;  ///< [n] W/m2, after at least one reflection.
     /// [n] W/m2, the part of `direct` whose emitters no one samples apart (see DirectLight); empty: none.
-    std::vector<Color> direct_by_rows{};
-    /// [display->gathered] W/m2, at the display mesh's vertices: `indirect` and `direct_by_rows`.
+    std::vector<Color> gathered_direct{};
+    /// [display->gathered] W/m2, at the display mesh's vertices: `indirect` and `gathered_direct`.
     std::vector<Color> display{};
     /// [n] W/m2, the part of `indirect` that photons brought from emitters sampled apart, by way of mirrors. It is for
     /// the display solution, and not in energy.h5. Empty: none; rows tell it where they follow mirrors.
@@ -61,7 +61,7 @@ std::vector<Color> irradiance(const EnergyField& energy, const std::vector<Color
 std::vector<Color> irradiance(const EnergyField::Group& group);
 
 /// The same without what comes straight from emitters that are sampled apart.
-std::vector<Color> irradiance_without_apart(const EnergyField::Group& group);
+std::vector<Color> irradiance_without_explicit(const EnergyField::Group& group);
 
 /// Radiosity B = E + rho * (all groups' direct + indirect irradiance), W/m2. Shape: [patches].
 std::vector<Color> radiosity(const PatchSet& scene, const EnergyField& energy);

@@ -27,8 +27,9 @@ struct Primitive {
   std::int32_t shader = -1;            ///< Index into PatchSet::shaders; -1: none.
   std::int32_t texture = -1;           ///< Of base colour: index into PatchSet::textures; -1: none.
   std::int32_t emission_texture = -1;  ///< The same.
-  std::int32_t finish_texture = -1;    ///< The same; its green is roughness, its blue how metallic, both linear.
-  std::int32_t mask = -1;              ///< Index into PatchSet::masks; -1: it is whole.
+  std::int32_t metallic_roughness_texture =
+      -1;                  ///< The same; its green is roughness, its blue how metallic, both linear.
+  std::int32_t mask = -1;  ///< Index into PatchSet::masks; -1: it is whole.
   std::array<Vec3d, 4> corners{Vec3d(0.0), Vec3d(0.0), Vec3d(0.0), Vec3d(0.0)};  ///< m; zeros for a sphere.
   Vec3d sphere_center{0.0};                                                      ///< m; zero for a quad.
   double sphere_radius = 0.0;     ///< m; negative: lit inside. Zero for a quad.
@@ -51,7 +52,7 @@ struct Material {
   float alpha = 1.0f;      ///< A masked primitive is there where this times the mask and the vertices' alpha
   float alpha_cutoff = 0.0f;  ///< is no less than this.
   Color metal{0.0f};          ///< Where textures or vertices vary it, `specular` is this times base colour and finish.
-  float finish_roughness = 1.0f;  ///< What a texture's roughness is multiplied by.
+  float roughness_factor = 1.0f;  ///< What a texture's roughness is multiplied by.
   Color emission_tint{0.0f};      ///< Radiant exitance where an emission texture is white, W/m2.
 };
 
@@ -103,9 +104,9 @@ struct PatchSet {
   std::vector<Texture> textures;
   std::vector<Texture> masks;        ///< Their texels are alpha, in [0,255].
   std::vector<Texcoords> texcoords;  ///< By primitive; empty where shaders and textures see the primitive's own (u,v).
-  std::vector<Texcoords> emission_texcoords{};  ///< Those that emission textures see; empty: `texcoords`.
-  std::vector<Texcoords> finish_texcoords{};    ///< Those that finish textures see; empty: `texcoords`.
-  std::vector<CornerColors> colors;             ///< By primitive; empty where no vertex has a colour that counts.
+  std::vector<Texcoords> emission_texcoords{};            ///< Those that emission textures see; empty: `texcoords`.
+  std::vector<Texcoords> metallic_roughness_texcoords{};  ///< Those that finish textures see; empty: `texcoords`.
+  std::vector<CornerColors> colors;  ///< By primitive; empty where no vertex has a colour that counts.
 
   std::string inputs_key;    ///< Scene files and import settings that this was made from.
   std::string key;           ///< What solving reads. Set by the file layer.
@@ -117,7 +118,7 @@ struct PatchSet {
 /// Whether textures or vertices' colours say what primitive `i` reflects.
 inline bool is_colored(const PatchSet& scene, std::int32_t i) {
   const Primitive& primitive = scene.primitives[i];
-  return primitive.texture >= 0 || primitive.finish_texture >= 0 ||
+  return primitive.texture >= 0 || primitive.metallic_roughness_texture >= 0 ||
          (!scene.colors.empty() && scene.colors[i] != kUncolored);
 }
 

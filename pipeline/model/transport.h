@@ -17,18 +17,19 @@ struct TransportRows {
   /// Light that reaches a row's patch from `patch` by way of mirrors. A row's sum of these is of its whole.
   struct Mirrored {
     std::int32_t row = 0;
-    std::int32_t half = 0;  ///< 0 or 1.
+    std::int32_t sample_set = 0;  ///< 0 or 1.
     std::int32_t patch = 0;
     Color weight{0.0f};  ///< Form factor of this one, times what the mirrors reflect.
   };
 
   std::vector<std::uint64_t> starts;  ///< [2 rows + 1]: where each row's halves begin in `ends`.
-  std::vector<std::int32_t> ends;     ///< The elements that a row sees; behind them, the environment's cells.
+  std::vector<std::int32_t> columns;  ///< The elements that a row sees; behind them, the environment's cells.
   std::vector<float> weights;         ///< Form factor of each of `ends` within its half; empty: rows by rays.
-  std::vector<float> shares;          ///< [2 rows], by rays: form factor of each of a half's `ends`.
+  std::vector<float> hit_weights;     ///< [2 rows], by rays: form factor of each of a half's `ends`.
   std::vector<Mirrored> mirrored;     ///< By growing row, and half.
-  std::vector<float> exposed;         ///< [2 rows] Part of each patch that is exposed, as each half has it; empty: all.
-  int rays = 0;                       ///< Of a row that meets something wherever it looks; 0: not by rays.
+  std::vector<float>
+      visible_fractions;  ///< [2 rows] Part of each patch that is exposed, as each half has it; empty: all.
+  int rays = 0;           ///< Of a row that meets something wherever it looks; 0: not by rays.
 
   std::int64_t rows() const { return starts.empty() ? 0 : std::int64_t(starts.size() / 2); }
 };

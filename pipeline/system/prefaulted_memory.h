@@ -11,7 +11,7 @@ namespace patchlight {
 /// Has the system give the memory of the next `count` values, which must be reserved, all at once, which takes less
 /// time than page by page as they are first touched.
 template <class Value>
-void get_memory_for(std::vector<Value>& values, std::size_t count) {
+void prefault(std::vector<Value>& values, std::size_t count) {
 #ifdef MADV_POPULATE_WRITE
   const auto page = std::uintptr_t(sysconf(_SC_PAGESIZE));
   const auto begin = reinterpret_cast<std::uintptr_t>(values.data() + values.size()) / page * page;

@@ -52,8 +52,8 @@ class DirectFactors::Run {
       if (owned(row) || is_behind(row)) return;
       whole_[row] = float(mean_form_factor(row));
       const PatchSampler sampler = sampler_of(row);
-      for (int half = 0; half < 2; ++half)
-        add_samples(row, half, 0, sampler, samples_.pilot, pilots_[2 * row + half], rays);
+      for (int sample_set = 0; sample_set < 2; ++sample_set)
+        add_samples(row, sample_set, 0, sampler, samples_.pilot, pilots_[2 * row + sample_set], rays);
     });
     const double typical = typical_of_partial();
     for_each_row([&](std::int32_t row, ShadowRays& rays) {
@@ -64,16 +64,16 @@ class DirectFactors::Run {
       const double share = typical > 0 ? std::clamp(whole_[row] / typical, 0.125, 4.0) : 1.0;
       const int total = std::max(4, int(share * samples_.partial));
       const PatchSampler sampler = sampler_of(row);
-      for (int half = 0; half < 2; ++half)
-        if (partial[half]) add_samples(row, half, 1, sampler, total, more_[2 * row + half], rays);
+      for (int sample_set = 0; sample_set < 2; ++sample_set)
+        if (partial[sample_set]) add_samples(row, sample_set, 1, sampler, total, more_[2 * row + sample_set], rays);
     });
     std::vector<float> values(2 * std::size_t(rows_), 0.0f);
     for (std::int32_t row = 0; row < rows_; ++row)
-      for (int half = 0; half < 2 && !owned(row); ++half) {
-        const std::size_t k = 2 * std::size_t(row) + half;
+      for (int sample_set = 0; sample_set < 2 && !owned(row); ++sample_set) {
+        const std::size_t k = 2 * std::size_t(row) + sample_set;
         const LightSamples& best = more_[k].count > 0 ? more_[k] : pilots_[k];
         if (best.count == 0) continue;
-        values[k] = float(others(row, half).mostly_seen() ? best.from_hidden(whole_[row]) : best.from_seen());
+        values[k] = float(others(row, sample_set).mostly_seen() ? best.from_hidden(whole_[row]) : best.from_seen());
       }
     return values;
   }
@@ -111,9 +111,9 @@ class DirectFactors::Run {
   bool owned(std::int32_t row) const { return from_.receivers_[row].primitive == emitter_.primitive; }
 
   /// What the pilots about a row saw, without those of one half of it.
-  Visibility others(std::int32_t row, int half) const {
+  Visibility others(std::int32_t row, int sample_set) const {
     Visibility sum;
-    sum.add(pilots_[2 * row + 1 - half]);
+    sum.add(pilots_[2 * row + 1 - sample_set]);
     Near near;
     for (const std::int32_t j : std::span(near).first(from_.neighbours_(row, near))) {
       sum.add(pilots_[2 * j]);
@@ -137,16 +137,16 @@ class DirectFactors::Run {
     return {from_.scene_.primitives[patch.primitive], patch};
   }
 
-  void add_samples(std::int32_t row, int half, int round, const PatchSampler& sampler, int total, LightSamples& sums,
-                   ShadowRays& rays) const {
+  void add_samples(std::int32_t row, int sample_set, int round, const PatchSampler& sampler, int total,
+                   LightSamples& sums, ShadowRays& rays) const {
     const Patch& patch = from_.receivers_[row];
     const double offset = from_.ray_scene_.offset(patch.primitive);
-    const bool has_holes = has_cutouts(from_.scene_, patch);
-    const std::uint64_t random = scramble(from_.seed_ ^ scramble(4 * std::uint64_t(row) + 2 * half + round));
-    const float shift_x = to_unit(scramble(random + 1)), shift_y = to_unit(scramble(random + 2));
+    const bool has_holes = has_alpha_mask(from_.scene_, patch);
+    const std::uint64_t random = hash64(from_.seed_ ^ hash64(4 * std::uint64_t(row) + 2 * sample_set + round));
+    const float shift_x = uniform01(hash64(random + 1)), shift_y = uniform01(hash64(random + 2));
     for (int k = 0; k < total; ++k) {
       Vec2f at = kronecker2(std::uint64_t(k), random);
-      if (has_holes) at = covered_point(from_.scene_, patch, sampler, at, scramble(random + 3) + std::uint64_t(k));
+      if (has_holes) at = covered_point(from_.scene_, patch, sampler, at, hash64(random + 3) + std::uint64_t(k));
       const Vec2f to(shifted((float(k) + 0.5f) / float(total), shift_x),
                      shifted(radical_inverse(std::uint32_t(k)), shift_y));
       const SurfacePoint point = sampler(at.x, at.y);

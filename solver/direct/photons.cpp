@@ -30,7 +30,7 @@ constexpr std::size_t kBatchesAtOnce = 64;
 class Photons::Source {
  public:
   Source(const PatchSet& scene, const RayScene& ray_scene, const Emitter& emitter, std::uint64_t seed)
-      : random(scramble(seed ^ scramble(std::uint64_t(emitter.first_patch + emitter.light + 1)))),
+      : random(hash64(seed ^ hash64(std::uint64_t(emitter.first_patch + emitter.light + 1)))),
         area(emitter.light < 0 ? emitter.area : 1.0),
         ray_scene_(ray_scene),
         surface_(emitter.light < 0),
@@ -43,7 +43,7 @@ class Photons::Source {
       return;
     }
     light_ = scene.lights[emitter.light];
-    shine_.emplace(light_);
+    glow_.emplace(light_);
     for (const Patch& patch : scene.patches)
       behind_ = std::min(behind_, (patch.center ^ light_.direction) - std::sqrt(patch.area) * kBehind);
   }
@@ -74,7 +74,7 @@ class Photons::Source {
       return {ray_scene_.to_local(origin), Vec3f(light_.direction), float(kPi * radius * radius)};
     }
     const PhotonTargets::Aim aim = targets.aim(target, light_.position, x, y);
-    const double strength = shine_->perpendicular_factor(light_.position + Vec3d(aim.direction));
+    const double strength = glow_->perpendicular_factor(light_.position + Vec3d(aim.direction));
     return {ray_scene_.to_local(light_.position), aim.direction, float(aim.weight * strength)};
   }
 
@@ -90,13 +90,13 @@ class Photons::Source {
   Patch whole_;
   std::optional<PatchSampler> sampler_;
   Light light_;
-  std::optional<DirectLight> shine_;
+  std::optional<DirectLight> glow_;
   double behind_ = std::numeric_limits<double>::max();  ///< Along a sun's direction, m.
 };
 
 /// Photons `first` and following of those that half 0 or 1 of the samples aims at a target.
 struct Photons::Batch {
-  int target, half;
+  int target, sample_set;
   std::uint32_t first, count, all;
   std::uint64_t random;
 };
@@ -107,7 +107,7 @@ struct Photons::Landed {
 };
 
 Photons::Photons(const PatchSet& scene, const RayScene& ray_scene, std::uint64_t seed)
-    : scene_(scene), ray_scene_(ray_scene), lookup_(scene), targets_(scene, ray_scene), seed_(scramble(~seed)) {}
+    : scene_(scene), ray_scene_(ray_scene), lookup_(scene), targets_(scene, ray_scene), seed_(hash64(~seed)) {}
 
 /// Starts sixteen photons of a batch and casts them as far as they first get.
 void Photons::start(const Source& source, const Batch& batch, std::uint32_t first, RayPacket& packet,
@@ -116,8 +116,8 @@ void Photons::start(const Source& source, const Batch& batch, std::uint32_t firs
   for (int lane = 0; lane < RayPacket::kSize; ++lane) {
     const std::uint32_t k = first + std::uint32_t(lane);
     const Vec2f from = kronecker2(k, batch.random);
-    const float x = shifted((float(k) + 0.5f) / float(batch.all), to_unit(scramble(batch.random + 1)));
-    const float y = shifted(radical_inverse(k), to_unit(scramble(batch.random + 2)));
+    const float x = shifted((float(k) + 0.5f) / float(batch.all), uniform01(hash64(batch.random + 1)));
+    const float y = shifted(radical_inverse(k), uniform01(hash64(batch.random + 2)));
     const Source::Start begin = source.start(targets_, batch.target, from, x, y);
     if (!(begin.weight > 0)) continue;
     carried[lane] = Color(begin.weight);
@@ -128,7 +128,7 @@ void Photons::start(const Source& source, const Batch& batch, std::uint32_t firs
 
 /// What metals of a target reflect of an emitter's light, as a form factor, by a few photons.
 float Photons::pilot_power(const Source& source, int target) const {
-  const Batch batch{target, 0, 0, kPilots, kPilots, scramble(source.random ^ scramble(~std::uint64_t(target)))};
+  const Batch batch{target, 0, 0, kPilots, kPilots, hash64(source.random ^ hash64(~std::uint64_t(target)))};
   RayPacket packet;
   std::array<Color, RayPacket::kSize> carried;
   float power = 0;
@@ -158,10 +158,10 @@ std::vector<Photons::Batch> Photons::batches(const Source& source, std::int64_t 
   for (int target = 0; target < targets_.count(); ++target) {
     const double share = sum > 0 ? powers[target] / sum : 0.0;
     const std::uint32_t all = std::max(kLeast, std::uint32_t(0.5 * share * double(photons)) / 16 * 16);
-    for (int half = 0; half < 2; ++half) {
-      const std::uint64_t random = scramble(source.random ^ scramble(2 * std::uint64_t(target) + half));
+    for (int sample_set = 0; sample_set < 2; ++sample_set) {
+      const std::uint64_t random = hash64(source.random ^ hash64(2 * std::uint64_t(target) + sample_set));
       for (std::uint32_t first = 0; first < all; first += kBatch)
-        result.push_back({target, half, first, std::min(kBatch, all - first), all, random});
+        result.push_back({target, sample_set, first, std::min(kBatch, all - first), all, random});
     }
   }
   return result;
@@ -183,7 +183,7 @@ void Photons::trace(const Source& source, const Batch& batch, std::vector<Landed
         if (bounce > 0) landed.push_back({lookup_.patch(hit.primitive, hit.u, hit.v), carried[lane]});
         const std::int32_t metal = targets_.of(hit.primitive);
         if (bounce > 0 ? metal < 0 : metal != batch.target) continue;
-        const std::uint64_t random = scramble(batch.random ^ scramble(std::uint64_t(first + lane) << 8 | bounce));
+        const std::uint64_t random = hash64(batch.random ^ hash64(std::uint64_t(first + lane) << 8 | bounce));
         going = go_on(scene_, ray_scene_, hit, random, lane, packet, carried[lane]) || going;
       }
       if (!going) break;
@@ -207,7 +207,7 @@ std::vector<Color> Photons::shoot(const Emitter& emitter, std::int64_t photons, 
     for (std::size_t k = 0; k < landed.size(); ++k) {
       const Batch& batch = all[done + k];
       for (const Landed& photon : landed[k])
-        sums[2 * photon.patch + batch.half] += Vec3d(photon.carried) / double(batch.all);
+        sums[2 * photon.patch + batch.sample_set] += Vec3d(photon.carried) / double(batch.all);
       cast += rays[k];
     }
     Progress::check_interrupted();

@@ -24,10 +24,10 @@ bool is_one_patch(const PatchLookup& lookup, std::int32_t primitive) {
 
 /// Numbers vertices at the corners of close facets by their smooth vertices; -1: none.
 std::vector<std::int32_t> place_vertices(const PatchSet& scene, const PatchLookup& lookup,
-                                         std::span<const std::int32_t> close,
+                                         std::span<const std::int32_t> near_patches,
                                          std::vector<DisplayMesh::Vertex>& vertices) {
   std::vector<std::int32_t> number;
-  for (const std::int32_t patch : close) {
+  for (const std::int32_t patch : near_patches) {
     const Primitive& primitive = scene.primitives[scene.patches[patch].primitive];
     if (!is_one_patch(lookup, scene.patches[patch].primitive)) continue;
     for (int k = 0; k < 4; ++k) {
@@ -51,7 +51,7 @@ std::vector<bool> covered(const PatchSet& scene, const RayScene& ray_scene,
     const std::int32_t primitive = scene.patches[vertex.patch].primitive;
     SurfacePoint point = point_at(scene.primitives[primitive], vertex.u, vertex.v);
     point.normal = normals(primitive, vertex.u, vertex.v, point.normal);
-    is_covered[k] = exposure(ray_scene, primitive, point, scramble(k)) < kCovered;
+    is_covered[k] = lit_ray_fraction(ray_scene, primitive, point, hash64(k)) < kCovered;
   });
   return {is_covered.begin(), is_covered.end()};
 }
@@ -59,9 +59,9 @@ std::vector<bool> covered(const PatchSet& scene, const RayScene& ray_scene,
 }  // namespace
 
 void add_display_facets(const PatchSet& scene, const RayScene& ray_scene, const PatchLookup& lookup,
-                        std::span<const std::int32_t> close, DisplayMesh& mesh) {
+                        std::span<const std::int32_t> near_patches, DisplayMesh& mesh) {
   std::vector<DisplayMesh::Vertex> vertices;
-  const std::vector<std::int32_t> number = place_vertices(scene, lookup, close, vertices);
+  const std::vector<std::int32_t> number = place_vertices(scene, lookup, near_patches, vertices);
   if (vertices.empty()) return;
   const std::vector<bool> is_covered = covered(scene, ray_scene, vertices);
   for (std::int32_t i = 0; i < std::int32_t(scene.patches.size()); ++i) {
@@ -83,7 +83,7 @@ void add_display_facets(const PatchSet& scene, const RayScene& ray_scene, const 
   const auto count = std::int32_t(vertices.size());
   const auto make_room = [&](std::int32_t& vertex) { vertex += vertex >= mesh.gathered ? count : 0; };
   for (auto& cell : mesh.cells) std::for_each(cell.corners.begin(), cell.corners.end(), make_room);
-  for (auto& ends : mesh.midpoints) std::for_each(ends.begin(), ends.end(), make_room);
+  for (auto& pair : mesh.midpoints) std::for_each(pair.begin(), pair.end(), make_room);
   mesh.vertices.insert(mesh.vertices.begin() + mesh.gathered, vertices.begin(), vertices.end());
   mesh.gathered += count;
 }

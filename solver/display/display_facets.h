@@ -12,6 +12,6 @@ namespace patchlight {
 /// of their own: the mean of the facets about a vertex would blur what stands beside it into its dark foot. Adds them
 /// and all facets about them to `mesh`. Vertices that are covered take what the facet's others have.
 void add_display_facets(const PatchSet& scene, const RayScene& ray_scene, const PatchLookup& lookup,
-                        std::span<const std::int32_t> close, DisplayMesh& mesh);
+                        std::span<const std::int32_t> near_patches, DisplayMesh& mesh);
 
 }  // namespace patchlight

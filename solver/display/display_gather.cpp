@@ -69,7 +69,7 @@ SpectrumField leaf_reflectance(const PatchSet& scene, const DisplayMesh& mesh, c
       for (int k = 0; k < across * across; ++k) {
         const Imath::V2d at =
             sampler.uv((float(k % across) + 0.5f) / float(across), (float(k / across) + 0.5f) / float(across));
-        if (primitive.mask >= 0 && !is_there(scene, patch.primitive, at.x, at.y)) continue;
+        if (primitive.mask >= 0 && !passes_alpha_test(scene, patch.primitive, at.x, at.y)) continue;
         ++count;
         sum += Spectrum(shaded ? shaded_reflectance(scene, shaders[primitive.shader], patch.primitive, at.x, at.y)
                                : colored_reflectance(scene, patch.primitive, at.x, at.y));
@@ -128,7 +128,7 @@ class Gather {
       for (std::int32_t i = 0; i < mesh_.gathered; ++i) at_vertices_[i] += by_photons_[i];
     } else if (!transport_.display->rows.mirrored.empty()) {
       SpectrumField by_mirrors(mesh_.gathered), deviation(mesh_.gathered);
-      rows.receive_mirrored(emitted_apart(), by_mirrors, deviation);
+      rows.receive_mirrored(emitted_explicitly(), by_mirrors, deviation);
       for (std::int32_t i = 0; i < mesh_.gathered; ++i) at_vertices_[i] += by_mirrors[i];
     }
   }
@@ -169,13 +169,14 @@ class Gather {
   }
 
   /// What patches and their elements emit that are sampled apart.
-  SpectrumField emitted_apart() const {
-    SpectrumField apart(sent_.elements());
+  SpectrumField emitted_explicitly() const {
+    SpectrumField separate(sent_.elements());
     for (const auto& emitter : transport_.emitters)
       for (std::int32_t j = emitter.first_patch; j < emitter.first_patch + emitter.patches; ++j)
-        if (is_of_group(j)) apart[j] = Spectrum(scene_.patches[j].emission);
-    leaves_.for_each([&](std::size_t patch, std::int32_t element, auto) { apart[patches_ + element] = apart[patch]; });
-    return apart;
+        if (is_of_group(j)) separate[j] = Spectrum(scene_.patches[j].emission);
+    leaves_.for_each(
+        [&](std::size_t patch, std::int32_t element, auto) { separate[patches_ + element] = separate[patch]; });
+    return separate;
   }
 
   /// Caustics are patches' means, here as where patches are whole.
@@ -197,7 +198,7 @@ class Gather {
 
   Spectrum from_patch(std::size_t i) const {
     Spectrum sum(group_.indirect[i]);
-    if (!group_.direct_by_rows.empty()) sum += Spectrum(group_.direct_by_rows[i]);
+    if (!group_.gathered_direct.empty()) sum += Spectrum(group_.gathered_direct[i]);
     return sum;
   }
 
@@ -229,7 +230,7 @@ class Gather {
 
 void gather_display(const PatchSet& scene, const Transport& transport, std::vector<EnergyField::Group>& groups) {
   const FormFactorRows rows(transport.display->rows);
-  const std::vector<Emitter> emitters = emitters_apart(scene);
+  const std::vector<Emitter> emitters = explicit_emitters(scene);
   const LeafElements leaves(scene, transport.display->mesh);
   const SpectrumField reflectance = leaf_reflectance(scene, transport.display->mesh, leaves);
   const std::size_t elements = scene.patches.size() + transport.display->mesh.elements + scene.sky_cells();

@@ -23,9 +23,9 @@ constexpr float kSplit = 0.25f;   // and from which it is cut
 constexpr float kContact = 4.0f;  // and from which it is cut a last time: where things touch or stand just off a wall
 
 /// How cells lie among other surfaces.
-struct Surroundings {
-  float closeness = 0.0f;  ///< Size over harmonic mean distance.
-  bool cut = false;        ///< Something stands between the corners.
+struct PartRefinement {
+  float refinement_criterion = 0.0f;  ///< Size over harmonic mean distance.
+  bool cut = false;                   ///< Something stands between the corners.
 };
 
 class Builder {
@@ -53,10 +53,10 @@ class Builder {
   /// Roots for patches that are too close to others, and for those about them, so that what borders on whole patches is
   /// smooth enough for what they say.
   void plant(std::int64_t& cast) {
-    const std::vector<Surroundings> found = look_around(scene_.patches, cast);
+    const std::vector<PartRefinement> found = refinement_of(scene_.patches, cast);
     const DirectFactors::Neighbours neighbours = grid_neighbours(scene_, lookup_);
     for (std::int32_t i = 0; i < std::int32_t(found.size()); ++i) {
-      if (found[i].closeness < kNear && !found[i].cut) continue;
+      if (found[i].refinement_criterion < kNear && !found[i].cut) continue;
       if (is_facet(scene_.patches[i].primitive)) {
         close_facets_.push_back(i);
         continue;
@@ -75,13 +75,13 @@ class Builder {
 
   /// Cuts those of a level's cells that need it, if there may be another level. Returns the new ones.
   std::vector<std::int32_t> grow(const std::vector<std::int32_t>& level, int depth, std::int64_t& cast) {
-    const auto is_to_be_cut = [&](const Surroundings& at) {
-      if (depth + 1 < kDisplayLevels) return at.closeness >= kSplit || at.cut;
-      return depth < kDisplayLevels && at.closeness >= kContact;
+    const auto is_to_be_cut = [&](const PartRefinement& at) {
+      if (depth + 1 < kDisplayLevels) return at.refinement_criterion >= kSplit || at.cut;
+      return depth < kDisplayLevels && at.refinement_criterion >= kContact;
     };
     std::vector<Patch> parts;
     for (const std::int32_t i : level) parts.push_back(parts_[i]);
-    const std::vector<Surroundings> found = look_around(parts, cast);
+    const std::vector<PartRefinement> found = refinement_of(parts, cast);
     std::vector<std::int32_t> next;
     for (std::size_t k = 0; k < level.size(); ++k) {
       DisplayMesh::Cell& cell = mesh_.cells[level[k]];
@@ -100,17 +100,17 @@ class Builder {
   }
 
   bool is_facet(std::int32_t i) const {
-    return (lookup_.rows(i) == 1 || lookup_.row(i, 0).cells == 1) && smooth_.meets(scene_.primitives[i]);
+    return (lookup_.rows(i) == 1 || lookup_.row(i, 0).cells == 1) && smooth_.is_smooth(scene_.primitives[i]);
   }
 
-  std::vector<Surroundings> look_around(const std::vector<Patch>& parts, std::int64_t& cast) const {
+  std::vector<PartRefinement> refinement_of(const std::vector<Patch>& parts, std::int64_t& cast) const {
     constexpr int kBlock = 256;
-    std::vector<Surroundings> found(parts.size());
+    std::vector<PartRefinement> found(parts.size());
     const int count = int(parts.size());
     tbb::parallel_for(0, (count + kBlock - 1) / kBlock, [&](int block) {
       _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree wants denormals flushed
       for (int k = block * kBlock; k < std::min((block + 1) * kBlock, count); ++k)
-        found[k] = {closeness(scene_, ray_scene_, parts[k], scramble(seed_ ^ scramble(std::uint64_t(k)))).value,
+        found[k] = {refinement_criterion(scene_, ray_scene_, parts[k], hash64(seed_ ^ hash64(std::uint64_t(k)))).value,
                     is_cut(scene_, ray_scene_, parts[k])};
     });
     cast += std::int64_t(count) * (RayPacket::kSize + 6);
@@ -132,7 +132,7 @@ class Builder {
 
 DisplayMesh build_display_mesh(const PatchSet& scene, const RayScene& ray_scene, const PatchLookup& lookup,
                                std::uint64_t seed, std::int64_t& cast) {
-  return Builder(scene, ray_scene, lookup, scramble(seed)).build(cast);
+  return Builder(scene, ray_scene, lookup, hash64(seed)).build(cast);
 }
 
 }  // namespace patchlight

@@ -19,7 +19,7 @@ constexpr int kLeast = 128;  // but few rays of one show as blotches
 constexpr int kFewer = 8;    // of a vertex, for one of those that ask for the direct light of an element
 
 std::uint64_t display_seed(const SolveConfig& config) {
-  return scramble(std::uint64_t(config.seed));
+  return hash64(std::uint64_t(config.seed));
 }
 
 /// Vertices that gather, as patches of no size, with the smooth normals of curved meshes.
@@ -59,7 +59,7 @@ std::int64_t complete(const PatchSet& scene, const SolveConfig& config, int rays
   const DirectFactors direct(
       scene, ray_scene, leaves, [&](std::int32_t i, auto& near) { return row_neighbours(leaves, i, near); },
       display_seed(config));
-  const std::vector<Emitter> emitters = emitters_apart(scene);
+  const std::vector<Emitter> emitters = explicit_emitters(scene);
   for (std::size_t k = 0; k < emitters.size(); ++k) {
     if (k == transport.emitters.size())
       transport.emitters.push_back({emitters[k].first_patch, emitters[k].patches, {}, {}});
@@ -83,7 +83,7 @@ std::int64_t cast_display(const PatchSet& scene, const RayScene& ray_scene, cons
   display.mesh = build_display_mesh(scene, ray_scene, PatchLookup(scene), seed, for_mesh);
   const std::vector<Patch> points = receivers(scene, display.mesh);
   const Elements elements(scene, ray_scene, display.mesh);
-  return RayRows(scene, ray_scene, points, elements, seed, RayRows::Halves::together)
+  return RayRows(scene, ray_scene, points, elements, seed, RayRows::SampleSets::together)
       .cast(rays, display.rows, progress, shard);
 }
 

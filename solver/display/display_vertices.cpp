@@ -28,8 +28,7 @@ struct Node {
 
 struct NodeHash {
   std::size_t operator()(const Node& n) const {
-    return scramble(std::uint64_t(std::uint32_t(n.x)) << 32 | std::uint32_t(n.y)) ^
-           scramble(std::uint64_t(n.row_first));
+    return hash64(std::uint64_t(std::uint32_t(n.x)) << 32 | std::uint32_t(n.y)) ^ hash64(std::uint64_t(n.row_first));
   }
 };
 
@@ -116,21 +115,21 @@ class Vertices {
   }
 
   void hide_covered() {
-    std::vector<float> exposed(mesh_.vertices.size(), 1.0f);
-    tbb::parallel_for(std::size_t(0), exposed.size(), [&](std::size_t k) {
+    std::vector<float> visible(mesh_.vertices.size(), 1.0f);
+    tbb::parallel_for(std::size_t(0), visible.size(), [&](std::size_t k) {
       _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree wants denormals flushed
       if (kinds_[k] == Kind::border) return;
       const DisplayMesh::Vertex& vertex = mesh_.vertices[k];
       const std::int32_t primitive = scene_.patches[vertex.patch].primitive;
       const SurfacePoint point = point_at(scene_.primitives[primitive], vertex.u, vertex.v);
-      exposed[k] = exposure(ray_scene_, primitive, point, scramble(k));
+      visible[k] = lit_ray_fraction(ray_scene_, primitive, point, hash64(k));
     });
     for (const Leaf& leaf : leaves_) {
       DisplayMesh::Cell& cell = mesh_.cells[leaf.cell];
       float most = 0;
-      for (const std::int32_t k : cell.corners) most = std::max(most, exposed[k]);
+      for (const std::int32_t k : cell.corners) most = std::max(most, visible[k]);
       for (const std::int32_t k : cell.corners) {
-        if (exposed[k] >= kCovered * most) continue;
+        if (visible[k] >= kCovered * most) continue;
         mesh_.vertices[k].hidden = true;
         cell.cut = true;
       }
@@ -145,7 +144,8 @@ class Vertices {
       for (float x : {u - u_step, u + u_step}) {
         if (sphere) x -= std::floor(x);
         const int edge = y < 0 ? 0 : x > 1 ? 1 : y > 1 ? 2 : x < 0 ? 3 : -1;
-        if (edge < 0 ? mesh_.roots[lookup_.patch(i, x, y)] < 0 : !sphere && smooth_.meets(primitive, edge)) return true;
+        if (edge < 0 ? mesh_.roots[lookup_.patch(i, x, y)] < 0 : !sphere && smooth_.is_smooth(primitive, edge))
+          return true;
       }
     return false;
   }
@@ -204,14 +204,14 @@ SmoothEdges::SmoothEdges(const PatchSet& scene) {
       if (const std::uint64_t key = edge_key(p, edge)) ++count_[key];
 }
 
-bool SmoothEdges::meets(const Primitive& primitive, int edge) const {
+bool SmoothEdges::is_smooth(const Primitive& primitive, int edge) const {
   const std::uint64_t key = edge_key(primitive, edge);
   return key != 0 && count_.at(key) > 1;
 }
 
-bool SmoothEdges::meets(const Primitive& primitive) const {
+bool SmoothEdges::is_smooth(const Primitive& primitive) const {
   if (primitive.shape == Primitive::Shape::sphere) return false;
-  return meets(primitive, 0) || meets(primitive, 1) || meets(primitive, 2) || meets(primitive, 3);
+  return is_smooth(primitive, 0) || is_smooth(primitive, 1) || is_smooth(primitive, 2) || is_smooth(primitive, 3);
 }
 
 void add_display_vertices(const PatchSet& scene, const RayScene& ray_scene, const PatchLookup& lookup,

@@ -15,9 +15,9 @@ class SmoothEdges {
  public:
   explicit SmoothEdges(const PatchSet& scene);
 
-  bool meets(const Primitive& primitive) const;
+  bool is_smooth(const Primitive& primitive) const;
   /// Edges lie at v = 0, u = 1, v = 1, u = 0.
-  bool meets(const Primitive& primitive, int edge) const;
+  bool is_smooth(const Primitive& primitive, int edge) const;
 
  private:
   std::unordered_map<std::uint64_t, int> count_;

@@ -16,29 +16,30 @@ SpectrumField seen_by(std::size_t patches, const FormFactorRows& rows) {
 
 }  // namespace
 
-std::vector<double> exposed_areas(const PatchSet& scene, const Transport& transport) {
+std::vector<double> visible_areas(const PatchSet& scene, const Transport& transport) {
   std::vector<double> areas;
   for (std::size_t i = 0; i < scene.patches.size(); ++i)
-    areas.push_back(
-        scene.patches[i].covered_area() *
-        (transport.exposed.empty() ? 1.0 : 0.5 * (transport.exposed[2 * i] + transport.exposed[2 * i + 1])));
+    areas.push_back(scene.patches[i].covered_area() *
+                    (transport.visible_fractions.empty()
+                         ? 1.0
+                         : 0.5 * (transport.visible_fractions[2 * i] + transport.visible_fractions[2 * i + 1])));
   return areas;
 }
 
 double reciprocity_error(const Transport& transport, const FormFactorRows& rows, const std::vector<double>& areas) {
   const std::size_t n = areas.size();
   std::vector<double> seen_of(n);
-  const auto is_patch = [&](std::uint64_t at) { return std::size_t(transport.ends[at]) < n; };
+  const auto is_patch = [&](std::uint64_t at) { return std::size_t(transport.columns[at]) < n; };
   for (std::size_t k = 0; k + 1 < transport.starts.size(); ++k) {
     const std::uint64_t begin = transport.starts[k], end = transport.starts[k + 1];
     const double area = 0.5 * areas[k / 2];
     if (transport.rays > 0) {
-      const double share = area * double(transport.shares[k]);
+      const double share = area * double(transport.hit_weights[k]);
       for (std::uint64_t at = begin; at < end; ++at)
-        if (is_patch(at)) seen_of[transport.ends[at]] += share;
+        if (is_patch(at)) seen_of[transport.columns[at]] += share;
     } else {
       for (std::uint64_t at = begin; at < end; ++at)
-        if (is_patch(at)) seen_of[transport.ends[at]] += area * double(transport.weights[at]);
+        if (is_patch(at)) seen_of[transport.columns[at]] += area * double(transport.weights[at]);
     }
   }
   for (const auto& m : transport.mirrored)

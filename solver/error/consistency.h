@@ -4,7 +4,7 @@
 namespace patchlight {
 
 /// The areas of those parts of patches that light can reach, m2: rows by rays are the shorter for what is hidden.
-std::vector<double> exposed_areas(const PatchSet& scene, const Transport& transport);
+std::vector<double> visible_areas(const PatchSet& scene, const Transport& transport);
 
 /// Area-weighted relative L2 norm of what breaks A_i F_ij = A_j F_ji, summed over i for every patch j: what all rows
 /// together see of j against what j sees of them. 0 for exact form factors.

@@ -99,7 +99,7 @@ class Estimator {
       SpectrumField drawn;
       drawn.reserve(areas_.size());
       for (std::size_t i = 0; i < areas_.size(); ++i)
-        drawn.push_back(signed_by(deviation[i], scramble(scramble(index) + i) >> which & 1));
+        drawn.push_back(signed_by(deviation[i], hash64(hash64(index) + i) >> which & 1));
       return drawn;
     };
     SpectrumField source = signs(solution_.deviation, 0);

@@ -15,10 +15,10 @@ constexpr float kLeast = 0.05f;  // of a part's size: distances below count as t
 constexpr float kLift = 1e-3f;   // of a part's size: how far above it its corners look for each other
 constexpr float kInset = 0.02f;  // and how far inside its borders
 
-using Ways = std::array<Vec3f, RayPacket::kSize>;
+using Directions = std::array<Vec3f, RayPacket::kSize>;
 
 /// Sixteen directions about +Z that are stratified over the hemisphere.
-Ways stratified_ways(std::uint64_t random) {
+Directions stratified_directions(std::uint64_t random) {
   static const std::array<Vec2f, RayPacket::kSize> kAround = [] {
     std::array<Vec2f, RayPacket::kSize> around;
     for (int k = 0; k < RayPacket::kSize; ++k) {
@@ -27,16 +27,16 @@ Ways stratified_ways(std::uint64_t random) {
     }
     return around;
   }();
-  const float shift = to_unit(random << 24), turn = float(2 * kPi) * to_unit(random);
+  const float shift = uniform01(random << 24), turn = float(2 * kPi) * uniform01(random);
   const float cosine = std::cos(turn), sine = std::sin(turn);
-  Ways ways;
+  Directions directions;
   for (int k = 0; k < RayPacket::kSize; ++k) {
     const float square = shifted((float(k) + 0.5f) / float(RayPacket::kSize), shift);
     const float radius = std::sqrt(square);
-    ways[k] = Vec3f(radius * (kAround[k].x * cosine - kAround[k].y * sine),
-                    radius * (kAround[k].x * sine + kAround[k].y * cosine), std::sqrt(1.0f - square));
+    directions[k] = Vec3f(radius * (kAround[k].x * cosine - kAround[k].y * sine),
+                          radius * (kAround[k].x * sine + kAround[k].y * cosine), std::sqrt(1.0f - square));
   }
-  return ways;
+  return directions;
 }
 
 }  // namespace
@@ -49,12 +49,13 @@ void leave_surface(int lane, const RayScene& ray_scene, const SurfacePoint& poin
              tangent * about_z.x + bitangent * about_z.y + point.normal * about_z.z);
 }
 
-float exposure(const RayScene& ray_scene, std::int32_t primitive, const SurfacePoint& point, std::uint64_t random) {
-  const Ways ways = stratified_ways(random);
+float lit_ray_fraction(const RayScene& ray_scene, std::int32_t primitive, const SurfacePoint& point,
+                       std::uint64_t random) {
+  const Directions directions = stratified_directions(random);
   RayPacket packet;
   packet.clear();
   for (int lane = 0; lane < RayPacket::kSize; ++lane)
-    leave_surface(lane, ray_scene, point, ray_scene.offset(primitive), ways[lane], packet);
+    leave_surface(lane, ray_scene, point, ray_scene.offset(primitive), directions[lane], packet);
   ray_scene.intersect(packet, false);
   int lit = 0, backs = 0;
   for (int lane = 0; lane < RayPacket::kSize; ++lane) {
@@ -65,18 +66,19 @@ float exposure(const RayScene& ray_scene, std::int32_t primitive, const SurfaceP
   return backs > 0 ? float(lit) / float(RayPacket::kSize) : 1.0f;
 }
 
-Closeness closeness(const PatchSet& scene, const RayScene& ray_scene, const Patch& part, std::uint64_t random) {
+RefinementCriterion refinement_criterion(const PatchSet& scene, const RayScene& ray_scene, const Patch& part,
+                                         std::uint64_t random) {
   const PatchSampler sampler(scene.primitives[part.primitive], part);
   const float size = float(std::sqrt(part.area));
-  const Ways ways = stratified_ways(random);
+  const Directions directions = stratified_directions(random);
   RayPacket packet;
   packet.clear();
   for (int lane = 0; lane < RayPacket::kSize; ++lane) {
     const Vec2f at = kronecker2(std::uint64_t(lane), random);
-    leave_surface(lane, ray_scene, sampler(at.x, at.y), ray_scene.offset(part.primitive), ways[lane], packet);
+    leave_surface(lane, ray_scene, sampler(at.x, at.y), ray_scene.offset(part.primitive), directions[lane], packet);
   }
   ray_scene.intersect(packet, false);
-  Closeness result;
+  RefinementCriterion result;
   for (int lane = 0; lane < RayPacket::kSize; ++lane) {
     const SurfaceHit hit = ray_scene.hit(packet, lane);
     if (hit.primitive < 0) continue;

@@ -24,7 +24,7 @@ struct Slice {
   const Shot* shot;
   std::uint32_t first;
   std::uint32_t last;
-  std::int32_t* ends;
+  std::int32_t* columns;
 };
 
 constexpr std::uint32_t kSliceRays = 4096;
@@ -38,9 +38,9 @@ RayFormFactors::RayFormFactors(const PatchSet& scene, std::uint64_t seed)
 std::vector<std::int32_t> RayFormFactors::cast(std::span<const Shot> shots) const {
   std::size_t total = 0;
   for (const Shot& shot : shots) total += shot.rays;
-  std::vector<std::int32_t> ends(total);
+  std::vector<std::int32_t> columns(total);
   std::vector<Slice> slices;
-  std::int32_t* next = ends.data();
+  std::int32_t* next = columns.data();
   for (const Shot& shot : shots) {
     for (std::uint32_t first = 0; first < shot.rays; first += kSliceRays) {
       const std::uint32_t last = std::min(first + kSliceRays, shot.rays);
@@ -51,9 +51,9 @@ std::vector<std::int32_t> RayFormFactors::cast(std::span<const Shot> shots) cons
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, slices.size()), [&](const auto& range) {
     _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree wants denormals flushed
     for (std::size_t i = range.begin(); i != range.end(); ++i)
-      cast_packets(*slices[i].shot, slices[i].first, slices[i].last, slices[i].ends);
+      cast_packets(*slices[i].shot, slices[i].first, slices[i].last, slices[i].columns);
   });
-  return ends;
+  return columns;
 }
 
 std::size_t RayFormFactors::batch(std::span<const Shot> shots) const {
@@ -64,10 +64,10 @@ std::size_t RayFormFactors::batch(std::span<const Shot> shots) const {
 }
 
 std::vector<std::span<const FormFactor>> RayFormFactors::rows(std::span<const Shot> shots) {
-  const std::vector<std::int32_t> ends = cast(shots);
+  const std::vector<std::int32_t> columns = cast(shots);
   factors_.clear();
   std::vector<std::size_t> sizes;
-  const std::int32_t* next = ends.data();
+  const std::int32_t* next = columns.data();
   for (const Shot& shot : shots) {
     const std::size_t begin = factors_.size();
     for (const std::int32_t* last = next + shot.rays; next != last; ++next)
@@ -83,23 +83,24 @@ std::vector<std::span<const FormFactor>> RayFormFactors::rows(std::span<const Sh
   return result;
 }
 
-void RayFormFactors::cast_packets(const Shot& shot, std::uint32_t first, std::uint32_t last, std::int32_t* ends) const {
+void RayFormFactors::cast_packets(const Shot& shot, std::uint32_t first, std::uint32_t last,
+                                  std::int32_t* columns) const {
   const Patch& patch = scene_.patches[shot.patch];
   const PatchSampler sample(scene_.primitives[patch.primitive], patch);
   const float offset = ray_scene_.offset(patch.primitive);
-  const bool has_holes = has_cutouts(scene_, patch);
+  const bool has_holes = has_alpha_mask(scene_, patch);
   std::array<std::uint64_t, 4> x;
   for (std::uint64_t k = 0; k < 4; ++k)
-    x[k] = scramble(seed_ ^ scramble(4 * std::uint64_t(shot.patch) + k)) + kSteps[k] * (shot.skip + first);
+    x[k] = hash64(seed_ ^ hash64(4 * std::uint64_t(shot.patch) + k)) + kSteps[k] * (shot.skip + first);
 
   RayPacket packet;
   packet.clear();
   for (std::uint32_t begin = first; begin < last; begin += RayPacket::kSize) {
     for (int lane = 0; lane < RayPacket::kSize; ++lane) {
-      Vec2f at(to_unit(x[0]), to_unit(x[1]));
-      if (has_holes) at = covered_point(scene_, patch, sample, at, scramble(x[0] ^ scramble(x[1])));
+      Vec2f at(uniform01(x[0]), uniform01(x[1]));
+      if (has_holes) at = covered_point(scene_, patch, sample, at, hash64(x[0] ^ hash64(x[1])));
       const SurfacePoint point = sample(at.x, at.y);
-      const Vec3f local = cosine_direction(to_unit(x[2]), to_unit(x[3]));
+      const Vec3f local = cosine_direction(uniform01(x[2]), uniform01(x[3]));
       Vec3f tangent, bitangent;
       orthonormal_frame(point.normal, tangent, bitangent);
       packet.set(lane, ray_scene_.to_local(point.position) + point.normal * offset,
@@ -109,7 +110,7 @@ void RayFormFactors::cast_packets(const Shot& shot, std::uint32_t first, std::ui
     ray_scene_.intersect(packet, false);
     for (int lane = 0; lane < RayPacket::kSize; ++lane) {
       const SurfaceHit hit = ray_scene_.hit(packet, lane);
-      *ends++ = hit.front ? lookup_.patch(hit.primitive, hit.u, hit.v) : -1;
+      *columns++ = hit.front ? lookup_.patch(hit.primitive, hit.u, hit.v) : -1;
     }
   }
 }

@@ -20,7 +20,7 @@ class RayFormFactors : public FormFactorSource {
   std::vector<std::span<const FormFactor>> rows(std::span<const Shot> shots) override;
 
  private:
-  void cast_packets(const Shot& shot, std::uint32_t first, std::uint32_t last, std::int32_t* ends) const;
+  void cast_packets(const Shot& shot, std::uint32_t first, std::uint32_t last, std::int32_t* columns) const;
 
   const PatchSet& scene_;
   std::uint64_t seed_;

@@ -98,26 +98,26 @@ VECTOR_CODE void place_rays(const QuadPatch& patch, const Samples& at, RayPacket
 
 /// What a row's halves have met, kept from row to row for its memory.
 struct RayRows::Scratch {
-  std::array<std::vector<std::int32_t>, 2> ends;
+  std::array<std::vector<std::int32_t>, 2> columns;
   std::array<std::vector<TransportRows::Mirrored>, 2> mirrored;
 };
 
 /// One half of a row in the making.
-struct RayRows::Half {
-  Half(const RayRows& rows, std::int32_t row_index, int which, Scratch& scratch)
+struct RayRows::SampleSet {
+  SampleSet(const RayRows& rows, std::int32_t row_index, int index, Scratch& scratch)
       : row(row_index),
-        half(which),
-        random(scramble(rows.seed_ ^ scramble(2 * std::uint64_t(row_index) + std::uint64_t(which)))),
+        which(index),
+        random(hash64(rows.seed_ ^ hash64(2 * std::uint64_t(row_index) + std::uint64_t(index)))),
         patch(rows.receivers_[row_index]),
         primitive(rows.scene_.primitives[patch.primitive]),
         offset(rows.ray_scene_.offset(patch.primitive)),
-        ends(scratch.ends[which]),
-        mirrored(scratch.mirrored[which]) {
-    ends.clear();
+        columns(scratch.columns[index]),
+        mirrored(scratch.mirrored[index]) {
+    columns.clear();
     mirrored.clear();
-    const std::uint64_t own = rows.apart_ ? random : scramble(rows.seed_ ^ std::uint64_t(row_index));
-    for (int k = 0; k < 4; ++k) turned[k] = std::uint32_t((k < 2 ? own : scramble(own)) >> 32 * (k % 2));
-    has_holes = has_cutouts(rows.scene_, patch);
+    const std::uint64_t own = rows.separate_ ? random : hash64(rows.seed_ ^ std::uint64_t(row_index));
+    for (int k = 0; k < 4; ++k) turned[k] = std::uint32_t((k < 2 ? own : hash64(own)) >> 32 * (k % 2));
+    has_holes = has_alpha_mask(rows.scene_, patch);
     if (primitive.shape != Primitive::Shape::quad || has_holes) {
       sampler.emplace(primitive, patch);
       return;
@@ -141,7 +141,7 @@ struct RayRows::Half {
   }
 
   std::int32_t row;
-  int half;
+  int which;  ///< 0 or 1.
   std::uint64_t random;
   std::array<std::uint32_t, 4> turned;  ///< How the whole sequence is scrambled.
   const Patch& patch;
@@ -154,21 +154,21 @@ struct RayRows::Half {
   int block = 0;                                   ///< Of the sequence, that is being cast.
   std::array<std::uint32_t, 4> shift;              ///< See DirectionTable::block().
   std::int32_t cast = 0, backs = 0;                ///< Rays, and those that ended on unlit backs.
-  std::vector<std::int32_t>& ends;                 ///< Of those that met something lit.
+  std::vector<std::int32_t>& columns;              ///< Of those that met something lit.
   std::vector<TransportRows::Mirrored>& mirrored;  ///< With weights for one ray.
 
   std::uint64_t number(int ray) const { return std::uint64_t(block) << 32 | std::uint64_t(ray); }
 };
 
 RayRows::RayRows(const PatchSet& scene, const RayScene& ray_scene, std::span<const Patch> receivers,
-                 const Elements& elements, std::uint64_t seed, Halves halves, bool exposed_parts)
+                 const Elements& elements, std::uint64_t seed, SampleSets sets, bool visible_fractions)
     : scene_(scene),
       ray_scene_(ray_scene),
       receivers_(receivers),
       elements_(elements),
-      seed_(scramble(seed)),
-      exposed_parts_(exposed_parts),
-      apart_(halves == Halves::apart) {
+      seed_(hash64(seed)),
+      visible_fractions_(visible_fractions),
+      separate_(sets == SampleSets::separate) {
   for (const Primitive& p : scene.primitives) {
     metallic_.push_back(scene.materials[p.material].specular != Color(0.0f));
     has_metals_ = has_metals_ || metallic_.back();
@@ -183,7 +183,7 @@ std::int64_t RayRows::cast(int rays, TransportRows& to, Progress& progress, Shar
   to = {};
   to.rays = 2 * half_rays;
   to.starts.push_back(0);
-  to.ends.reserve(std::size_t(count) * std::size_t(to.rays));
+  to.columns.reserve(std::size_t(count) * std::size_t(to.rays));
   const int blocks = (count + kBlock - 1) / kBlock;
   const int blocks_at_once = std::max(1, int(kRaysAtOnce / (2 * half_rays * kBlock)));
   std::int64_t cast = 0;
@@ -193,101 +193,104 @@ std::int64_t RayRows::cast(int rays, TransportRows& to, Progress& progress, Shar
       _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree wants denormals flushed
       const std::int32_t first = start + (done + index) * kBlock, last = std::min(first + kBlock, end);
       Scratch scratch;
-      found[index].ends.reserve(std::size_t(last - first) * std::size_t(to.rays));
+      found[index].columns.reserve(std::size_t(last - first) * std::size_t(to.rays));
       for (std::int32_t row = first; row < last; ++row) cast_row(row, table, scratch, found[index]);
     });
     std::size_t more = 0;
-    for (const Found& part : found) more += part.ends.size();
-    if (to.ends.size() + more <= to.ends.capacity()) get_memory_for(to.ends, more);
+    for (const Found& part : found) more += part.columns.size();
+    if (to.columns.size() + more <= to.columns.capacity()) prefault(to.columns, more);
     for (const Found& part : found) {
-      to.ends.insert(to.ends.end(), part.ends.begin(), part.ends.end());
+      to.columns.insert(to.columns.end(), part.columns.begin(), part.columns.end());
       for (TransportRows::Mirrored m : part.mirrored) {
         m.row -= start;
         to.mirrored.push_back(m);
       }
-      to.shares.insert(to.shares.end(), part.shares.begin(), part.shares.end());
-      to.exposed.insert(to.exposed.end(), part.exposed.begin(), part.exposed.end());
+      to.hit_weights.insert(to.hit_weights.end(), part.hit_weights.begin(), part.hit_weights.end());
+      to.visible_fractions.insert(to.visible_fractions.end(), part.visible_fractions.begin(),
+                                  part.visible_fractions.end());
       for (const std::int32_t hits : part.hits) to.starts.push_back(to.starts.back() + std::uint64_t(hits));
       cast += part.rays;
     }
     progress.update(double(done) / blocks, "rows of form factors", cast);
   }
-  if (std::all_of(to.exposed.begin(), to.exposed.end(), [](float part) { return part == 1.0f; })) to.exposed.clear();
+  if (std::all_of(to.visible_fractions.begin(), to.visible_fractions.end(), [](float part) { return part == 1.0f; }))
+    to.visible_fractions.clear();
   return cast;
 }
 
 /// Rays go on in blocks until about as many have met something as the first block has rays. How many blocks that takes
 /// each half learns from the other, so that neither's mean depends on it.
 void RayRows::cast_row(std::int32_t row, const DirectionTable& table, Scratch& scratch, Found& found) const {
-  std::array<Half, 2> halves{Half(*this, row, 0, scratch), Half(*this, row, 1, scratch)};
-  for (Half& half : halves) cast_block(half, table, half.half * !apart_);
-  const int backs = halves[0].backs + halves[1].backs;
+  std::array<SampleSet, 2> sets{SampleSet(*this, row, 0, scratch), SampleSet(*this, row, 1, scratch)};
+  for (SampleSet& set : sets) cast_block(set, table, set.which * !separate_);
+  const int backs = sets[0].backs + sets[1].backs;
   std::array<float, 2> parts{1.0f, 1.0f};
-  if (exposed_parts_ && kFewBacks * backs >= halves[0].cast + halves[1].cast)
-    for (int half = 0; half < 2; ++half) {
-      const int rays = std::max(kLeastForExposedPart, 4 * table.count());
-      parts[half] = exposed_part(scene_, ray_scene_, receivers_[row], rays, scramble(halves[half].random), found.rays);
+  if (visible_fractions_ && kFewBacks * backs >= sets[0].cast + sets[1].cast)
+    for (int set = 0; set < 2; ++set) {
+      const int rays = std::max(kMinRaysForVisibleFraction, 4 * table.count());
+      parts[set] =
+          visible_area_fraction(scene_, ray_scene_, receivers_[row], rays, hash64(sets[set].random), found.rays);
     }
-  found.exposed.insert(found.exposed.end(), parts.begin(), parts.end());
-  const auto blocks = [&](const Half& other) {
-    const int met = int(other.ends.size());
-    return met == 0 ? 1 : std::min(kMostBlocks, (table.count() + met / 2) / met);
+  found.visible_fractions.insert(found.visible_fractions.end(), parts.begin(), parts.end());
+  const auto blocks = [&](const SampleSet& other) {
+    const int hit_count = int(other.columns.size());
+    return hit_count == 0 ? 1 : std::min(kMostBlocks, (table.count() + hit_count / 2) / hit_count);
   };
-  const std::array<int, 2> wanted{blocks(halves[1]), blocks(halves[0])};
-  for (Half& half : halves) {
-    for (int block = 1; block < wanted[half.half]; ++block)
-      cast_block(half, table, apart_ ? block : 2 * block + half.half);
-    found.ends.insert(found.ends.end(), half.ends.begin(), half.ends.end());
-    found.hits.push_back(std::int32_t(half.ends.size()));
-    found.shares.push_back(1.0f / (float(half.cast) * parts[half.half]));
-    found.rays += half.cast + std::int64_t(half.mirrored.size());
-    for (auto& m : half.mirrored) {
-      m.weight *= found.shares.back();
+  const std::array<int, 2> wanted{blocks(sets[1]), blocks(sets[0])};
+  for (SampleSet& set : sets) {
+    for (int block = 1; block < wanted[set.which]; ++block)
+      cast_block(set, table, separate_ ? block : 2 * block + set.which);
+    found.columns.insert(found.columns.end(), set.columns.begin(), set.columns.end());
+    found.hits.push_back(std::int32_t(set.columns.size()));
+    found.hit_weights.push_back(1.0f / (float(set.cast) * parts[set.which]));
+    found.rays += set.cast + std::int64_t(set.mirrored.size());
+    for (auto& m : set.mirrored) {
+      m.weight *= found.hit_weights.back();
       found.mirrored.push_back(m);
     }
   }
 }
 
-void RayRows::start_packet(const Half& half, const DirectionTable& table, int first, RayPacket& packet) const {
+void RayRows::start_packet(const SampleSet& set, const DirectionTable& table, int first, RayPacket& packet) const {
   Lanes dx, dy, dz, u, v;
-  shift_samples(table, first, half.shift, {dx.data(), dy.data(), dz.data(), u.data(), v.data()});
-  if (half.sampler) {
+  shift_samples(table, first, set.shift, {dx.data(), dy.data(), dz.data(), u.data(), v.data()});
+  if (set.sampler) {
     for (int lane = 0; lane < RayPacket::kSize; ++lane) {
       Vec2f at(u[lane], v[lane]);
-      if (half.has_holes)
-        at = covered_point(scene_, half.patch, *half.sampler, at, scramble(half.random + half.number(first + lane)));
-      leave_surface(lane, ray_scene_, (*half.sampler)(at.x, at.y), half.offset, {dx[lane], dy[lane], dz[lane]}, packet);
+      if (set.has_holes)
+        at = covered_point(scene_, set.patch, *set.sampler, at, hash64(set.random + set.number(first + lane)));
+      leave_surface(lane, ray_scene_, (*set.sampler)(at.x, at.y), set.offset, {dx[lane], dy[lane], dz[lane]}, packet);
     }
     return;
   }
   packet.start();
-  place_rays(half.quad, {dx.data(), dy.data(), dz.data(), u.data(), v.data()}, packet);
+  place_rays(set.quad, {dx.data(), dy.data(), dz.data(), u.data(), v.data()}, packet);
 }
 
-void RayRows::cast_block(Half& half, const DirectionTable& table, int block) const {
+void RayRows::cast_block(SampleSet& set, const DirectionTable& table, int block) const {
   const bool coherent = table.count() >= 128;  // measured: neighbours in a coarser table part too soon
-  half.block = block;
-  half.shift = table.block(std::uint32_t(block));
-  for (int k = 0; k < 4; ++k) half.shift[k] ^= half.turned[k];
-  half.cast += table.count();
+  set.block = block;
+  set.shift = table.block(std::uint32_t(block));
+  for (int k = 0; k < 4; ++k) set.shift[k] ^= set.turned[k];
+  set.cast += table.count();
   RayPacket packet;
   for (int first = 0; first < table.count(); first += RayPacket::kSize) {
-    start_packet(half, table, first, packet);
+    start_packet(set, table, first, packet);
     ray_scene_.intersect(packet, coherent);
     for (int lane = 0; lane < RayPacket::kSize; ++lane) {
       const SurfaceHit hit = ray_scene_.hit(packet, lane);
       if (hit.front)
-        half.ends.push_back(elements_.at(hit.primitive, hit.u, hit.v));
+        set.columns.push_back(elements_.at(hit.primitive, hit.u, hit.v));
       else if (hit.primitive >= 0)
-        ++half.backs;
+        ++set.backs;
       else if (scene_.environment)
-        half.ends.push_back(elements_.sky(packet.direction(lane)));
+        set.columns.push_back(elements_.sky(packet.direction(lane)));
     }
-    if (has_metals_) follow_mirrors(half, first, packet);
+    if (has_metals_) follow_mirrors(set, first, packet);
   }
 }
 
-void RayRows::follow_mirrors(Half& half, int first, RayPacket& packet) const {
+void RayRows::follow_mirrors(SampleSet& set, int first, RayPacket& packet) const {
   std::array<Color, RayPacket::kSize> throughput;
   throughput.fill(Color(1.0f));
   for (int bounce = 0; bounce < kMostMirrors; ++bounce) {
@@ -297,13 +300,12 @@ void RayRows::follow_mirrors(Half& half, int first, RayPacket& packet) const {
       const SurfaceHit hit = ray_scene_.hit(packet, lane);
       packet.valid[lane] = 0;
       if (bounce > 0 && hit.primitive < 0 && scene_.environment)
-        half.mirrored.push_back({half.row, half.half, elements_.sky(packet.direction(lane)), throughput[lane]});
+        set.mirrored.push_back({set.row, set.which, elements_.sky(packet.direction(lane)), throughput[lane]});
       if (!hit.front) continue;
       Color& kept = throughput[lane];
-      if (bounce > 0) half.mirrored.push_back({half.row, half.half, elements_.at(hit.primitive, hit.u, hit.v), kept});
+      if (bounce > 0) set.mirrored.push_back({set.row, set.which, elements_.at(hit.primitive, hit.u, hit.v), kept});
       if (!metallic_[hit.primitive]) continue;
-      const std::uint64_t random =
-          scramble(half.random ^ scramble(half.number(first + lane) << 8 | std::uint64_t(bounce)));
+      const std::uint64_t random = hash64(set.random ^ hash64(set.number(first + lane) << 8 | std::uint64_t(bounce)));
       going = go_on(scene_, ray_scene_, hit, random, lane, packet, kept) || going;
     }
     if (!going) return;

@@ -20,12 +20,12 @@ namespace patchlight {
 /// Russian roulette: extended form factors (Sillion and Puech 1989).
 class RayRows {
  public:
-  enum class Halves { apart, together };
+  enum class SampleSets { separate, together };
 
   /// Of `receivers`, patches of the scene's primitives or, of no size, points of them, to `elements`.
-  /// Where `exposed_parts`, rows of patches that are exposed in part alone are of that part.
+  /// Where `visible_fractions`, rows of patches that are exposed in part alone are of that part.
   RayRows(const PatchSet& scene, const RayScene& ray_scene, std::span<const Patch> receivers, const Elements& elements,
-          std::uint64_t seed, Halves halves, bool exposed_parts = false);
+          std::uint64_t seed, SampleSets sets, bool visible_fractions = false);
 
   /// Sets `to`, with `rays` a row, rounded up to a multiple of 32; up to eight times as many where most meet nothing,
   /// so that what a row does see is no noisier. The same for any number of threads. Returns how many rays were cast,
@@ -34,29 +34,29 @@ class RayRows {
   std::int64_t cast(int rays, TransportRows& to, Progress& progress, Shard shard = {}) const;
 
  private:
-  struct Half;
+  struct SampleSet;
   struct Scratch;
 
   /// What a thread's rows have met, row after row and half after half.
   struct Found {
-    std::vector<std::int32_t> ends, hits;
-    std::vector<float> shares, exposed;
+    std::vector<std::int32_t> columns, hits;
+    std::vector<float> hit_weights, visible_fractions;
     std::vector<TransportRows::Mirrored> mirrored;
     std::int64_t rays = 0;
   };
 
   void cast_row(std::int32_t row, const DirectionTable& table, Scratch& scratch, Found& found) const;
-  void cast_block(Half& half, const DirectionTable& table, int block) const;
-  void start_packet(const Half& half, const DirectionTable& table, int first, RayPacket& packet) const;
-  void follow_mirrors(Half& half, int first, RayPacket& packet) const;
+  void cast_block(SampleSet& set, const DirectionTable& table, int block) const;
+  void start_packet(const SampleSet& set, const DirectionTable& table, int first, RayPacket& packet) const;
+  void follow_mirrors(SampleSet& set, int first, RayPacket& packet) const;
 
   const PatchSet& scene_;
   const RayScene& ray_scene_;
   const std::span<const Patch> receivers_;
   const Elements& elements_;
   std::uint64_t seed_;
-  const bool exposed_parts_;
-  const bool apart_;
+  const bool visible_fractions_;
+  const bool separate_;
   std::vector<char> metallic_;  ///< By primitive.
   bool has_metals_ = false;
 };

@@ -8,16 +8,16 @@ TransportRows sky_rows(const PatchSet& scene, const RayScene& ray_scene, int ray
                        std::int64_t& cast, Progress& progress) {
   const Elements elements(scene);
   TransportRows all, sky;
-  cast +=
-      RayRows(scene, ray_scene, scene.patches, elements, seed, RayRows::Halves::apart, true).cast(rays, all, progress);
+  cast += RayRows(scene, ray_scene, scene.patches, elements, seed, RayRows::SampleSets::separate, true)
+              .cast(rays, all, progress);
   sky.starts.push_back(0);
   for (std::size_t k = 0; k + 1 < all.starts.size(); ++k) {
     for (std::uint64_t at = all.starts[k]; at < all.starts[k + 1]; ++at) {
-      if (std::size_t(all.ends[at]) < scene.patches.size()) continue;
-      sky.ends.push_back(all.ends[at]);
-      sky.weights.push_back(all.shares[k]);
+      if (std::size_t(all.columns[at]) < scene.patches.size()) continue;
+      sky.columns.push_back(all.columns[at]);
+      sky.weights.push_back(all.hit_weights[k]);
     }
-    sky.starts.push_back(sky.ends.size());
+    sky.starts.push_back(sky.columns.size());
   }
   return sky;
 }

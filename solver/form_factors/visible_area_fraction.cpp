@@ -13,33 +13,33 @@ namespace patchlight {
 
 namespace {
 
-constexpr float kOpen = 0.75f;          // of the most exposed place: from there on, all of a place counts
-constexpr float kLeastOpen = 0.5f;      // of the rays of the most exposed place: else all of a patch is covered
-constexpr float kLeastExposed = 0.25f;  // part of a patch: the less there is, the noisier
+constexpr float kOpen = 0.75f;                // of the most exposed place: from there on, all of a place counts
+constexpr float kLeastOpen = 0.5f;            // of the rays of the most exposed place: else all of a patch is covered
+constexpr float kMinVisibleFraction = 0.25f;  // part of a patch: the less there is, the noisier
 
-using Ways = std::array<Vec3f, RayPacket::kSize>;
+using Directions = std::array<Vec3f, RayPacket::kSize>;
 
 /// Directions about +Z with the density cos / pi, one in each cell of four rings and four quarters: way k is in ring
 /// k / 4 and quarter k % 4.
-Ways all_ways(std::uint64_t random) {
-  const float inside = to_unit(random << 24), turn = float(kPi / 2) * to_unit(random);
+Directions sphere_directions(std::uint64_t random) {
+  const float inside = uniform01(random << 24), turn = float(kPi / 2) * uniform01(random);
   const float cosine = std::cos(turn), sine = std::sin(turn);
-  Ways ways;
+  Directions directions;
   for (int k = 0; k < RayPacket::kSize; k += 4) {
     const float square = (float(k / 4) + inside) / 4, radius = std::sqrt(square), z = std::sqrt(1.0f - square);
     const float x = radius * cosine, y = radius * sine;
-    ways[k] = {x, y, z};
-    ways[k + 1] = {-y, x, z};
-    ways[k + 2] = {-x, -y, z};
-    ways[k + 3] = {y, -x, z};
+    directions[k] = {x, y, z};
+    directions[k + 1] = {-y, x, z};
+    directions[k + 2] = {-x, -y, z};
+    directions[k + 3] = {y, -x, z};
   }
-  return ways;
+  return directions;
 }
 
 }  // namespace
 
-float exposed_part(const PatchSet& scene, const RayScene& ray_scene, const Patch& patch, int rays, std::uint64_t random,
-                   std::int64_t& cast) {
+float visible_area_fraction(const PatchSet& scene, const RayScene& ray_scene, const Patch& patch, int rays,
+                            std::uint64_t random, std::int64_t& cast) {
   const PatchSampler sampler(scene.primitives[patch.primitive], patch);
   const float offset = ray_scene.offset(patch.primitive);
   std::vector<float> open(std::size_t(rays) / 4);  // of each point, by four rays that go all ways
@@ -47,8 +47,9 @@ float exposed_part(const PatchSet& scene, const RayScene& ray_scene, const Patch
   const int sets = rays / RayPacket::kSize;
   for (int first = 0; first < sets; first += RayPacket::kSize) {
     const int count = std::min(RayPacket::kSize, sets - first);
-    std::array<Ways, RayPacket::kSize> ways;
-    for (int lane = 0; lane < count; ++lane) ways[lane] = all_ways(scramble(random + std::uint64_t(first + lane)));
+    std::array<Directions, RayPacket::kSize> directions;
+    for (int lane = 0; lane < count; ++lane)
+      directions[lane] = sphere_directions(hash64(random + std::uint64_t(first + lane)));
     for (int way = 0; way < RayPacket::kSize; ++way) {  // rays that go much the same way, from points of all sets
       const int of_set = (way ^ way >> 2) & 3;
       const auto point = [&](int lane) { return std::size_t(4 * (first + lane) + of_set); };
@@ -56,7 +57,7 @@ float exposed_part(const PatchSet& scene, const RayScene& ray_scene, const Patch
       packet.clear();
       for (int lane = 0; lane < count; ++lane) {
         const Vec2f at = kronecker2(point(lane), random);
-        leave_surface(lane, ray_scene, sampler(at.x, at.y), offset, ways[lane][way], packet);
+        leave_surface(lane, ray_scene, sampler(at.x, at.y), offset, directions[lane][way], packet);
       }
       ray_scene.intersect(packet, true);
       for (int lane = 0; lane < count; ++lane) {
@@ -72,8 +73,8 @@ float exposed_part(const PatchSet& scene, const RayScene& ray_scene, const Patch
   const float most = *std::max_element(open.begin(), open.end());
   if (most < kLeastOpen) return 1.0f;
   float sum = 0;
-  for (const float exposed : open) sum += std::min(1.0f, exposed / (kOpen * most));
-  return std::max(kLeastExposed, sum / float(open.size()));
+  for (const float visible_fractions : open) sum += std::min(1.0f, visible_fractions / (kOpen * most));
+  return std::max(kMinVisibleFraction, sum / float(open.size()));
 }
 
 }  // namespace patchlight

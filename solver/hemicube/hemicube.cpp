@@ -87,12 +87,12 @@ std::vector<std::span<const FormFactor>> HemicubeFormFactors::rows(std::span<con
   for (std::size_t k = 0; k < shots.size(); ++k) draw(shots[k], height * int(k));
   const std::vector<std::uint32_t>& ids = renderer_.read();
   factors_.clear();
-  std::vector<std::size_t> ends;
+  std::vector<std::size_t> columns;
   for (std::size_t k = 0; k < shots.size(); ++k)
-    ends.push_back(gather(ids.data() + std::size_t(height) * k * resolution_));
+    columns.push_back(gather(ids.data() + std::size_t(height) * k * resolution_));
   std::vector<std::span<const FormFactor>> result;
   std::size_t begin = 0;
-  for (const std::size_t end : ends) {
+  for (const std::size_t end : columns) {
     result.push_back(std::span(factors_).subspan(begin, end - begin));
     begin = end;
   }
@@ -102,16 +102,16 @@ std::vector<std::span<const FormFactor>> HemicubeFormFactors::rows(std::span<con
 void HemicubeFormFactors::draw(const Shot& shot, int bottom) {
   const Patch& patch = scene_.patches[shot.patch];
   const Primitive& primitive = scene_.primitives[patch.primitive];
-  const std::uint64_t hash = scramble(seed_ ^ scramble(std::uint64_t(shot.patch)));
+  const std::uint64_t hash = hash64(seed_ ^ hash64(std::uint64_t(shot.patch)));
   SurfacePoint point{patch.center, patch.normal};
-  const bool has_holes = has_cutouts(scene_, patch);
+  const bool has_holes = has_alpha_mask(scene_, patch);
   if (shot.skip > 0 || has_holes) {
     const PatchSampler sampler(primitive, patch);
     Vec2f x = kronecker2(shot.skip, hash);
-    if (has_holes) x = covered_point(scene_, patch, sampler, x, scramble(hash + shot.skip));
+    if (has_holes) x = covered_point(scene_, patch, sampler, x, hash64(hash + shot.skip));
     point = sampler(x.x, x.y);
   }
-  const float angle = to_unit(scramble(hash + shot.skip)) * float(kPi / 2);
+  const float angle = uniform01(hash64(hash + shot.skip)) * float(kPi / 2);
   for (HemicubeFace& face : hemicube_faces(renderer_.to_local(point.position), point.normal, angle,
                                            float(std::sqrt(patch.area)), resolution_)) {
     face.view.self = patch.primitive;
@@ -124,24 +124,24 @@ void HemicubeFormFactors::draw(const Shot& shot, int bottom) {
 std::size_t HemicubeFormFactors::gather(const std::uint32_t* ids) {
   // Without branches, which would be mispredicted at every other run of equal cells.
   const int n = resolution_;
-  int* const ends = ends_.data();
+  int* const columns = ends_.data();
   std::size_t count = 0;
   for (int j = 0; j < 3 * n; ++j) {
     const std::uint32_t* id = ids + std::size_t(j) * n;
     const float* sum = sums_.data() + std::size_t(j) * n;
     int runs = 0;
     for (int i = 0; i + 1 < n; ++i) {
-      ends[runs] = i;
+      columns[runs] = i;
       runs += id[i] != id[i + 1];
     }
-    ends[runs++] = n - 1;
+    columns[runs++] = n - 1;
     float before = 0;
     for (int k = 0; k < runs; ++k) {
-      const std::uint32_t seen = id[ends[k]];
+      const std::uint32_t seen = id[columns[k]];
       reached_[count] = seen;
       count += row_[seen] == 0;
-      row_[seen] += sum[ends[k]] - before;
-      before = sum[ends[k]];
+      row_[seen] += sum[columns[k]] - before;
+      before = sum[columns[k]];
     }
   }
   for (const std::uint32_t seen : std::span(reached_).first(count)) {

@@ -32,7 +32,7 @@ struct SphereRecord {
   std::array<std::int32_t, 4> rings;  ///< First ring and their number, of the outside and of the inside.
 };
 
-struct CutoutRecord {
+struct AlphaMaskRecord {
   std::array<float, 8> texcoords;
   std::array<float, 4> alphas;
   std::array<std::int32_t, 4> image;
@@ -142,7 +142,7 @@ void PatchIdRenderer::upload_masks(const PatchSet& scene) const {
       ++count;
     }
   }
-  std::vector<CutoutRecord> cutouts;
+  std::vector<AlphaMaskRecord> alpha_masks;
   for (std::size_t i = 0; i < scene.primitives.size(); ++i) {
     const Primitive& p = scene.primitives[i];
     if (p.mask < 0 || (p.back >= 0 && p.back < std::int32_t(i))) continue;
@@ -150,13 +150,13 @@ void PatchIdRenderer::upload_masks(const PatchSet& scene) const {
     const Texcoords& t = scene.texcoords.empty() ? kOwnTexcoords : scene.texcoords[i];
     const CornerColors& c = scene.colors.empty() ? kUncolored : scene.colors[i];
     const Material& material = scene.materials[p.material];
-    cutouts.push_back({{t[0].x, t[0].y, t[1].x, t[1].y, t[2].x, t[2].y, t[3].x, t[3].y},
-                       {c[0].w, c[1].w, c[2].w, c[3].w},
-                       {starts[p.mask], mask.width, mask.height, mask.nearest},
-                       {std::int32_t(mask.wrap[0]), std::int32_t(mask.wrap[1])},
-                       {material.alpha, material.alpha_cutoff}});
+    alpha_masks.push_back({{t[0].x, t[0].y, t[1].x, t[1].y, t[2].x, t[2].y, t[3].x, t[3].y},
+                           {c[0].w, c[1].w, c[2].w, c[3].w},
+                           {starts[p.mask], mask.width, mask.height, mask.nearest},
+                           {std::int32_t(mask.wrap[0]), std::int32_t(mask.wrap[1])},
+                           {material.alpha, material.alpha_cutoff}});
   }
-  upload_storage(3, cutouts);
+  upload_storage(3, alpha_masks);
   upload_storage(4, texels);
 }
 

@@ -42,22 +42,22 @@ VECTOR_CODE void add_weighted(std::span<const std::int32_t> places, const float*
 FormFactorRows::FormFactorRows(const TransportRows& rows, int sky) : transport_(rows), sky_(sky) {
   if (rows.mirrored.empty()) return;
   mirrored_starts_.assign(rows.starts.size(), 0);
-  for (const auto& m : rows.mirrored) ++mirrored_starts_[2 * m.row + m.half + 1];
+  for (const auto& m : rows.mirrored) ++mirrored_starts_[2 * m.row + m.sample_set + 1];
   for (std::size_t k = 1; k < mirrored_starts_.size(); ++k) mirrored_starts_[k] += mirrored_starts_[k - 1];
 }
 
 template <class Number, int kWidth>
 void FormFactorRows::receive_packed(const RadiosityTable& radiosity, std::span<const Receiver> receivers) const {
   const Number* const table = radiosity.values<Number>();
-  const auto half = [&](std::size_t k, double* sum) {
+  const auto sample_set = [&](std::size_t k, double* sum) {
     const std::uint64_t begin = transport_.starts[k];
-    const auto places = std::span(transport_.ends).subspan(begin, transport_.starts[k + 1] - begin);
+    const auto places = std::span(transport_.columns).subspan(begin, transport_.starts[k + 1] - begin);
     std::fill(sum, sum + kWidth, 0.0);
     if (transport_.rays == 0) {
       add_weighted<Number, kWidth>(places, transport_.weights.data() + begin, table, sum);
     } else {
       add_equal<Number, kWidth>(places, table, sum);
-      for (int c = 0; c < kWidth; ++c) sum[c] *= double(transport_.shares[k]);
+      for (int c = 0; c < kWidth; ++c) sum[c] *= double(transport_.hit_weights[k]);
     }
     if (mirrored_starts_.empty()) return;
     for (std::uint64_t at = mirrored_starts_[k]; at < mirrored_starts_[k + 1]; ++at) {
@@ -68,8 +68,8 @@ void FormFactorRows::receive_packed(const RadiosityTable& radiosity, std::span<c
   };
   for_each_row(std::size_t(transport_.rows()), [&](std::size_t i) {
     double first[kWidth], second[kWidth];
-    half(2 * i, first);
-    half(2 * i + 1, second);
+    sample_set(2 * i, first);
+    sample_set(2 * i + 1, second);
     for (std::size_t f = 0; f < receivers.size(); ++f)
       for (int c = 0; c < 3; ++c) {
         const double a = first[3 * f + c], b = second[3 * f + c];
@@ -124,7 +124,7 @@ void FormFactorRows::receive_mirrored(const SpectrumField& radiosity, SpectrumFi
     if (std::size_t(m.patch) >= radiosity.size()) continue;  // the environment, left out
     const Spectrum received = radiosity[m.patch] * Spectrum(m.weight) * Spectrum(0.5);
     irradiance[m.row] += received;
-    m.half == 0 ? deviation[m.row] += received : deviation[m.row] -= received;
+    m.sample_set == 0 ? deviation[m.row] += received : deviation[m.row] -= received;
   }
 }
 
@@ -133,14 +133,14 @@ SpectrumField FormFactorRows::seen() const {
   for (std::size_t k = 0; k + 1 < transport_.starts.size(); ++k) {
     const std::uint64_t begin = transport_.starts[k], end = transport_.starts[k + 1];
     double sum = 0;
-    const auto places = std::span(transport_.ends).subspan(begin, end - begin);
+    const auto places = std::span(transport_.columns).subspan(begin, end - begin);
     const auto is_sky = [&](std::int32_t place) { return place >= transport_.rows(); };
     if (transport_.rays > 0)
       sum = double(std::int64_t(end - begin) - (sky_ > 0 ? std::count_if(places.begin(), places.end(), is_sky) : 0)) *
-            double(transport_.shares[k]);
+            double(transport_.hit_weights[k]);
     else
       for (std::uint64_t at = begin; at < end; ++at)
-        if (sky_ == 0 || !is_sky(transport_.ends[at])) sum += double(transport_.weights[at]);
+        if (sky_ == 0 || !is_sky(transport_.columns[at])) sum += double(transport_.weights[at]);
     seen[k / 2] += Spectrum(0.5 * sum);
   }
   for (const auto& m : transport_.mirrored)

@@ -33,7 +33,7 @@ struct System {
   SpectrumField reflectance;
 
   System(const PatchSet& patches, const Transport& from)
-      : scene(patches), transport(from), rows(from, patches.sky_cells()), emitters(emitters_apart(patches)) {
+      : scene(patches), transport(from), rows(from, patches.sky_cells()), emitters(explicit_emitters(patches)) {
     for (const Patch& patch : scene.patches) {
       areas.push_back(patch.covered_area());
       reflectance.emplace_back(patch.reflectance);
@@ -43,12 +43,12 @@ struct System {
 
 /// Irradiance of one light group, and how far half the samples are from it.
 struct GroupSolution {
-  SpectrumField apart;       ///< Straight from emitters that are sampled apart.
-  SpectrumField by_rows;     ///< Straight from others; empty: none.
+  SpectrumField separate;    ///< Straight from emitters that are sampled apart.
+  SpectrumField gathered;    ///< Straight from others; empty: none.
   SpectrumField by_mirrors;  ///< From emitters by way of mirrors; empty: none.
   SpectrumField by_photons;  ///< The part of it that photons brought, of emitters sampled apart; empty: none.
   SpectrumField reflected;   ///< From what patches reflect.
-  SpectrumField apart_deviation, by_rows_deviation, by_mirrors_deviation, reflected_deviation;  ///< As those are.
+  SpectrumField explicit_deviation, gathered_deviation, by_mirrors_deviation, reflected_deviation;  ///< As those are.
   SpectrumField from_outside;  ///< What no patch sends: of lights and the environment; empty: none.
   bool sky = false;            ///< Whether it holds the light of the environment, by the rows.
   LinearSolve linear;
@@ -69,7 +69,7 @@ struct GroupSolution {
 
 /// Emission of a group: of emitters that are sampled apart, one by one, and of all else that rows end on.
 struct Emission {
-  std::vector<Spectrum> apart;
+  std::vector<Spectrum> separate;
   SpectrumField others;  ///< [n], and behind that the environment's cells if it is of the group.
 };
 
@@ -82,10 +82,10 @@ Emission emission_of(const System& system, std::int32_t group) {
   for (const Emitter& emitter : system.emitters) {
     if (emitter.light >= 0) {
       const Light& light = system.scene.lights[emitter.light];
-      emission.apart.push_back(light.light_group == group ? Spectrum(light.strength) : Spectrum());
+      emission.separate.push_back(light.light_group == group ? Spectrum(light.strength) : Spectrum());
       continue;
     }
-    emission.apart.push_back(emission.others[emitter.first_patch]);
+    emission.separate.push_back(emission.others[emitter.first_patch]);
     std::fill_n(emission.others.begin() + emitter.first_patch, emitter.patches, Spectrum());
   }
   if (const auto& sky = system.scene.environment; sky && sky->light_group == group)
@@ -105,12 +105,12 @@ void add_emitters(const System& system, const Emission& emission, GroupSolution&
   const std::size_t n = system.areas.size();
   for (std::size_t k = 0; k < system.emitters.size(); ++k) {
     const Transport::Emitter& emitter = system.transport.emitters[k];
-    const Spectrum exitance = emission.apart[k];
+    const Spectrum exitance = emission.separate[k];
     if (exitance.sum() == 0) continue;
     for (std::size_t i = 0; i < n; ++i) {
       const double a = emitter.factors[2 * i], b = emitter.factors[2 * i + 1];
-      solution.apart[i] += exitance * Spectrum(0.5 * (a + b));
-      solution.apart_deviation[i] += exitance * Spectrum(0.5 * (a - b));
+      solution.separate[i] += exitance * Spectrum(0.5 * (a + b));
+      solution.explicit_deviation[i] += exitance * Spectrum(0.5 * (a - b));
     }
     if (system.emitters[k].light >= 0) solution.add_from_outside(exitance, emitter.factors);
   }
@@ -120,16 +120,16 @@ void add_emitters(const System& system, const Emission& emission, GroupSolution&
 void add_rows(const System& system, const Emission& emission, GroupSolution& solution) {
   const std::size_t n = system.areas.size();
   if (is_black(emission.others)) return;
-  solution.by_rows.resize(n);
-  solution.by_rows_deviation.resize(n);
-  const Exchange field{&emission.others, {&solution.by_rows, &solution.by_rows_deviation}};
+  solution.gathered.resize(n);
+  solution.gathered_deviation.resize(n);
+  const Exchange field{&emission.others, {&solution.gathered, &solution.gathered_deviation}};
   system.rows.receive({&field, 1}, nullptr, FormFactorRows::Precision::full);
   if (!system.transport.mirrored.empty()) {
     solution.expect_mirrors(n);
     system.rows.receive_mirrored(emission.others, solution.by_mirrors, solution.by_mirrors_deviation);
     for (std::size_t i = 0; i < n; ++i) {
-      solution.by_rows[i] -= solution.by_mirrors[i];
-      solution.by_rows_deviation[i] -= solution.by_mirrors_deviation[i];
+      solution.gathered[i] -= solution.by_mirrors[i];
+      solution.gathered_deviation[i] -= solution.by_mirrors_deviation[i];
     }
   }
   if (emission.others.size() == n) return;
@@ -146,7 +146,7 @@ void add_photons(const System& system, const Emission& emission, GroupSolution& 
   const std::size_t n = system.areas.size();
   for (std::size_t k = 0; k < system.emitters.size(); ++k) {
     const Transport::Emitter& emitter = system.transport.emitters[k];
-    const Spectrum exitance = emission.apart[k];
+    const Spectrum exitance = emission.separate[k];
     if (emitter.mirrored.empty() || exitance.sum() == 0) continue;
     solution.by_photons.resize(n);
     solution.expect_mirrors(n);
@@ -165,7 +165,8 @@ void add_photons(const System& system, const Emission& emission, GroupSolution& 
 GroupSolution emitted_light(const System& system, std::int32_t group) {
   const Emission emission = emission_of(system, group);
   GroupSolution solution;
-  for (auto* field : {&solution.apart, &solution.apart_deviation, &solution.reflected, &solution.reflected_deviation})
+  for (auto* field :
+       {&solution.separate, &solution.explicit_deviation, &solution.reflected, &solution.reflected_deviation})
     field->resize(system.areas.size());
   add_emitters(system, emission, solution);
   add_rows(system, emission, solution);
@@ -178,7 +179,7 @@ void add_reflected_light(const System& system, std::span<GroupSolution> groups, 
   const std::size_t n = system.areas.size();
   const auto precision = FormFactorRows::precision_for(tolerance);
   std::vector<SpectrumField> sent, sources(groups.size(), SpectrumField(n)), indirect(sources);
-  for (const GroupSolution& group : groups) add(group.by_rows, sent.emplace_back(group.apart));
+  for (const GroupSolution& group : groups) add(group.gathered, sent.emplace_back(group.separate));
   std::vector<Exchange> fields;
   for (std::size_t g = 0; g < groups.size(); ++g) fields.push_back({&sent[g], {&sources[g]}});
   system.rows.receive(fields, &system.reflectance, precision);
@@ -241,8 +242,8 @@ EnergyField solve_matrix(const PatchSet& scene, const SolveConfig& config, int r
       add(group.by_mirrors_deviation, by_mirrors_deviation);
     }
     if (!group.sky) continue;
-    by_sky = group.by_rows;
-    by_sky_deviation = group.by_rows_deviation;
+    by_sky = group.gathered;
+    by_sky_deviation = group.gathered_deviation;
   }
 
   const PatchLookup lookup(scene);
@@ -262,29 +263,29 @@ EnergyField solve_matrix(const PatchSet& scene, const SolveConfig& config, int r
   for (std::size_t g = 0; g < groups.size(); ++g) {
     GroupSolution solution = std::move(groups[g]);
     if (solution.sky) {
-      solution.by_rows = sky_filter->apply(solution.by_rows);
-      solution.by_rows_deviation.clear();
+      solution.gathered = sky_filter->apply(solution.gathered);
+      solution.gathered_deviation.clear();
     }
-    SpectrumField direct = std::move(solution.apart), indirect = filter.apply(solution.reflected);
-    add(solution.by_rows, direct);
+    SpectrumField direct = std::move(solution.separate), indirect = filter.apply(solution.reflected);
+    add(solution.gathered, direct);
     if (mirror_filter && !solution.by_mirrors.empty()) add(mirror_filter->apply(solution.by_mirrors), indirect);
     add(direct, all.irradiance);
     add(indirect, all.irradiance);
-    add(solution.by_rows_deviation, all.deviation);
-    add(solution.apart_deviation, all.deviation);
+    add(solution.gathered_deviation, all.deviation);
+    add(solution.explicit_deviation, all.deviation);
     const std::string& name = scene.light_groups[g];
     energy.groups.push_back(
-        {name, to_colors(direct, name), to_colors(indirect, name), to_colors(solution.by_rows, name)});
+        {name, to_colors(direct, name), to_colors(indirect, name), to_colors(solution.gathered, name)});
     if (mirror_filter && !solution.by_photons.empty())
       energy.groups.back().by_photons = to_colors(mirror_filter->apply(solution.by_photons), name);
   }
   energy.estimate = estimate_error(scene, system.rows, system.reflectance, system.areas, all);
-  const std::vector<double> exposed = exposed_areas(scene, transport);
-  energy.estimate->reciprocity = reciprocity_error(transport, system.rows, exposed);
+  const std::vector<double> visible_fractions = visible_areas(scene, transport);
+  energy.estimate->reciprocity = reciprocity_error(transport, system.rows, visible_fractions);
   SpectrumField emission;
   for (const Patch& patch : scene.patches) emission.emplace_back(patch.emission);
   energy.estimate->balance =
-      balance_error(system.rows, exposed, system.reflectance, emission, from_outside, all.irradiance);
+      balance_error(system.rows, visible_fractions, system.reflectance, emission, from_outside, all.irradiance);
   return energy;
 }
 

@@ -40,7 +40,7 @@ std::vector<double> thinned(const std::vector<double>& values) {
 
 struct Group {
   std::vector<Vec3d> direct;    ///< Irradiance of emitters that frames sample apart, W/m2.
-  std::vector<Vec3d> by_rows;   ///< Irradiance of the other emitters, W/m2.
+  std::vector<Vec3d> gathered;  ///< Irradiance of the other emitters, W/m2.
   std::vector<Vec3d> indirect;  ///< Irradiance, W/m2.
   std::vector<Vec3d> unshot;    ///< Reflected and not passed on yet, W/m2.
   double emitted = 0.0;         ///< W, sum of channels; of lights without extent, what arrives.
@@ -60,7 +60,7 @@ class Refinement {
         power_(scene.patches.size()),
         used_(scene.patches.size()) {
     for (Group& group : groups_)
-      for (auto* field : {&group.direct, &group.by_rows, &group.indirect, &group.unshot})
+      for (auto* field : {&group.direct, &group.gathered, &group.indirect, &group.unshot})
         field->resize(power_.size(), Vec3d(0.0));
     for (const Patch& patch : scene.patches) {
       area_ += patch.covered_area();
@@ -157,15 +157,16 @@ void Refinement::add_lights() {
   const PatchLookup lookup(scene_);
   const DirectFactors factors(scene_, ray_scene, scene_.patches, grid_neighbours(scene_, lookup),
                               std::uint64_t(config_.seed));
-  for (const Emitter& emitter : emitters_apart(scene_)) {
+  for (const Emitter& emitter : explicit_emitters(scene_)) {
     if (emitter.light < 0) continue;
     const Light& light = scene_.lights[emitter.light];
     Group& group = groups_[light.light_group];
     const int rays = by_rays_ ? config_.rays : kRaysBesideHemicubes;
-    const std::vector<float> of_halves = factors.sample(emitter, scene_.lights.size(), rays, rays_).factors;
+    const std::vector<float> of_sample_sets = factors.sample(emitter, scene_.lights.size(), rays, rays_).factors;
     for (std::size_t i = 0; i < power_.size(); ++i) {
       const Patch& patch = scene_.patches[i];
-      const Vec3d added = positive(Vec3d(light.strength) * (0.5 * (double(of_halves[2 * i]) + of_halves[2 * i + 1])));
+      const Vec3d added =
+          positive(Vec3d(light.strength) * (0.5 * (double(of_sample_sets[2 * i]) + of_sample_sets[2 * i + 1])));
       group.direct[i] += added;
       group.unshot[i] += added * Vec3d(patch.reflectance);
       group.emitted += patch.covered_area() * channel_sum(added);
@@ -190,7 +191,7 @@ void Refinement::add_sky(Progress& progress) {
   for (std::size_t i = 0; i < power_.size(); ++i) {
     const Patch& patch = scene_.patches[i];
     const Vec3d added = positive(Vec3d(received[i].c[0], received[i].c[1], received[i].c[2]));
-    group.by_rows[i] += added;
+    group.gathered[i] += added;
     group.unshot[i] += added * Vec3d(patch.reflectance);
     group.emitted += patch.covered_area() * channel_sum(added);
   }
@@ -212,13 +213,13 @@ void Refinement::shoot_emitters(Progress& progress) {
     parts[i] = int(std::ceil(by_rays_ ? rays_of(share) / kMostRays : std::min(share * points, 64.0)));
     for (int k = 0; k < parts[i]; ++k) shots.push_back(make_shot(std::int32_t(i), share / parts[i]));
   }
-  std::vector<char> apart(power_.size(), 0);
-  for (const Emitter& emitter : emitters_apart(scene_))
-    std::fill_n(apart.begin() + emitter.first_patch, emitter.patches, 1);
+  std::vector<char> separate(power_.size(), 0);
+  for (const Emitter& emitter : explicit_emitters(scene_))
+    std::fill_n(separate.begin() + emitter.first_patch, emitter.patches, 1);
   shoot(shots, [&](const Shot& shot, std::span<const FormFactor> row) {
     const Patch& patch = scene_.patches[shot.patch];
     Group& group = *emitting_group(patch);
-    pass_on(group, apart[shot.patch] ? group.direct : group.by_rows,
+    pass_on(group, separate[shot.patch] ? group.direct : group.gathered,
             Vec3d(patch.emission) * (patch.covered_area() / parts[shot.patch]), row);
     progress.update(0.0, "direct light");
   });
@@ -300,18 +301,18 @@ EnergyField Refinement::result() const {
     auto& to = energy.groups.emplace_back();
     to.name = scene_.light_groups[g];
     for (std::size_t i = 0; i < power_.size(); ++i) {
-      const Vec3d direct = from.direct[i] + from.by_rows[i];
-      const bool reached = direct != Vec3d(0.0) || from.indirect[i] != Vec3d(0.0);
+      const Vec3d direct = from.direct[i] + from.gathered[i];
+      const bool receives_light = direct != Vec3d(0.0) || from.indirect[i] != Vec3d(0.0);
       to.direct.emplace_back(Vec3f(direct));
-      to.direct_by_rows.emplace_back(Vec3f(from.by_rows[i]));
-      to.indirect.emplace_back(Vec3f(positive(from.indirect[i] + (reached ? from.ambient : Vec3d(0.0)))));
+      to.gathered_direct.emplace_back(Vec3f(from.gathered[i]));
+      to.indirect.emplace_back(Vec3f(positive(from.indirect[i] + (receives_light ? from.ambient : Vec3d(0.0)))));
       const Color sum = to.direct.back() + to.indirect.back();
       if (!std::isfinite(sum.x + sum.y + sum.z))
         throw Error(ExitCode::bad_data, "light group `" + to.name + "` is too strong for single precision", "energy.h5",
                     "give its emitters less, and frames more by `lights` or the exposure");
     }
-    if (std::all_of(from.by_rows.begin(), from.by_rows.end(), [](const Vec3d& v) { return v == Vec3d(0.0); }))
-      to.direct_by_rows.clear();
+    if (std::all_of(from.gathered.begin(), from.gathered.end(), [](const Vec3d& v) { return v == Vec3d(0.0); }))
+      to.gathered_direct.clear();
   }
   energy.iterations = shots_;
   energy.rays = rays_;

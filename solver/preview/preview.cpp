@@ -22,8 +22,8 @@ const Color kHighlight(1.0f, 0.15f, 0.1f);
 
 /// A well-spread colour for every patch.
 Color patch_color(std::uint32_t i) {
-  const std::uint64_t x = scramble(i);
-  const float hue = 6 * to_unit(x), value = 0.55f + 0.4f * to_unit(x << 24);
+  const std::uint64_t x = hash64(i);
+  const float hue = 6 * uniform01(x), value = 0.55f + 0.4f * uniform01(x << 24);
   const auto channel = [&](float shift) {
     const float k = std::fmod(shift + hue, 6.0f);
     return value * (1.0f - 0.45f * std::clamp(std::min(k, 4.0f - k), 0.0f, 1.0f));

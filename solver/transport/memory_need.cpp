@@ -44,7 +44,7 @@ double memory_needed(const PatchSet& scene, const SolveConfig& config, int rays)
   const double row = config.form_factors == "rays" ? kOfRay * rays : kOfHemicubePatch * std::min(n, cells);
   const bool photons = config.form_factors == "rays" && has_metals(scene);
   const double emitter = kOfEmitter + (photons ? kOfPhotons : 0.0);
-  return kBase + n * (kOfPatch + display + kOfGroup * groups + emitter * double(emitters_apart(scene).size()) + row);
+  return kBase + n * (kOfPatch + display + kOfGroup * groups + emitter * double(explicit_emitters(scene).size()) + row);
 }
 
 double shard_memory_needed(const PatchSet& scene, const SolveConfig& config, int shards) {

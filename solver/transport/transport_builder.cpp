@@ -35,10 +35,10 @@ void draw_rows(const PatchSet& scene, const SolveConfig& config, Transport& tran
     const std::span<const Shot> batch = rest.first(hemicubes.batch(rest));
     for (const std::span<const FormFactor> row : hemicubes.rows(batch)) {
       for (const FormFactor& f : row) {
-        transport.ends.push_back(f.patch);
+        transport.columns.push_back(f.patch);
         transport.weights.push_back(f.value);
       }
-      transport.starts.push_back(transport.ends.size());
+      transport.starts.push_back(transport.columns.size());
     }
     done += batch.size();
     progress.update(double(done) / double(shots.size()), "hemicubes");
@@ -47,19 +47,20 @@ void draw_rows(const PatchSet& scene, const SolveConfig& config, Transport& tran
 
 /// Tells which parts of patches that see unlit backs are exposed, and makes their rows rows of these. Returns the
 /// number of rays that that took.
-std::int64_t find_exposed(const PatchSet& scene, const RayScene& ray_scene, std::uint64_t seed, Transport& transport) {
-  transport.exposed.assign(2 * scene.patches.size(), 1.0f);
+std::int64_t find_visible_fractions(const PatchSet& scene, const RayScene& ray_scene, std::uint64_t seed,
+                                    Transport& transport) {
+  transport.visible_fractions.assign(2 * scene.patches.size(), 1.0f);
   std::atomic<std::int64_t> cast{0};
   tbb::parallel_for(std::size_t(0), scene.patches.size(), [&](std::size_t i) {
     _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree wants denormals flushed
-    std::uint64_t random = scramble(seed + i);
+    std::uint64_t random = hash64(seed + i);
     std::int64_t rays = RayPacket::kSize;
-    if (closeness(scene, ray_scene, scene.patches[i], random).to_backs)
-      for (const std::size_t half : {2 * i, 2 * i + 1}) {
-        random = scramble(random);
-        const float part = transport.exposed[half] =
-            exposed_part(scene, ray_scene, scene.patches[i], kLeastForExposedPart, random, rays);
-        for (std::uint64_t at = transport.starts[half]; at < transport.starts[half + 1]; ++at)
+    if (refinement_criterion(scene, ray_scene, scene.patches[i], random).to_backs)
+      for (const std::size_t sample_set : {2 * i, 2 * i + 1}) {
+        random = hash64(random);
+        const float part = transport.visible_fractions[sample_set] =
+            visible_area_fraction(scene, ray_scene, scene.patches[i], kMinRaysForVisibleFraction, random, rays);
+        for (std::uint64_t at = transport.starts[sample_set]; at < transport.starts[sample_set + 1]; ++at)
           transport.weights[at] /= part;
       }
     cast += rays;
@@ -74,13 +75,13 @@ void add_rows(const TransportRows& more, TransportRows& rows) {
   for (std::size_t k = 0; k + 1 < rows.starts.size(); ++k) {
     for (const TransportRows* from : {&std::as_const(rows), &more}) {
       const auto begin = std::ptrdiff_t(from->starts[k]), end = std::ptrdiff_t(from->starts[k + 1]);
-      sum.ends.insert(sum.ends.end(), from->ends.begin() + begin, from->ends.begin() + end);
+      sum.columns.insert(sum.columns.end(), from->columns.begin() + begin, from->columns.begin() + end);
       sum.weights.insert(sum.weights.end(), from->weights.begin() + begin, from->weights.begin() + end);
     }
-    sum.starts.push_back(sum.ends.size());
+    sum.starts.push_back(sum.columns.size());
   }
   rows.starts = std::move(sum.starts);
-  rows.ends = std::move(sum.ends);
+  rows.columns = std::move(sum.columns);
   rows.weights = std::move(sum.weights);
 }
 
@@ -88,8 +89,8 @@ void add_rows(const TransportRows& more, TransportRows& rows) {
 std::int64_t light_number(const PatchSet& scene, const Emitter& emitter) {
   if (emitter.light < 0) return 0;
   const Light& light = scene.lights[emitter.light];
-  std::uint64_t number = scramble(std::uint64_t(light.kind) + 1);
-  const auto add = [&](double x) { number = scramble(number ^ std::bit_cast<std::uint64_t>(x + 0.0)); };
+  std::uint64_t number = hash64(std::uint64_t(light.kind) + 1);
+  const auto add = [&](double x) { number = hash64(number ^ std::bit_cast<std::uint64_t>(x + 0.0)); };
   for (const Vec3d& v : {light.position, light.direction})
     for (int k = 0; k < 3; ++k) add(v[k]);
   add(light.inner);
@@ -102,7 +103,8 @@ std::int64_t light_number(const PatchSet& scene, const Emitter& emitter) {
 std::int64_t cast_rows(const PatchSet& scene, const RayScene& ray_scene, const SolveConfig& config, int rays,
                        TransportRows& to, Progress& progress, Shard shard) {
   const Elements elements(scene);
-  return RayRows(scene, ray_scene, scene.patches, elements, std::uint64_t(config.seed), RayRows::Halves::apart, true)
+  return RayRows(scene, ray_scene, scene.patches, elements, std::uint64_t(config.seed), RayRows::SampleSets::separate,
+                 true)
       .cast(rays, to, progress, shard);
 }
 
@@ -110,7 +112,7 @@ std::int64_t complete_transport(const PatchSet& scene, const SolveConfig& config
                                 Progress& progress) {
   if (scene.light_groups.empty()) return 0;
   const std::string key = transport_key(scene.geometry_key, config);
-  const std::vector<Emitter> wanted = emitters_apart(scene);
+  const std::vector<Emitter> wanted = explicit_emitters(scene);
   const auto is_of = [&](const Transport::Emitter& kept, const Emitter& emitter) {
     return kept.first_patch == emitter.first_patch && kept.patches == emitter.patches &&
            kept.light == light_number(scene, emitter);
@@ -130,7 +132,7 @@ std::int64_t complete_transport(const PatchSet& scene, const SolveConfig& config
     transport = {};
     if (hemicubes) {
       draw_rows(scene, config, transport, progress);
-      cast += find_exposed(scene, ray_scene, seed, transport);
+      cast += find_visible_fractions(scene, ray_scene, seed, transport);
       if (scene.environment) add_rows(sky_rows(scene, ray_scene, rays, seed, cast, progress), transport);
     } else {
       cast += cast_rows(scene, ray_scene, config, rays, transport, progress);
@@ -151,8 +153,8 @@ std::int64_t complete_transport(const PatchSet& scene, const SolveConfig& config
       added.light = light_number(scene, emitter);
       const double share = kPhotons * rays * double(scene.patches.size()) / double(wanted.size());
       if (!hemicubes && photons.has_metals()) added.mirrored = photons.shoot(emitter, std::int64_t(share), cast);
-      for (std::size_t k = 0; k < added.factors.size() && !transport.exposed.empty(); ++k) {
-        const float part = transport.exposed[k];
+      for (std::size_t k = 0; k < added.factors.size() && !transport.visible_fractions.empty(); ++k) {
+        const float part = transport.visible_fractions[k];
         added.factors[k] /= part;
         if (!added.mirrored.empty()) added.mirrored[k] /= part;
       }

@@ -25,16 +25,16 @@ void append_rows(TransportRows& to, const TransportRows& more) {
   const auto before = std::int32_t(to.rows());
   const std::uint64_t start = to.starts.back();
   for (std::size_t k = 1; k < more.starts.size(); ++k) to.starts.push_back(start + more.starts[k]);
-  append(to.ends, more.ends);
-  append(to.shares, more.shares);
+  append(to.columns, more.columns);
+  append(to.hit_weights, more.hit_weights);
   for (TransportRows::Mirrored m : more.mirrored) {
     m.row += before;
     to.mirrored.push_back(m);
   }
-  if (to.exposed.empty() && more.exposed.empty()) return;
-  to.exposed.resize(2 * std::size_t(before), 1.0f);
-  append(to.exposed, more.exposed);
-  to.exposed.resize(2 * std::size_t(to.rows()), 1.0f);
+  if (to.visible_fractions.empty() && more.visible_fractions.empty()) return;
+  to.visible_fractions.resize(2 * std::size_t(before), 1.0f);
+  append(to.visible_fractions, more.visible_fractions);
+  to.visible_fractions.resize(2 * std::size_t(to.rows()), 1.0f);
 }
 
 /// Rows that other shards are appended to.
@@ -43,7 +43,7 @@ TransportRows no_rows(const TransportRows& like, std::int64_t rows) {
   none.rays = like.rays;
   none.starts.reserve(2 * std::size_t(rows) + 1);
   none.starts.push_back(0);
-  none.ends.reserve(std::size_t(rows) * std::size_t(like.rays));  // what is not needed is never touched
+  none.columns.reserve(std::size_t(rows) * std::size_t(like.rays));  // what is not needed is never touched
   return none;
 }
 

@@ -96,9 +96,9 @@ void rows_cast(benchmark::State& state) {
   std::int64_t rays = 0;
   for (auto _ : state) {
     Transport transport;
-    rays += RayRows(scene(), ray_scene, scene().patches, Elements(scene()), 1, RayRows::Halves::apart)
+    rays += RayRows(scene(), ray_scene, scene().patches, Elements(scene()), 1, RayRows::SampleSets::separate)
                 .cast(256, transport, progress);
-    benchmark::DoNotOptimize(transport.ends.data());
+    benchmark::DoNotOptimize(transport.columns.data());
   }
   state.SetItemsProcessed(rays);
 }

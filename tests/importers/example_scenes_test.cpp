@@ -62,12 +62,13 @@ TEST_F(ExampleScenes, GalleryHasItsLightGroupsCamerasAndGlobe) {
 
 TEST_F(ExampleScenes, GallerysWalkHasBlendersFrames) {
   const PatchSet scene = import("blender/gallery.glb");
-  const auto walk = std::find_if(scene.cameras.begin(), scene.cameras.end(),
-                                 [](const Camera& camera) { return camera.name == "cam_walk"; });
-  ASSERT_NE(walk, scene.cameras.end());
-  const auto frame = [&](int number) { return *to_world_at(*walk, number / 24.0); };
+  const auto walkthrough = std::find_if(scene.cameras.begin(), scene.cameras.end(),
+                                        [](const Camera& camera) { return camera.name == "cam_walk"; });
+  ASSERT_NE(walkthrough, scene.cameras.end());
+  const auto frame = [&](int number) { return *to_world_at(*walkthrough, number / 24.0); };
   EXPECT_TRUE(frame(1).translation().equalWithAbsError(Vec3d(1, 1.65, -4.2), 1e-5));
-  EXPECT_TRUE(frame(1).equalWithAbsError(walk->to_world, 1e-6)) << "Blender's first frame, as the node has it too";
+  EXPECT_TRUE(frame(1).equalWithAbsError(walkthrough->to_world, 1e-6))
+      << "Blender's first frame, as the node has it too";
   EXPECT_TRUE(frame(2).translation().equalWithAbsError(Vec3d(1.0420537, 1.65, -4.2), 1e-5));
   EXPECT_TRUE(frame(120).translation().equalWithAbsError(Vec3d(8.6, 1.65, -7), 1e-5));
   EXPECT_TRUE(frame(119).translation() != frame(120).translation());

@@ -30,9 +30,9 @@ FinalGather::FinalGather(const PatchSet& scene, const RayScene& ray_scene, const
       surfaces_(surfaces),
       mixes_(mixes),
       rays_(rays),
-      apart_(scene.patches.size(), false) {
-  for (const Emitter& emitter : emitters_apart(scene))
-    for (std::int32_t i = 0; i < emitter.patches; ++i) apart_[emitter.first_patch + i] = true;
+      explicit_(scene.patches.size(), false) {
+  for (const Emitter& emitter : explicit_emitters(scene))
+    for (std::int32_t i = 0; i < emitter.patches; ++i) explicit_[emitter.first_patch + i] = true;
 }
 
 std::vector<FinalGather::Arrived> FinalGather::gather(std::span<const GatherPoint> points,
@@ -46,7 +46,7 @@ std::vector<FinalGather::Arrived> FinalGather::gather(std::span<const GatherPoin
   int lane = 0;
   for (std::uint32_t i = 0; i < points.size(); ++i) {
     const GatherPoint& point = points[i];
-    const std::uint64_t seed = scramble(scramble(window.place(point.at.pixel)) + point.bounce);
+    const std::uint64_t seed = hash64(hash64(window.place(point.at.pixel)) + point.bounce);
     Vec3f tangent, bitangent;
     orthonormal_frame(point.at.normal, tangent, bitangent);
     for (std::uint32_t k = 0; k < std::uint32_t(rays_); ++k) {
@@ -57,7 +57,7 @@ std::vector<FinalGather::Arrived> FinalGather::gather(std::span<const GatherPoin
       if ((direction ^ point.flat) <= 0) continue;
       ++arrived[i].rays;
       packet.set(lane, ray_scene_.to_local(point.at.position), direction);
-      lanes[lane] = {i, scramble(seed ^ scramble(number))};
+      lanes[lane] = {i, hash64(seed ^ hash64(number))};
       if (++lane < RayPacket::kSize) continue;
       trace(packet, lanes, arrived);
       lane = 0;
@@ -103,7 +103,7 @@ void FinalGather::trace(RayPacket& packet, std::array<Lane, RayPacket::kSize>& l
       if (bounce >= kMostMirrors || scene_.materials[scene_.primitives[hit.primitive].material].specular == Color(0.0f))
         continue;
       lane.mirrored = true;
-      lane.random = scramble(lane.random);
+      lane.random = hash64(lane.random);
       going = go_on(scene_, ray_scene_, hit, lane.random, k, packet, lane.throughput) || going;
     }
   }
@@ -123,7 +123,7 @@ void FinalGather::look_up(const SurfaceHit& hit, const Lane& lane, Arrived& arri
   const SolvedSurfaces::Colors colors = surfaces_.colors(hit);
   DisplayLookup::Seen seen;
   const DisplayLookup::Blend blend = surfaces_.blend(hit, colors.patch, seen);
-  const bool emits = lane.mirrored || !apart_[colors.patch];
+  const bool emits = lane.mirrored || !explicit_[colors.patch];
   const auto reflected = [&](std::size_t mix) {
     return lane.throughput * colors.reflectance * surfaces_.all_irradiance(hit, blend, mix);
   };

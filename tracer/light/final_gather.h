@@ -41,7 +41,7 @@ class FinalGather {
   const SolvedSurfaces& surfaces_;
   const LightMixes& mixes_;
   const int rays_;
-  std::vector<bool> apart_;  ///< [patches]: of emitters that are sampled apart.
+  std::vector<bool> explicit_;  ///< [patches]: of emitters that are sampled apart.
 };
 
 }  // namespace patchlight

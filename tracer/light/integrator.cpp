@@ -97,7 +97,7 @@ class Integrator::Tile {
 
   /// Samples `from` to `to` of a pixel.
   void add_samples(std::uint32_t p, int from, int to) {
-    const std::uint64_t seed = scramble(window_.place(p));
+    const std::uint64_t seed = hash64(window_.place(p));
     const int x = window_.x0 + int(p) % window_.width, y = window_.y0 + int(p) / window_.width;
     for (int k = from; k < to; ++k) {
       const Vec2f at = pixel_sample(std::uint32_t(k), seed);

@@ -17,7 +17,8 @@ MetalLight::MetalLight(const PatchSet& scene, const RayScene& ray_scene, const s
 bool MetalLight::is_of_use(const PatchSet& scene) {
   return std::any_of(scene.primitives.begin(), scene.primitives.end(), [&](const Primitive& p) {
     const Material& material = scene.materials[p.material];
-    return material.specular != Color(0.0f) && (material.roughness >= kMirrorRoughness || p.finish_texture >= 0);
+    return material.specular != Color(0.0f) &&
+           (material.roughness >= kMirrorRoughness || p.metallic_roughness_texture >= 0);
   });
 }
 
@@ -52,7 +53,7 @@ MetalLight::Sample MetalLight::sample(const Place& place, float choice, const Ve
   return {ray.direction, ray.distance, lobe.value / (density + lobe.density), &lamp};
 }
 
-float MetalLight::part_met(const Place& place, const Vec3f& direction, float density, std::int32_t patch) const {
+float MetalLight::part_hit(const Place& place, const Vec3f& direction, float density, std::int32_t patch) const {
   const std::int32_t l = lamp_of_[patch];
   if (l < 0) return 1.0f;
   thread_local std::vector<float> of_lamps;

@@ -32,7 +32,7 @@ class MetalLight {
   Sample sample(const Place& place, float choice, const Vec2f& at) const;
 
   /// What the emission of a patch counts for where a path meets it that was turned at `place` with a `density`, per sr.
-  float part_met(const Place& place, const Vec3f& direction, float density, std::int32_t patch) const;
+  float part_hit(const Place& place, const Vec3f& direction, float density, std::int32_t patch) const;
 
  private:
   /// How likely sample() chooses each lamp, but for a common factor; their sum.

@@ -83,7 +83,7 @@ bool PathTracer::shade(RayPacket& packet, int lane, Path& path, const CameraRays
                         {view.depth, point.position, view.normal, colors.reflectance, std::uint32_t(colors.patch)},
                         path.off);
   if (path.density > 0)
-    colors.emission *= metals_->part_met(sums.metal_rays->places[lane], direction, path.density, colors.patch);
+    colors.emission *= metals_->part_hit(sums.metal_rays->places[lane], direction, path.density, colors.patch);
   sums.seen.start(path.pixel);
   const DisplayLookup::Blend blend = surfaces_.blend(hit, colors.patch, sums.seen);
   const auto radiance = [&](std::size_t mix) {
@@ -95,7 +95,7 @@ bool PathTracer::shade(RayPacket& packet, int lane, Path& path, const CameraRays
   if (layers) add_layers(hit, colors, blend, path, *layers);
   const std::int32_t surface = outlines_.surface(hit.primitive);
   view.surface =
-      std::int32_t(std::uint32_t(scramble(std::uint64_t(std::uint32_t(view.surface)) << 32 | std::uint32_t(surface))));
+      std::int32_t(std::uint32_t(hash64(std::uint64_t(std::uint32_t(view.surface)) << 32 | std::uint32_t(surface))));
   view.light += mixes_.own == 0 && !gather_ ? shown : radiance(mixes_.own);
   view.reflectance += path.throughput * colors.reflectance;
   const Vec3d off = point.position + Vec3d(point.normal) * double(ray_scene_.offset(hit.primitive));
@@ -107,7 +107,7 @@ bool PathTracer::shade(RayPacket& packet, int lane, Path& path, const CameraRays
     if (gather_) sums.gather.push_back({sums.points.back(), point.normal, path.sample, std::uint32_t(path.surfaces)});
   }
   if (scene_.materials[scene_.primitives[hit.primitive].material].specular == Color(0.0f)) return false;
-  const Finish metal = finish_at(scene_, hit.primitive, hit.u, hit.v);
+  const MetallicRoughness metal = metallic_roughness_at(scene_, hit.primitive, hit.u, hit.v);
   if (metal.specular == Color(0.0f) || !turn(metal, off, view.normal, point.normal, lane, path, direction, sums) ||
       largest(path.throughput) < kLeastThroughput || ++path.surfaces >= kMostMirrors)
     return false;
@@ -118,8 +118,9 @@ bool PathTracer::shade(RayPacket& packet, int lane, Path& path, const CameraRays
 /// What a path comes to that meets nothing. Suns that rough metals show are not met but looked at.
 void PathTracer::show_sky(const Vec3f& direction, Path& path, PathSums& sums) const {
   const Environment& sky = *scene_.environment;
-  const bool apart = path.density > 0;
-  const Color own = path.throughput * (apart ? clipped_radiance(sky, direction) : sky_radiance(sky, direction));
+  const bool explicit_light = path.density > 0;
+  const Color own =
+      path.throughput * (explicit_light ? clipped_radiance(sky, direction) : sky_radiance(sky, direction));
   const auto group = std::size_t(sky.light_group);
   const Color shown = own * mixes_.all[0][group];
   sums.pixels[path.pixel] += shown;
@@ -129,8 +130,8 @@ void PathTracer::show_sky(const Vec3f& direction, Path& path, PathSums& sums) co
   if (sums.layers->groups()) sums.layers->add_of_group(group, path.pixel, own);
 }
 
-bool PathTracer::turn(const Finish& metal, const Vec3d& off, const Vec3f& normal, const Vec3f& flat, int lane,
-                      Path& path, Vec3f& direction, PathSums& sums) const {
+bool PathTracer::turn(const MetallicRoughness& metal, const Vec3d& off, const Vec3f& normal, const Vec3f& flat,
+                      int lane, Path& path, Vec3f& direction, PathSums& sums) const {
   path.mirrored = true;
   path.density = 0;
   Vec2f at(0.0f);
@@ -140,9 +141,9 @@ bool PathTracer::turn(const Finish& metal, const Vec3d& off, const Vec3f& normal
     path.view.scattered = true;
     MetalRays& rays = sums.metal_rays ? *sums.metal_rays : sums.metal_rays.emplace();
     rays.places[lane] = {off, normal, in, metal.roughness};
-    const std::uint64_t seed = scramble(~scramble(sums.window->place(path.pixel)) + std::uint64_t(path.surfaces));
-    at = pixel_sample(shuffled(path.sample, std::uint32_t(scramble(seed))), seed);
-    ask_for_metal_light(metal, scramble(~seed), lane, path, rays);
+    const std::uint64_t seed = hash64(~hash64(sums.window->place(path.pixel)) + std::uint64_t(path.surfaces));
+    at = pixel_sample(shuffled(path.sample, std::uint32_t(hash64(seed))), seed);
+    ask_for_metal_light(metal, hash64(~seed), lane, path, rays);
   }
   if (!reflect(metal, normal, at, direction, path.throughput)) return false;
   if (rough) path.density = metal_lobe(metal.roughness, normal, in, direction).density;
@@ -151,11 +152,11 @@ bool PathTracer::turn(const Finish& metal, const Vec3d& off, const Vec3f& normal
   return true;
 }
 
-void PathTracer::ask_for_metal_light(const Finish& metal, std::uint64_t seed, int lane, const Path& path,
+void PathTracer::ask_for_metal_light(const MetallicRoughness& metal, std::uint64_t seed, int lane, const Path& path,
                                      MetalRays& rays) const {
-  const Vec2f at = pixel_sample(shuffled(path.sample, std::uint32_t(scramble(seed))), seed);
-  const std::uint64_t other = scramble(seed);
-  const float choice = pixel_sample(shuffled(path.sample, std::uint32_t(scramble(other))), other).x;
+  const Vec2f at = pixel_sample(shuffled(path.sample, std::uint32_t(hash64(seed))), seed);
+  const std::uint64_t other = hash64(seed);
+  const float choice = pixel_sample(shuffled(path.sample, std::uint32_t(hash64(other))), other).x;
   const MetalLight::Sample sample = metals_->sample(rays.places[lane], choice, at);
   if (sample.weight <= 0) return;
   rays.any = true;

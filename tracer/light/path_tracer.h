@@ -73,9 +73,10 @@ class PathTracer {
   void add_layers(const SurfaceHit& hit, const SolvedSurfaces::Colors& colors, const DisplayLookup::Blend& blend,
                   const Path& path, LayerSums& layers) const;
   /// Turns `direction` as a metal does; `normal`: smooth. False: it reflects nothing.
-  bool turn(const Finish& metal, const Vec3d& off, const Vec3f& normal, const Vec3f& flat, int lane, Path& path,
-            Vec3f& direction, PathSums& sums) const;
-  void ask_for_metal_light(const Finish& metal, std::uint64_t seed, int lane, const Path& path, MetalRays& rays) const;
+  bool turn(const MetallicRoughness& metal, const Vec3d& off, const Vec3f& normal, const Vec3f& flat, int lane,
+            Path& path, Vec3f& direction, PathSums& sums) const;
+  void ask_for_metal_light(const MetallicRoughness& metal, std::uint64_t seed, int lane, const Path& path,
+                           MetalRays& rays) const;
   void add_metal_light(std::array<Path, RayPacket::kSize>& paths, PathSums& sums) const;
   SurfacePoint point_of(const SurfaceHit& hit) const;
 

@@ -4,7 +4,7 @@ namespace patchlight {
 
 PixelLight::PixelLight(const PatchSet& scene, const RayScene& ray_scene, const std::vector<Color>& settings)
     : ray_scene_(ray_scene) {
-  for (const Emitter& emitter : emitters_apart(scene)) {
+  for (const Emitter& emitter : explicit_emitters(scene)) {
     const bool light = emitter.light >= 0;
     const std::int32_t group =
         light ? scene.lights[emitter.light].light_group : scene.primitives[emitter.primitive].light_group;

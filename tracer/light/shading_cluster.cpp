@@ -16,17 +16,17 @@ constexpr std::size_t kEnough = 16;  // points that stand for all of a spot near
 void sort_by_pixel(std::vector<ShadingPoint>& points) {
   const auto by_pixel = [](const ShadingPoint& a, const ShadingPoint& b) { return a.pixel < b.pixel; };
   if (std::is_sorted(points.begin(), points.end(), by_pixel)) return;
-  std::vector<std::uint32_t> ends(std::max_element(points.begin(), points.end(), by_pixel)->pixel + 1, 0);
-  for (const ShadingPoint& point : points) ++ends[point.pixel];
-  std::partial_sum(ends.begin(), ends.end(), ends.begin());
+  std::vector<std::uint32_t> counts(std::max_element(points.begin(), points.end(), by_pixel)->pixel + 1, 0);
+  for (const ShadingPoint& point : points) ++counts[point.pixel];
+  std::partial_sum(counts.begin(), counts.end(), counts.begin());
   std::vector<ShadingPoint> sorted(points.size());
-  for (std::size_t k = points.size(); k-- > 0;) sorted[--ends[points[k].pixel]] = points[k];
+  for (std::size_t k = points.size(); k-- > 0;) sorted[--counts[points[k].pixel]] = points[k];
   points = std::move(sorted);
 }
 
 }  // namespace
 
-LightSpot::LightSpot(std::span<const ShadingPoint> all)
+ShadingCluster::ShadingCluster(std::span<const ShadingPoint> all)
     : pixel(all[0].pixel), surface(all[0].surface), primitive(all[0].primitive), points(all) {
   for (const ShadingPoint& p : points) {
     middle += p.position;
@@ -42,7 +42,7 @@ LightSpot::LightSpot(std::span<const ShadingPoint> all)
   radius = std::sqrt(squared);
 }
 
-double LightSpot::form_factor(const PixelLight::Lamp& lamp) const {
+double ShadingCluster::form_factor(const PixelLight::Lamp& lamp) const {
   if (lamp.emitter.primitive == primitive) return 0.0;
   if (radius < kSmall * lamp.light.distance(middle)) return lamp.light.form_factor(middle, normal);
   const std::size_t step = (points.size() + kEnough - 1) / kEnough;
@@ -53,7 +53,7 @@ double LightSpot::form_factor(const PixelLight::Lamp& lamp) const {
   return sum / count;
 }
 
-std::vector<LightSpot> light_spots(std::vector<ShadingPoint>& points) {
+std::vector<ShadingCluster> shading_clusters(std::vector<ShadingPoint>& points) {
   const auto by_surface = [](const ShadingPoint& a, const ShadingPoint& b) { return a.surface < b.surface; };
   sort_by_pixel(points);
   for (auto first = points.begin(); first != points.end();) {
@@ -61,15 +61,15 @@ std::vector<LightSpot> light_spots(std::vector<ShadingPoint>& points) {
     if (!std::is_sorted(first, end, by_surface)) std::stable_sort(first, end, by_surface);
     first = end;
   }
-  std::vector<LightSpot> spots;
+  std::vector<ShadingCluster> clusters;
   for (std::size_t first = 0, k = 1; k <= points.size(); ++k) {
     if (k < points.size() && points[k].pixel == points[first].pixel && points[k].surface == points[first].surface &&
         (points[k].normal ^ points[first].normal) > kAlike)
       continue;
-    spots.emplace_back(std::span(points).subspan(first, k - first));
+    clusters.emplace_back(std::span(points).subspan(first, k - first));
     first = k;
   }
-  return spots;
+  return clusters;
 }
 
 }  // namespace patchlight

@@ -7,7 +7,7 @@
 namespace patchlight {
 
 /// The points of a pixel on one surface, where they face alike.
-struct LightSpot {
+struct ShadingCluster {
   std::uint32_t pixel = 0;
   std::int32_t surface = 0;
   std::int32_t primitive = 0;  ///< Of the first point.
@@ -19,7 +19,7 @@ struct LightSpot {
   Color mirrored{0.0f};    ///< The part of it of those that are not seen straight.
   bool scattered = false;  ///< Whether any is seen by way of a rough metal.
 
-  explicit LightSpot(std::span<const ShadingPoint> all);
+  explicit ShadingCluster(std::span<const ShadingPoint> all);
 
   /// Form factor to a whole lamp, if nothing hid it, in the mean over the points; from the middle alone where the spot
   /// is small for how far it is from the lamp.
@@ -27,6 +27,6 @@ struct LightSpot {
 };
 
 /// Puts points in order and makes them into spots, by growing pixel.
-std::vector<LightSpot> light_spots(std::vector<ShadingPoint>& points);
+std::vector<ShadingCluster> shading_clusters(std::vector<ShadingPoint>& points);
 
 }  // namespace patchlight

@@ -8,8 +8,8 @@ namespace patchlight {
 
 namespace {
 
-std::vector<Color> direct_by_rows(const EnergyField::Group& group) {
-  return group.direct_by_rows.empty() ? std::vector<Color>(group.direct.size(), Color(0.0f)) : group.direct_by_rows;
+std::vector<Color> gathered_direct(const EnergyField::Group& group) {
+  return group.gathered_direct.empty() ? std::vector<Color>(group.direct.size(), Color(0.0f)) : group.gathered_direct;
 }
 
 }  // namespace
@@ -34,7 +34,7 @@ SolvedSurfaces::SolvedSurfaces(const PatchSet& scene, const RayScene& ray_scene,
           scene, lookup_,
           [&](std::size_t g) {
             return config.quality == "patches" ? patchlight::irradiance(energy.groups[g])
-                                               : irradiance_without_apart(energy.groups[g]);
+                                               : irradiance_without_explicit(energy.groups[g]);
           },
           mixes.all),
       shaders_([&scene] { return compile_shaders(scene); }) {
@@ -44,23 +44,23 @@ SolvedSurfaces::SolvedSurfaces(const PatchSet& scene, const RayScene& ray_scene,
   }
   const bool direct_in_patches = config.quality == "patches";
   if (!direct_in_patches && energy.display) display_.emplace(scene, ray_scene, patches_, energy, mixes.all);
-  const bool by_rows = std::any_of(energy.groups.begin(), energy.groups.end(),
-                                   [](const EnergyField::Group& group) { return !group.direct_by_rows.empty(); });
+  const bool gathered = std::any_of(energy.groups.begin(), energy.groups.end(),
+                                    [](const EnergyField::Group& group) { return !group.gathered_direct.empty(); });
   if (config.asks_for("direct") || config.asks_for("indirect")) {
     if (direct_in_patches)
       direct_.emplace(
           scene, lookup_, [&](std::size_t g) { return energy.groups[g].direct; }, std::vector<LightMix>{mixes.all[0]});
-    else if (by_rows)
+    else if (gathered)
       direct_.emplace(
-          scene, lookup_, [&](std::size_t g) { return direct_by_rows(energy.groups[g]); },
+          scene, lookup_, [&](std::size_t g) { return gathered_direct(energy.groups[g]); },
           std::vector<LightMix>{mixes.all[0]});
   }
   if (config.quality == "gather")
-    apart_.emplace(
+    explicit_.emplace(
         scene, lookup_,
         [&](std::size_t g) {
           std::vector<Color> direct = energy.groups[g].direct;
-          const std::vector<Color> rows = direct_by_rows(energy.groups[g]);
+          const std::vector<Color> rows = gathered_direct(energy.groups[g]);
           for (std::size_t i = 0; i < direct.size(); ++i)
             for (int k = 0; k < 3; ++k) direct[i][k] = std::max(0.0f, direct[i][k] - rows[i][k]);
           return direct;

@@ -54,7 +54,7 @@ class SolvedSurfaces {
   }
   /// All of it; only with `quality: gather`.
   Color all_irradiance(const SurfaceHit& hit, const DisplayLookup::Blend& blend, std::size_t mix) const {
-    return irradiance(hit, blend, mix) + (*apart_)(hit.primitive, hit.u, hit.v, mix);
+    return irradiance(hit, blend, mix) + (*explicit_)(hit.primitive, hit.u, hit.v, mix);
   }
   /// How much of an irradiance that was told under the lights' settings came straight from emitters. For the layers.
   Color direct_part(const SurfaceHit& hit, const Color& irradiance) const;
@@ -69,8 +69,8 @@ class SolvedSurfaces {
   std::vector<std::uint8_t> varied_;  ///< By primitive: textures, vertices or a shader vary its colours.
   const IrradianceLookup patches_;
   std::optional<DisplayLookup> display_;
-  std::optional<IrradianceLookup> direct_;  ///< Of what irradiance() tells, under the lights' settings.
-  std::optional<IrradianceLookup> apart_;   ///< Of emitters that are sampled apart, straight.
+  std::optional<IrradianceLookup> direct_;    ///< Of what irradiance() tells, under the lights' settings.
+  std::optional<IrradianceLookup> explicit_;  ///< Of emitters that are sampled apart, straight.
   mutable tbb::enumerable_thread_specific<std::vector<MaterialShader>> shaders_;
 };
 

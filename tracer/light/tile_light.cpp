@@ -19,7 +19,7 @@ constexpr float kAlike = 0.95f;        // cosine between the normals of a spot a
 constexpr int kEnough = 9;             // looks from one surface that need no others
 
 /// Rays of a look at a lamp that brings this part of a spot's light.
-int looks(float share) {
+int probe_count(float share) {
   return share < 0.1f ? 1 : share < 0.4f ? 2 : 4;
 }
 
@@ -31,11 +31,11 @@ int rays_for(float share, int samples, const Visibility& around) {
 }
 
 /// Samples `first` to `first + count` of a lamp, shared out among some points of a spot.
-void sample(const PixelLight::Lamp& lamp, const LightSpot& spot, int count, std::uint64_t first, std::uint64_t shift,
-            ShadowRays& rays, LightSamples& sums) {
-  const int points = std::min(int(spot.points.size()), count);
+void sample(const PixelLight::Lamp& lamp, const ShadingCluster& cluster, int count, std::uint64_t first,
+            std::uint64_t shift, ShadowRays& rays, LightSamples& sums) {
+  const int points = std::min(int(cluster.points.size()), count);
   for (int k = 0; k < points; ++k) {
-    const ShadingPoint& point = spot.points[std::size_t(k) * spot.points.size() / std::size_t(points)];
+    const ShadingPoint& point = cluster.points[std::size_t(k) * cluster.points.size() / std::size_t(points)];
     const DirectLight::View view = lamp.light.view(point.position, point.normal, kFar);
     for (int i = k; i < count; i += points) {
       const Vec2f to = kronecker2(first + std::uint64_t(i), shift);
@@ -55,11 +55,11 @@ float seen_factor(float whole, const LightSamples& samples, const Visibility& ar
 
 }  // namespace
 
-TileLight::Factors::Factors(const std::vector<Lamp>& lamps, const std::vector<LightSpot>& all)
-    : whole(lamps.size() * all.size()), total(all.size(), 0.0f), spots(all.size()) {
+TileLight::Factors::Factors(const std::vector<Lamp>& lamps, const std::vector<ShadingCluster>& all)
+    : whole(lamps.size() * all.size()), total(all.size(), 0.0f), clusters(all.size()) {
   for (std::size_t l = 0; l < lamps.size(); ++l)
-    for (std::size_t s = 0; s < spots; ++s) {
-      float& factor = whole[l * spots + s];
+    for (std::size_t s = 0; s < clusters; ++s) {
+      float& factor = whole[l * clusters + s];
       factor = float(all[s].form_factor(lamps[l]));
       total[s] += factor * lamps[l].brightness();
     }
@@ -70,79 +70,79 @@ TileLight::TileLight(const PixelLight& lights, const Window& window, int samples
       window_(window),
       samples_(samples),
       layers_(layers),
-      first_spot_(std::size_t(window.pixels()) + 1, 0),
+      first_cluster_(std::size_t(window.pixels()) + 1, 0),
       sharp_(std::size_t(window.pixels()), 0) {}
 
 void TileLight::look(std::vector<ShadingPoint> points, std::span<const std::uint8_t> wanted) {
   points_ = std::move(points);
-  spots_ = light_spots(points_);
-  for (const LightSpot& spot : spots_) ++first_spot_[spot.pixel + 1];
-  for (std::size_t k = 1; k < first_spot_.size(); ++k) first_spot_[k] += first_spot_[k - 1];
+  clusters_ = shading_clusters(points_);
+  for (const ShadingCluster& cluster : clusters_) ++first_cluster_[cluster.pixel + 1];
+  for (std::size_t k = 1; k < first_cluster_.size(); ++k) first_cluster_[k] += first_cluster_[k - 1];
   find_neighbours();
   const std::vector<Lamp>& lamps = lights_.lamps();
-  const Factors factors(lamps, spots_);
-  counts_.assign(lamps.size() * spots_.size(), {});
-  seen_.assign(spots_.size(), Color(0.0f));
+  const Factors factors(lamps, clusters_);
+  counts_.assign(lamps.size() * clusters_.size(), {});
+  seen_.assign(clusters_.size(), Color(0.0f));
   if (by_group()) seen_of_group_.assign(layers_->group_count(), seen_);
   ShadowRays rays(lights_.ray_scene());
-  std::vector<LightSamples> sums(spots_.size());
+  std::vector<LightSamples> sums(clusters_.size());
   for (std::size_t l = 0; l < lamps.size(); ++l) {
     std::fill(sums.begin(), sums.end(), LightSamples{});
-    for (std::size_t s = 0; s < spots_.size(); ++s) {
+    for (std::size_t s = 0; s < clusters_.size(); ++s) {
       if (factors.of(l, s) <= 0) continue;
       // Pixels of a square of three take samples that follow each other, so that together they look at all of the lamp.
-      const std::uint64_t place = window_.place(spots_[s].pixel);
+      const std::uint64_t place = window_.place(clusters_[s].pixel);
       const std::uint64_t turn = (place >> 32) % 3 * 3 + (place & 0xffffffffu) % 3;
-      const int count = looks(factors.share(lamps[l], l, s));
-      sample(lamps[l], spots_[s], count, turn * std::uint64_t(count), scramble(l), rays, sums[s]);
+      const int count = probe_count(factors.share(lamps[l], l, s));
+      sample(lamps[l], clusters_[s], count, turn * std::uint64_t(count), hash64(l), rays, sums[s]);
     }
     rays.cast();
-    for (std::size_t s = 0; s < spots_.size(); ++s)
-      counts_[l * spots_.size() + s] = {std::uint8_t(sums[s].visible), std::uint8_t(sums[s].hidden)};
+    for (std::size_t s = 0; s < clusters_.size(); ++s)
+      counts_[l * clusters_.size() + s] = {std::uint8_t(sums[s].visible), std::uint8_t(sums[s].hidden)};
     add_to_seen(l, factors, wanted);
   }
 }
 
 void TileLight::find_neighbours() {
-  neighbours_.resize(spots_.size());
-  for (std::size_t s = 0; s < spots_.size(); ++s) {
-    const int x = int(spots_[s].pixel) % window_.width, y = int(spots_[s].pixel) / window_.width;
+  neighbours_.resize(clusters_.size());
+  for (std::size_t s = 0; s < clusters_.size(); ++s) {
+    const int x = int(clusters_[s].pixel) % window_.width, y = int(clusters_[s].pixel) / window_.width;
     for (int k = 0; k < 9; ++k) {
       const int u = x + k % 3 - 1, v = y + k / 3 - 1;
       const bool inside = u >= 0 && v >= 0 && u < window_.width && v < window_.height;
       neighbours_[s][k] =
-          inside ? spot_at(std::uint32_t(v * window_.width + u), spots_[s].surface, spots_[s].normal) : -1;
+          inside ? cluster_at(std::uint32_t(v * window_.width + u), clusters_[s].surface, clusters_[s].normal) : -1;
     }
   }
 }
 
 /// The first look's spot at a pixel that is of a surface and faces about alike; -1: none.
-std::int32_t TileLight::spot_at(std::uint32_t pixel, std::int32_t surface, const Vec3f& normal) const {
-  for (std::uint32_t s = first_spot_[pixel]; s < first_spot_[pixel + 1]; ++s)
-    if (spots_[s].surface == surface && (spots_[s].normal ^ normal) > kAlike) return std::int32_t(s);
+std::int32_t TileLight::cluster_at(std::uint32_t pixel, std::int32_t surface, const Vec3f& normal) const {
+  for (std::uint32_t s = first_cluster_[pixel]; s < first_cluster_[pixel + 1]; ++s)
+    if (clusters_[s].surface == surface && (clusters_[s].normal ^ normal) > kAlike) return std::int32_t(s);
   return -1;
 }
 
 void TileLight::add_to_seen(std::size_t l, const Factors& factors, std::span<const std::uint8_t> wanted) {
   const Lamp& lamp = lights_.lamps()[l];
   ShadowRays rays(lights_.ray_scene());
-  std::vector<LightSamples> sums(spots_.size());
-  std::vector<About> around(spots_.size());
+  std::vector<LightSamples> sums(clusters_.size());
+  std::vector<About> around(clusters_.size());
   const auto takes_part = [&](std::size_t s) {
-    return factors.of(l, s) > 0 && wanted[spots_[s].pixel] != 0 && sharp_[spots_[s].pixel] == 0;
+    return factors.of(l, s) > 0 && wanted[clusters_[s].pixel] != 0 && sharp_[clusters_[s].pixel] == 0;
   };
-  for (std::size_t s = 0; s < spots_.size(); ++s) {
+  for (std::size_t s = 0; s < clusters_.size(); ++s) {
     if (!takes_part(s)) continue;
     around[s] = about(l, s);
     const float share = factors.share(lamp, l, s);
     if (around[s].sharp && share > (lamp.light.is_point() ? kSharpOfPoint : kSharp))
-      sharp_[spots_[s].pixel] = 1;
+      sharp_[clusters_[s].pixel] = 1;
     else if (around[s].samples.partial() && share >= kLittle && is_needed(lamp))
-      sample(lamp, spots_[s], rays_for(share, samples_, around[s].samples), 0,
-             scramble(scramble(window_.place(spots_[s].pixel)) + l), rays, sums[s]);
+      sample(lamp, clusters_[s], rays_for(share, samples_, around[s].samples), 0,
+             hash64(hash64(window_.place(clusters_[s].pixel)) + l), rays, sums[s]);
   }
   rays.cast();
-  for (std::size_t s = 0; s < spots_.size(); ++s) {
+  for (std::size_t s = 0; s < clusters_.size(); ++s) {
     if (!takes_part(s)) continue;
     const float factor = seen_factor(factors.of(l, s), sums[s], around[s].samples);
     seen_[s] += lamp.exitance * factor;
@@ -151,7 +151,7 @@ void TileLight::add_to_seen(std::size_t l, const Factors& factors, std::span<con
 }
 
 bool TileLight::add_seen(const ShadingPoint& point, std::span<Color> pixels) const {
-  const std::int32_t s = spot_at(point.pixel, point.surface, point.normal);
+  const std::int32_t s = cluster_at(point.pixel, point.surface, point.normal);
   if (s < 0) return false;
   pixels[point.pixel] += seen_[s] * point.weight;
   if (layers_ && layers_->light())
@@ -162,17 +162,17 @@ bool TileLight::add_seen(const ShadingPoint& point, std::span<Color> pixels) con
 }
 
 std::span<const ShadingPoint> TileLight::points(std::uint32_t pixel) const {
-  const std::uint32_t first = first_spot_[pixel], end = first_spot_[pixel + 1];
+  const std::uint32_t first = first_cluster_[pixel], end = first_cluster_[pixel + 1];
   if (first == end) return {};
-  return {spots_[first].points.data(), spots_[end - 1].points.data() + spots_[end - 1].points.size()};
+  return {clusters_[first].points.data(), clusters_[end - 1].points.data() + clusters_[end - 1].points.size()};
 }
 
 /// As the first look saw it from a spot and its neighbours.
-TileLight::About TileLight::about(std::size_t lamp, std::size_t spot) const {
-  const Counts* counts = counts_.data() + lamp * spots_.size();
+TileLight::About TileLight::about(std::size_t lamp, std::size_t cluster) const {
+  const Counts* counts = counts_.data() + lamp * clusters_.size();
   Visibility same;
   bool bright = false, dark = false;
-  for (const std::int32_t s : neighbours_[spot]) {
+  for (const std::int32_t s : neighbours_[cluster]) {
     if (s < 0) continue;
     same.visible += counts[s].visible;
     same.hidden += counts[s].hidden;
@@ -180,17 +180,18 @@ TileLight::About TileLight::about(std::size_t lamp, std::size_t spot) const {
     dark = dark || (counts[s].visible == 0 && counts[s].hidden > 0);
   }
   const bool enough = same.visible + same.hidden >= kEnough;
-  return {enough ? same : about_pixel(lamp, spots_[spot].pixel), bright && dark};
+  return {enough ? same : about_pixel(lamp, clusters_[cluster].pixel), bright && dark};
 }
 
 /// As it saw it from all that is at a pixel and its neighbours.
 Visibility TileLight::about_pixel(std::size_t lamp, std::uint32_t pixel) const {
-  const Counts* counts = counts_.data() + lamp * spots_.size();
+  const Counts* counts = counts_.data() + lamp * clusters_.size();
   const int x = int(pixel) % window_.width, y = int(pixel) / window_.width;
   const int left = std::max(0, x - 1), right = std::min(window_.width - 1, x + 1);
   Visibility all;
   for (int v = std::max(0, y - 1); v <= std::min(window_.height - 1, y + 1); ++v)
-    for (std::uint32_t s = first_spot_[v * window_.width + left]; s < first_spot_[v * window_.width + right + 1]; ++s) {
+    for (std::uint32_t s = first_cluster_[v * window_.width + left]; s < first_cluster_[v * window_.width + right + 1];
+         ++s) {
       all.visible += counts[s].visible;
       all.hidden += counts[s].hidden;
     }
@@ -200,54 +201,55 @@ Visibility TileLight::about_pixel(std::size_t lamp, std::uint32_t pixel) const {
 void TileLight::add(std::vector<ShadingPoint>& points, std::span<Color> pixels) const {
   const std::vector<Lamp>& lamps = lights_.lamps();
   if (lamps.empty() || points.empty()) return;
-  const std::vector<LightSpot> spots = light_spots(points);
-  const Factors factors(lamps, spots);
+  const std::vector<ShadingCluster> clusters = shading_clusters(points);
+  const Factors factors(lamps, clusters);
   std::vector<std::uint32_t> of_pixel(pixels.size(), 0);  // points
-  std::vector<std::uint64_t> seeds(spots.size());
-  std::vector<std::int32_t> firsts(spots.size());  // spots of the first look
-  for (std::size_t s = 0; s < spots.size(); ++s) {
-    seeds[s] = scramble(scramble(window_.place(spots[s].pixel)) + of_pixel[spots[s].pixel]);
-    firsts[s] = spot_at(spots[s].pixel, spots[s].surface, spots[s].normal);
-    of_pixel[spots[s].pixel] += std::uint32_t(spots[s].points.size());
+  std::vector<std::uint64_t> seeds(clusters.size());
+  std::vector<std::int32_t> firsts(clusters.size());  // spots of the first look
+  for (std::size_t s = 0; s < clusters.size(); ++s) {
+    seeds[s] = hash64(hash64(window_.place(clusters[s].pixel)) + of_pixel[clusters[s].pixel]);
+    firsts[s] = cluster_at(clusters[s].pixel, clusters[s].surface, clusters[s].normal);
+    of_pixel[clusters[s].pixel] += std::uint32_t(clusters[s].points.size());
   }
   ShadowRays rays(lights_.ray_scene());
-  std::vector<LightSamples> own(spots.size()), more(spots.size());
-  std::vector<Visibility> around(spots.size());
+  std::vector<LightSamples> own(clusters.size()), more(clusters.size());
+  std::vector<Visibility> around(clusters.size());
   for (std::size_t l = 0; l < lamps.size(); ++l) {
     if (!is_needed(lamps[l])) continue;
     std::fill(own.begin(), own.end(), LightSamples{});
     std::fill(more.begin(), more.end(), LightSamples{});
-    for (std::size_t s = 0; s < spots.size(); ++s) {
+    for (std::size_t s = 0; s < clusters.size(); ++s) {
       if (factors.of(l, s) <= 0) continue;
-      around[s] = firsts[s] >= 0 ? about(l, std::size_t(firsts[s])).samples : about_pixel(l, spots[s].pixel);
-      if (spots[s].points.size() < of_pixel[spots[s].pixel])
-        sample(lamps[l], spots[s], looks(factors.share(lamps[l], l, s)), 0, scramble(seeds[s] + 2 * l), rays, own[s]);
+      around[s] = firsts[s] >= 0 ? about(l, std::size_t(firsts[s])).samples : about_pixel(l, clusters[s].pixel);
+      if (clusters[s].points.size() < of_pixel[clusters[s].pixel])
+        sample(lamps[l], clusters[s], probe_count(factors.share(lamps[l], l, s)), 0, hash64(seeds[s] + 2 * l), rays,
+               own[s]);
     }
     rays.cast();
-    for (std::size_t s = 0; s < spots.size(); ++s) {
+    for (std::size_t s = 0; s < clusters.size(); ++s) {
       if (factors.of(l, s) <= 0) continue;
       around[s].add(own[s]);
       const float share = factors.share(lamps[l], l, s);
-      const bool scattered = spots[s].scattered;  // then what is seen from elsewhere says nothing
+      const bool scattered = clusters[s].scattered;  // then what is seen from elsewhere says nothing
       if ((!around[s].partial() && !scattered) || share < kLittle) continue;
-      const float part = float(spots[s].points.size()) / float(of_pixel[spots[s].pixel]);
-      const int count = scattered ? std::max(kLeast, int(share * float(spots[s].points.size())))
+      const float part = float(clusters[s].points.size()) / float(of_pixel[clusters[s].pixel]);
+      const int count = scattered ? std::max(kLeast, int(share * float(clusters[s].points.size())))
                                   : rays_for(part * share, samples_, around[s]);
-      sample(lamps[l], spots[s], count, 0, scramble(seeds[s] + 2 * l + 1), rays, more[s]);
+      sample(lamps[l], clusters[s], count, 0, hash64(seeds[s] + 2 * l + 1), rays, more[s]);
     }
     rays.cast();
-    for (std::size_t s = 0; s < spots.size(); ++s) {
+    for (std::size_t s = 0; s < clusters.size(); ++s) {
       if (factors.of(l, s) <= 0) continue;
-      const LightSpot& spot = spots[s];
+      const ShadingCluster& cluster = clusters[s];
       const float factor = seen_factor(factors.of(l, s), more[s], around[s]);
       const Color light = lamps[l].exitance * factor;
-      pixels[spot.pixel] += spot.weight * light;
+      pixels[cluster.pixel] += cluster.weight * light;
       if (layers_ && layers_->light()) {
-        layers_->add_direct(spot.pixel, false, (spot.weight - spot.mirrored) * light);
-        layers_->add_direct(spot.pixel, true, spot.mirrored * light);
+        layers_->add_direct(cluster.pixel, false, (cluster.weight - cluster.mirrored) * light);
+        layers_->add_direct(cluster.pixel, true, cluster.mirrored * light);
       }
       if (by_group())
-        layers_->add_of_group(std::size_t(lamps[l].group), spot.pixel, spot.weight * lamps[l].own * factor);
+        layers_->add_of_group(std::size_t(lamps[l].group), cluster.pixel, cluster.weight * lamps[l].own * factor);
     }
   }
 }

@@ -52,10 +52,10 @@ class TileLight {
   struct Factors {
     std::vector<float> whole;  ///< [lamps][spots].
     std::vector<float> total;  ///< [spots], times the lamps' brightness.
-    std::size_t spots;
+    std::size_t clusters;
 
-    Factors(const std::vector<Lamp>& lamps, const std::vector<LightSpot>& spots);
-    float of(std::size_t lamp, std::size_t spot) const { return whole[lamp * spots + spot]; }
+    Factors(const std::vector<Lamp>& lamps, const std::vector<ShadingCluster>& clusters);
+    float of(std::size_t lamp, std::size_t cluster) const { return whole[lamp * clusters + cluster]; }
     float share(const Lamp& lamp, std::size_t l, std::size_t s) const {
       return of(l, s) * lamp.brightness() / total[s];
     }
@@ -66,9 +66,9 @@ class TileLight {
     Visibility samples;
     bool sharp = false;  ///< Between some neighbours that see all of it and some that see nothing.
   };
-  About about(std::size_t lamp, std::size_t spot) const;
+  About about(std::size_t lamp, std::size_t cluster) const;
   Visibility about_pixel(std::size_t lamp, std::uint32_t pixel) const;
-  std::int32_t spot_at(std::uint32_t pixel, std::int32_t surface, const Vec3f& normal) const;
+  std::int32_t cluster_at(std::uint32_t pixel, std::int32_t surface, const Vec3f& normal) const;
   void find_neighbours();
   void add_to_seen(std::size_t lamp, const Factors& factors, std::span<const std::uint8_t> wanted);
   bool by_group() const { return layers_ && layers_->groups(); }
@@ -80,8 +80,8 @@ class TileLight {
   const int samples_;
   LayerSums* const layers_;
   std::vector<ShadingPoint> points_;
-  std::vector<LightSpot> spots_;
-  std::vector<std::uint32_t> first_spot_;  ///< [pixels + 1].
+  std::vector<ShadingCluster> clusters_;
+  std::vector<std::uint32_t> first_cluster_;  ///< [pixels + 1].
   /// [spots]: those of the same surface in rows from the upper left pixel to the lower right, itself among them; -1:
   /// none.
   std::vector<std::array<std::int32_t, 9>> neighbours_;

@@ -27,7 +27,7 @@ std::vector<char> nodes_with_parent(const Json& nodes, const Children& children,
 /// With one parent at most, what no root reaches goes in a circle.
 void refuse_cycles(const Json& nodes, const Children& children, const std::vector<char>& has_parent,
                    const std::string& file) {
-  std::vector<char> reached(children.size(), 0);
+  std::vector<char> visited(children.size(), 0);
   std::vector<int> pending;
   for (std::size_t i = 0; i < children.size(); ++i) {
     if (!has_parent[i]) pending.push_back(static_cast<int>(i));
@@ -35,12 +35,12 @@ void refuse_cycles(const Json& nodes, const Children& children, const std::vecto
   while (!pending.empty()) {
     const int node = pending.back();
     pending.pop_back();
-    reached[node] = 1;
+    visited[node] = 1;
     pending.insert(pending.end(), children[node].begin(), children[node].end());
   }
-  const auto lost = std::find(reached.begin(), reached.end(), 0);
-  if (lost == reached.end()) return;
-  const auto node = static_cast<std::size_t>(lost - reached.begin());
+  const auto lost = std::find(visited.begin(), visited.end(), 0);
+  if (lost == visited.end()) return;
+  const auto node = static_cast<std::size_t>(lost - visited.begin());
   refuse_gltf("is its own ancestor", {file, "nodes", node, &nodes[node]});
 }
 

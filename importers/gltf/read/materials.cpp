@@ -150,7 +150,8 @@ SurfaceMaterial read_material(const tinygltf::Material& source, bool used, Textu
   SurfaceMaterial material;
   material.name = source.name.empty() ? "default" : source.name;
   // G is roughness, B metallic.
-  const auto [finish, finish_texture] = read(pbr.metallicRoughnessTexture, TextureEncoding::linear);
+  const auto [metallic_roughness, metallic_roughness_texture] =
+      read(pbr.metallicRoughnessTexture, TextureEncoding::linear);
   const auto [base_mean, texture] = read(pbr.baseColorTexture, TextureEncoding::srgb);
   const auto [emissive_mean, emission_texture] = read(source.emissiveTexture, TextureEncoding::srgb);
   const Vec3d factor = vector(pbr.baseColorFactor), base = factor * base_mean;
@@ -161,7 +162,7 @@ SurfaceMaterial read_material(const tinygltf::Material& source, bool used, Textu
   if (!(pbr.roughnessFactor >= 0.0 && pbr.roughnessFactor <= 1.0)) {
     refuse(textures.model, material.name, fmt::format("roughness is {}", pbr.roughnessFactor), "in [0, 1]");
   }
-  const double metallic = most_metallic * finish.z;
+  const double metallic = most_metallic * metallic_roughness.z;
   material.reflectance = color(base * (1.0 - metallic));
   material.texture = texture;
   if (used) read_mask(source, textures, material);
@@ -169,11 +170,11 @@ SurfaceMaterial read_material(const tinygltf::Material& source, bool used, Textu
   material.tint = color(factor * (1.0 - most_metallic));
   material.metal = color(factor * most_metallic);
   material.specular = color(base * metallic);
-  material.roughness = static_cast<float>(pbr.roughnessFactor * finish.y);
-  if (most_metallic > 0.0) material.finish_texture = finish_texture;
-  material.finish_mapping = mapping_of(pbr.metallicRoughnessTexture);
-  material.finish_metal = static_cast<float>(finish.z);
-  material.finish_roughness = static_cast<float>(pbr.roughnessFactor);
+  material.roughness = static_cast<float>(pbr.roughnessFactor * metallic_roughness.y);
+  if (most_metallic > 0.0) material.metallic_roughness_texture = metallic_roughness_texture;
+  material.metallic_roughness_mapping = mapping_of(pbr.metallicRoughnessTexture);
+  material.texture_metallic = static_cast<float>(metallic_roughness.z);
+  material.roughness_factor = static_cast<float>(pbr.roughnessFactor);
   material.emission = color(emissive * emissive_mean);
   material.emission_tint = color(emissive);
   if (material.emits()) material.emission_texture = emission_texture;
@@ -200,10 +201,10 @@ Color at_most_rest(const Color& value, const Color& other) {
 }
 
 /// Makes the metallic part the same everywhere.
-void fix_finish(SurfaceMaterial& material) {
-  material.tint += material.metal * (1.0f - material.finish_metal);
+void fix_metallic_roughness(SurfaceMaterial& material) {
+  material.tint += material.metal * (1.0f - material.texture_metallic);
   material.metal = Color(0.0f);
-  material.finish_texture = -1;
+  material.metallic_roughness_texture = -1;
 }
 
 /// `section` of the job is materials or nodes.
@@ -218,7 +219,7 @@ void apply_override(const MaterialOverride& change, const char* section, Surface
     material.emission_texture = -1;
     material.emission_tint = Color(0.0f);
   }
-  if (change.reflectance || change.mirror) fix_finish(material);
+  if (change.reflectance || change.mirror) fix_metallic_roughness(material);
   if (change.reflectance) {
     material.reflectance = material.tint = *change.reflectance;
     material.texture = -1;

@@ -57,9 +57,9 @@ RestPose::RestPose(const GltfModel& model, const tinygltf::Primitive& primitive,
   }
   for (int set = 0; !joints.empty(); ++set) {
     auto numbers = reader(primitive.attributes, fmt::format("JOINTS_{}", set));
-    auto shares = reader(primitive.attributes, fmt::format("WEIGHTS_{}", set));
-    if (!numbers || !shares || !numbers->data || !shares->data) break;
-    bones_.push_back({std::move(*numbers), std::move(*shares)});
+    auto joint_weights = reader(primitive.attributes, fmt::format("WEIGHTS_{}", set));
+    if (!numbers || !joint_weights || !numbers->data || !joint_weights->data) break;
+    bones_.push_back({std::move(*numbers), std::move(*joint_weights)});
   }
 }
 
@@ -76,15 +76,15 @@ Matrix4 RestPose::to_world(std::size_t vertex) const {
   double total = 0.0;
   for (const Bones& bones : bones_) {
     const auto numbers = bones.joints.vector4(vertex);
-    const auto shares = bones.weights.vector4(vertex);
+    const auto joint_weights = bones.weights.vector4(vertex);
     for (std::size_t i = 0; i < 4; ++i) {
-      if (!(shares[i] > 0.0f)) continue;
+      if (!(joint_weights[i] > 0.0f)) continue;
       const auto joint = static_cast<std::size_t>(numbers[i]);
       if (joint >= joints_.size()) {
         refuse(fmt::format("vertex {} hangs on joint {} of {}", vertex, joint, joints_.size()), "a skin");
       }
-      sum += joints_[joint] * static_cast<double>(shares[i]);
-      total += static_cast<double>(shares[i]);
+      sum += joints_[joint] * static_cast<double>(joint_weights[i]);
+      total += static_cast<double>(joint_weights[i]);
     }
   }
   return total > 0.0 ? sum * (1.0 / total) : Matrix4();

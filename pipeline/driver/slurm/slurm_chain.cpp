@@ -18,8 +18,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto kLook = 100ms;              // between two looks at what tasks write, at least
-constexpr auto kLookOfTask = 5ms;          // and for each of them: there may be a thousand, on a shared disk
+constexpr auto kProbe = 100ms;             // between two looks at what tasks write, at least
+constexpr auto kProbesOfTask = 5ms;        // and for each of them: there may be a thousand, on a shared disk
 constexpr auto kAsk = 4s, kAskAgain = 1s;  // between two questions to Slurm; where a task seems to be lost
 constexpr auto kMostSilence = 10min;       // of Slurm
 constexpr int kUnseen = 2, kLate = 60;     // answers: what a task that did well has written may be seen late
@@ -62,7 +62,7 @@ void SlurmChain::run(const std::vector<SlurmStage>& stages, const Done& done) {
   try {
     submit_from(0);
     while (advance(done))
-      std::this_thread::sleep_for(std::max<Clock::duration>(kLook, stages_[front_].tasks.size() * kLookOfTask));
+      std::this_thread::sleep_for(std::max<Clock::duration>(kProbe, stages_[front_].tasks.size() * kProbesOfTask));
   } catch (...) {
     try {
       client_.cancel();

@@ -107,9 +107,10 @@ PatchFault texture_fault(const PatchSet& scene) {
     const std::vector<Texcoords>& texcoords;
     const char* where;
   };
-  for (const Use& use : {Use{&Primitive::texture, scene.texcoords, "/primitives/texture"},
-                         Use{&Primitive::emission_texture, scene.emission_texcoords, "/primitives/emission_texture"},
-                         Use{&Primitive::finish_texture, scene.finish_texcoords, "/primitives/finish_texture"}})
+  for (const Use& use :
+       {Use{&Primitive::texture, scene.texcoords, "/primitives/texture"},
+        Use{&Primitive::emission_texture, scene.emission_texcoords, "/primitives/emission_texture"},
+        Use{&Primitive::metallic_roughness_texture, scene.metallic_roughness_texcoords, "/primitives/finish_texture"}})
     for (const Primitive& p : scene.primitives) {
       const std::int32_t texture = p.*use.index;
       const bool mapped = !use.texcoords.empty() || !scene.texcoords.empty();
@@ -121,7 +122,7 @@ PatchFault texture_fault(const PatchSet& scene) {
       return {"an emitter without a light group", "/primitives/light_group"};
   if (PatchFault fault = texcoord_fault(scene, scene.texcoords, "/primitives/texcoord")) return fault;
   if (PatchFault fault = texcoord_fault(scene, scene.emission_texcoords, "/primitives/emission_texcoord")) return fault;
-  return texcoord_fault(scene, scene.finish_texcoords, "/primitives/finish_texcoord");
+  return texcoord_fault(scene, scene.metallic_roughness_texcoords, "/primitives/finish_texcoord");
 }
 
 PatchFault mask_fault(const PatchSet& scene) {
@@ -228,7 +229,7 @@ PatchFault find_fault(const PatchSet& scene) {
   for (const Material& m : scene.materials)
     if (!within(m.specular, 0.0f, 1.0f) || !within(m.tint, 0.0f, 1.0f) || !within(m.metal, 0.0f, 1.0f) ||
         !within(m.emission_tint, 0.0f, 3e38f) || !(m.roughness >= 0 && m.roughness <= 1) ||
-        !(m.finish_roughness >= 0 && m.finish_roughness <= 1))
+        !(m.roughness_factor >= 0 && m.roughness_factor <= 1))
       return {"a value out of range", "/materials"};
   for (const Camera& camera : scene.cameras)
     for (const double* x = &camera.to_world.x[0][0]; x != &camera.to_world.x[0][0] + 16; ++x)

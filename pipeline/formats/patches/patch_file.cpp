@@ -187,7 +187,7 @@ void read_cameras(const H5Reader& reader, std::vector<Camera>& cameras) {
 
 /// Of what each primitive reflects as a metal and where its cut-outs are, whatever its material's place: rays go on
 /// there.
-std::string finish_key(const PatchSet& scene) {
+std::string metallic_roughness_key(const PatchSet& scene) {
   KeyHasher hasher;
   for (std::size_t i = 0; i < scene.primitives.size(); ++i) {
     const auto material = std::size_t(scene.primitives[i].material);
@@ -197,7 +197,7 @@ std::string finish_key(const PatchSet& scene) {
     hasher.add(std::int64_t(i));
     for (const Color& color : {m.specular, m.metal})
       for (int k = 0; k < 3; ++k) hasher.add(double(color[k]));
-    for (const float value : {m.roughness, m.finish_roughness, m.alpha, m.alpha_cutoff}) hasher.add(double(value));
+    for (const float value : {m.roughness, m.roughness_factor, m.alpha, m.alpha_cutoff}) hasher.add(double(value));
   }
   return hasher.hex();
 }
@@ -219,10 +219,10 @@ void write_patches(const std::filesystem::path& file, PatchSet& scene) {
   write_texture_datasets(writer, scene);
 
   const std::vector<std::string> textures = transport_textures(scene);
-  const std::string finish = finish_key(scene);
+  const std::string metallic_roughness = metallic_roughness_key(scene);
   const auto key_of = [&](std::vector<std::string> names) {
     names.insert(names.end(), textures.begin(), textures.end());
-    return KeyHasher().add(writer.key_of(names)).add(finish).hex();
+    return KeyHasher().add(writer.key_of(names)).add(metallic_roughness).hex();
   };
   scene.key = key_of({"/patches/", "/primitives/type", "/primitives/corners", "/primitives/sphere", "/primitives/back",
                       "/primitives/light_group", "/light_groups/", "/lights/kind", "/lights/light_group",

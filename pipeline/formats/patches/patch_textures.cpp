@@ -95,21 +95,21 @@ bool has_varied_metals(const PatchSet& scene) {
   return false;
 }
 
-void write_finishes(H5Writer& writer, const PatchSet& scene) {
+void write_metallic_roughness(H5Writer& writer, const PatchSet& scene) {
   write_tints(writer, "/materials/metal", scene, &Material::metal);
-  if (!any_has(scene, &Primitive::finish_texture)) return;
-  write_indices(writer, "/primitives/finish_texture", scene, &Primitive::finish_texture);
+  if (!any_has(scene, &Primitive::metallic_roughness_texture)) return;
+  write_indices(writer, "/primitives/finish_texture", scene, &Primitive::metallic_roughness_texture);
   std::vector<float> values;
-  for (const Material& m : scene.materials) values.push_back(m.finish_roughness);
+  for (const Material& m : scene.materials) values.push_back(m.roughness_factor);
   writer.dataset<float>("/materials/finish_roughness", values);
 }
 
-void read_finishes(const H5Reader& reader, PatchSet& scene) {
+void read_metallic_roughness(const H5Reader& reader, PatchSet& scene) {
   read_tints(reader, "/materials/metal", scene, &Material::metal);
   if (!reader.has("/primitives/finish_texture")) return;
-  read_indices(reader, "/primitives/finish_texture", scene, &Primitive::finish_texture);
+  read_indices(reader, "/primitives/finish_texture", scene, &Primitive::metallic_roughness_texture);
   const auto values = reader.dataset<float>("/materials/finish_roughness", std::int64_t(scene.materials.size()));
-  for (std::size_t i = 0; i < values.size(); ++i) scene.materials[i].finish_roughness = values[i];
+  for (std::size_t i = 0; i < values.size(); ++i) scene.materials[i].roughness_factor = values[i];
 }
 
 void write_masks(H5Writer& writer, const PatchSet& scene) {
@@ -166,7 +166,7 @@ void write_texture_datasets(H5Writer& writer, const PatchSet& scene) {
     write_indices(writer, "/primitives/texture", scene, &Primitive::texture);
   }
   if (!scene.textures.empty() || !scene.colors.empty()) write_tints(writer, "/materials/tint", scene, &Material::tint);
-  if (has_varied_metals(scene)) write_finishes(writer, scene);
+  if (has_varied_metals(scene)) write_metallic_roughness(writer, scene);
   if (any_has(scene, &Primitive::emission_texture)) {
     write_indices(writer, "/primitives/emission_texture", scene, &Primitive::emission_texture);
     write_tints(writer, "/materials/emission_tint", scene, &Material::emission_tint);
@@ -175,7 +175,7 @@ void write_texture_datasets(H5Writer& writer, const PatchSet& scene) {
   if (!scene.colors.empty()) write_colors(writer, scene);
   write_texcoords(writer, "/primitives/texcoord", scene.texcoords);
   write_texcoords(writer, "/primitives/emission_texcoord", scene.emission_texcoords);
-  write_texcoords(writer, "/primitives/finish_texcoord", scene.finish_texcoords);
+  write_texcoords(writer, "/primitives/finish_texcoord", scene.metallic_roughness_texcoords);
 }
 
 std::vector<std::string> transport_textures(const PatchSet& scene) {
@@ -193,7 +193,7 @@ void read_texture_datasets(const H5Reader& reader, PatchSet& scene) {
     read_indices(reader, "/primitives/texture", scene, &Primitive::texture);
   }
   if (reader.has("/materials/tint")) read_tints(reader, "/materials/tint", scene, &Material::tint);
-  if (reader.has("/materials/metal")) read_finishes(reader, scene);
+  if (reader.has("/materials/metal")) read_metallic_roughness(reader, scene);
   if (reader.has("/primitives/emission_texture")) {
     read_indices(reader, "/primitives/emission_texture", scene, &Primitive::emission_texture);
     read_tints(reader, "/materials/emission_tint", scene, &Material::emission_tint);
@@ -203,7 +203,7 @@ void read_texture_datasets(const H5Reader& reader, PatchSet& scene) {
   const std::size_t count = scene.primitives.size();
   read_texcoords(reader, "/primitives/texcoord", count, scene.texcoords);
   read_texcoords(reader, "/primitives/emission_texcoord", count, scene.emission_texcoords);
-  read_texcoords(reader, "/primitives/finish_texcoord", count, scene.finish_texcoords);
+  read_texcoords(reader, "/primitives/finish_texcoord", count, scene.metallic_roughness_texcoords);
 }
 
 }  // namespace patchlight

@@ -80,7 +80,7 @@ void write_display_mesh(H5Writer& writer, const DisplayMesh& mesh) {
     patches.insert(patches.end(), {vertex.patch, vertex.hidden});
     places.insert(places.end(), {vertex.u, vertex.v});
   }
-  for (const auto& ends : mesh.midpoints) midpoints.insert(midpoints.end(), ends.begin(), ends.end());
+  for (const auto& endpoints : mesh.midpoints) midpoints.insert(midpoints.end(), endpoints.begin(), endpoints.end());
   writer.dataset<std::int32_t>("/display/mesh/roots", mesh.roots);
   writer.dataset<std::int32_t>(kCells, cells, 6);
   writer.dataset<std::int32_t>(kFacets, facets, 5);
@@ -107,8 +107,8 @@ DisplayMesh read_display_mesh(const H5Reader& reader, std::int64_t patches) {
   mesh.vertices.reserve(std::size_t(count));
   for (std::int64_t k = 0; k < count; ++k)
     mesh.vertices.push_back({owners[2 * k], places[2 * k], places[2 * k + 1], owners[2 * k + 1] != 0});
-  const std::vector<std::int32_t> ends = reader.dataset<std::int32_t>("/display/mesh/midpoints", -1, 2);
-  for (std::size_t k = 0; k < ends.size(); k += 2) mesh.midpoints.push_back({ends[k], ends[k + 1]});
+  const std::vector<std::int32_t> endpoints = reader.dataset<std::int32_t>("/display/mesh/midpoints", -1, 2);
+  for (std::size_t k = 0; k < endpoints.size(); k += 2) mesh.midpoints.push_back({endpoints[k], endpoints[k + 1]});
   const std::int64_t gathered = reader.integer("display_vertices");
   if (gathered < 0 || gathered > count) reader.refuse("a number out of bounds", kVertices);
   mesh.gathered = std::int32_t(gathered);

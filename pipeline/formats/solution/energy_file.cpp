@@ -76,7 +76,7 @@ EnergyField read_fields(const H5Reader& reader, const std::vector<std::string>& 
     group.direct = read_colors(reader, folder + "direct", rows);
     group.indirect = read_colors(reader, folder + "indirect", rows);
     if (reader.has(folder + "direct_by_rows"))
-      group.direct_by_rows = read_colors(reader, folder + "direct_by_rows", rows);
+      group.gathered_direct = read_colors(reader, folder + "direct_by_rows", rows);
     if (energy.display) group.display = read_colors(reader, "/display/irradiance/" + name, energy.display->gathered);
   }
   return energy;
@@ -90,8 +90,8 @@ void write_energy(const std::filesystem::path& file, const PatchSet& scene, cons
   for (const auto& group : energy.groups) {
     write_colors(writer, "/groups/" + group.name + "/direct", group.direct);
     write_colors(writer, "/groups/" + group.name + "/indirect", group.indirect);
-    if (!group.direct_by_rows.empty())
-      write_colors(writer, "/groups/" + group.name + "/direct_by_rows", group.direct_by_rows);
+    if (!group.gathered_direct.empty())
+      write_colors(writer, "/groups/" + group.name + "/direct_by_rows", group.gathered_direct);
     if (energy.display) write_colors(writer, "/display/irradiance/" + group.name, group.display);
   }
   if (energy.display) write_display_mesh(writer, *energy.display);

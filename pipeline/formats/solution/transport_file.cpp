@@ -79,7 +79,7 @@ Transport read_all(const H5Reader& reader) {
     transport.sky = int(sky);
   }
   read_rows(reader, "", transport.sky, true, reader.integer("rays"), transport);
-  transport.exposed = read_exposed(reader, transport.rows());
+  transport.visible_fractions = read_visible_fractions(reader, transport.rows());
   read_display(reader, transport.rows(), transport);
   read_emitters(reader, transport.rows(), transport);
   return transport;
@@ -90,7 +90,7 @@ Transport read_all(const H5Reader& reader) {
 void write_transport(const std::filesystem::path& file, const Transport& transport) {
   H5Writer writer(file);
   write_rows(writer, "", transport);
-  if (!transport.exposed.empty()) writer.dataset<float>("/exposed", transport.exposed, 2);
+  if (!transport.visible_fractions.empty()) writer.dataset<float>("/exposed", transport.visible_fractions, 2);
   if (transport.display) {
     write_display_mesh(writer, transport.display->mesh);
     write_rows(writer, "/display", transport.display->rows);

@@ -17,12 +17,12 @@ void read_mirrored(const H5Reader& reader, const std::string& folder, std::int64
   check_all(reader, folder + "/mirrored/weight", weights, is_factor);
   std::int64_t last = 0;
   for (std::size_t k = 0; k < places.size(); k += 3) {
-    const std::int32_t row = places[k], half = places[k + 1], patch = places[k + 2];
-    if (row < 0 || row >= rows.rows() || half < 0 || half > 1 || patch < 0 || patch >= elements ||
-        2 * std::int64_t(row) + half < last)
+    const std::int32_t row = places[k], sample_set = places[k + 1], patch = places[k + 2];
+    if (row < 0 || row >= rows.rows() || sample_set < 0 || sample_set > 1 || patch < 0 || patch >= elements ||
+        2 * std::int64_t(row) + sample_set < last)
       reader.refuse("a place out of bounds or order", folder + "/mirrored/place");
-    last = 2 * std::int64_t(row) + half;
-    rows.mirrored.push_back({row, half, patch, Color(weights[k], weights[k + 1], weights[k + 2])});
+    last = 2 * std::int64_t(row) + sample_set;
+    rows.mirrored.push_back({row, sample_set, patch, Color(weights[k], weights[k + 1], weights[k + 2])});
   }
 }
 
@@ -31,16 +31,16 @@ void read_mirrored(const H5Reader& reader, const std::string& folder, std::int64
 void write_rows(H5Writer& writer, const std::string& folder, const TransportRows& rows) {
   const std::vector<std::int64_t> starts(rows.starts.begin(), rows.starts.end());
   writer.dataset<std::int64_t>(folder + "/rows/start", starts);
-  writer.dataset<std::int32_t>(folder + "/rows/patch", rows.ends);
+  writer.dataset<std::int32_t>(folder + "/rows/patch", rows.columns);
   if (rows.rays == 0)
     writer.dataset<float>(folder + "/rows/weight", rows.weights);
   else
-    writer.dataset<float>(folder + "/rows/share", rows.shares);
+    writer.dataset<float>(folder + "/rows/share", rows.hit_weights);
   if (rows.mirrored.empty()) return;
   std::vector<std::int32_t> places;
   std::vector<float> weights;
   for (const auto& m : rows.mirrored) {
-    places.insert(places.end(), {m.row, m.half, m.patch});
+    places.insert(places.end(), {m.row, m.sample_set, m.patch});
     weights.insert(weights.end(), {m.weight.x, m.weight.y, m.weight.z});
   }
   writer.dataset<std::int32_t>(folder + "/mirrored/place", places, 3);
@@ -51,30 +51,30 @@ void read_rows(const H5Reader& reader, const std::string& folder, std::int64_t e
                TransportRows& rows) {
   if (rays < 0 || rays > kMostRays) reader.refuse("a number of rays out of bounds", folder + "/rows/share");
   const std::vector<std::int64_t> starts = reader.dataset<std::int64_t>(folder + "/rows/start", -1);
-  rows.ends = reader.dataset<std::int32_t>(folder + "/rows/patch", -1);
-  if (starts.size() % 2 == 0 || starts.front() != 0 || starts.back() != std::int64_t(rows.ends.size()) ||
+  rows.columns = reader.dataset<std::int32_t>(folder + "/rows/patch", -1);
+  if (starts.size() % 2 == 0 || starts.front() != 0 || starts.back() != std::int64_t(rows.columns.size()) ||
       !std::is_sorted(starts.begin(), starts.end()))
     reader.refuse("rows that do not follow each other", folder + "/rows/start");
   rows.starts.assign(starts.begin(), starts.end());
   if (own) elements += rows.rows();
   const auto count = std::uint32_t(std::min<std::int64_t>(elements, std::numeric_limits<std::int32_t>::max()));
-  check_all(reader, folder + "/rows/patch", rows.ends, [=](std::int32_t j) { return std::uint32_t(j) < count; });
+  check_all(reader, folder + "/rows/patch", rows.columns, [=](std::int32_t j) { return std::uint32_t(j) < count; });
   if (rays == 0) {
-    rows.weights = reader.dataset<float>(folder + "/rows/weight", std::int64_t(rows.ends.size()));
+    rows.weights = reader.dataset<float>(folder + "/rows/weight", std::int64_t(rows.columns.size()));
     check_all(reader, folder + "/rows/weight", rows.weights, is_factor);
   } else {
     rows.rays = int(rays);
-    rows.shares = reader.dataset<float>(folder + "/rows/share", std::int64_t(starts.size() - 1));
-    check_all(reader, folder + "/rows/share", rows.shares, [](float share) { return share >= 0 && share <= 1; });
+    rows.hit_weights = reader.dataset<float>(folder + "/rows/share", std::int64_t(starts.size() - 1));
+    check_all(reader, folder + "/rows/share", rows.hit_weights, [](float share) { return share >= 0 && share <= 1; });
   }
   read_mirrored(reader, folder, elements, rows);
 }
 
-std::vector<float> read_exposed(const H5Reader& reader, std::int64_t rows) {
+std::vector<float> read_visible_fractions(const H5Reader& reader, std::int64_t rows) {
   if (!reader.has("/exposed")) return {};
-  std::vector<float> exposed = reader.dataset<float>("/exposed", rows, 2);
-  check_all(reader, "/exposed", exposed, [](float part) { return part > 0 && part <= 1; });
-  return exposed;
+  std::vector<float> visible_fractions = reader.dataset<float>("/exposed", rows, 2);
+  check_all(reader, "/exposed", visible_fractions, [](float part) { return part > 0 && part <= 1; });
+  return visible_fractions;
 }
 
 }  // namespace patchlight

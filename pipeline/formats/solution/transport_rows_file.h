@@ -16,7 +16,7 @@ void read_rows(const H5Reader& reader, const std::string& folder, std::int64_t e
                TransportRows& rows);
 
 /// Parts of rows that are exposed; empty: all. Throws: Error (bad_data).
-std::vector<float> read_exposed(const H5Reader& reader, std::int64_t rows);
+std::vector<float> read_visible_fractions(const H5Reader& reader, std::int64_t rows);
 
 inline bool is_factor(float value) {
   return std::isfinite(value);

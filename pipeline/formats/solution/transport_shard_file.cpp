@@ -49,7 +49,7 @@ bool is_fresh_shard(const fs::path& file, const std::string& key) {
 void write_transport_shard(const fs::path& file, const TransportShard& shard) {
   H5Writer writer(file);
   write_rows(writer, "", shard.rows);
-  if (!shard.rows.exposed.empty()) writer.dataset<float>("/exposed", shard.rows.exposed, 2);
+  if (!shard.rows.visible_fractions.empty()) writer.dataset<float>("/exposed", shard.rows.visible_fractions, 2);
   if (shard.display_rows) write_rows(writer, "/display", *shard.display_rows);
   if (shard.mesh) write_display_mesh(writer, *shard.mesh);
   writer.attribute("format", kTransportShardFormat);
@@ -69,7 +69,7 @@ TransportShard read_transport_shard(const fs::path& file, std::int64_t patches, 
   shard.made = read_provenance(reader);
   shard.cast = reader.integer("rays_cast");
   read_rows(reader, "", patches + sky, false, reader.integer("rays"), shard.rows);
-  shard.rows.exposed = read_exposed(reader, shard.rows.rows());
+  shard.rows.visible_fractions = read_visible_fractions(reader, shard.rows.rows());
   if (reader.has("/display/mesh/roots")) shard.mesh = read_display_mesh(reader, patches);
   if (!reader.has("/display/rows/start")) return shard;
   if (!mesh && shard.mesh) mesh = &*shard.mesh;

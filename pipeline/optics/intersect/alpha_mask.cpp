@@ -5,7 +5,7 @@
 
 namespace patchlight {
 
-bool is_there(const PatchSet& scene, std::int32_t i, double u, double v) {
+bool passes_alpha_test(const PatchSet& scene, std::int32_t i, double u, double v) {
   const Primitive& primitive = scene.primitives[i];
   const Material& material = scene.materials[primitive.material];
   const float mask = mask_value(scene.masks[primitive.mask], texcoord_at(scene, i, u, v));
@@ -17,9 +17,9 @@ Vec2f covered_point(const PatchSet& scene, const Patch& patch, const PatchSample
   constexpr int kTries = 64;
   for (int k = 0; k < kTries; ++k) {
     const Imath::V2d uv = sampler.uv(at.x, at.y);
-    if (is_there(scene, patch.primitive, uv.x, uv.y)) return at;
-    random = scramble(random + 1);
-    at = Vec2f(to_unit(random), to_unit(scramble(random)));
+    if (passes_alpha_test(scene, patch.primitive, uv.x, uv.y)) return at;
+    random = hash64(random + 1);
+    at = Vec2f(uniform01(random), uniform01(hash64(random)));
   }
   return at;
 }

@@ -8,10 +8,10 @@ namespace patchlight {
 
 /// Whether primitive `i`, which has a mask, is there at (u,v): its material's alpha times the mask's, bilinear between
 /// texels, and the vertices' is no less than the cutoff.
-bool is_there(const PatchSet& scene, std::int32_t i, double u, double v);
+bool passes_alpha_test(const PatchSet& scene, std::int32_t i, double u, double v);
 
 /// Whether something may be cut out of a patch, and it is no mere point.
-inline bool has_cutouts(const PatchSet& scene, const Patch& patch) {
+inline bool has_alpha_mask(const PatchSet& scene, const Patch& patch) {
   return scene.primitives[patch.primitive].mask >= 0 && patch.area > 0;
 }
 

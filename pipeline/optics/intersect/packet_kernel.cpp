@@ -41,12 +41,12 @@ inline bool any(const Ints& mask) {
 }
 
 /// What rays have in common for all boxes: the way to the plane where an axis has the value p is p * inverse - start.
-struct alignas(64) Slabs {
+struct alignas(64) RayInverse {
   float inverse[3][kLanes], start[3][kLanes];
   bool mixed = false;              ///< Some rays go one way along an axis, some the other.
   std::int32_t first[3], last[3];  ///< Of a box's planes, which they meet first and last, if not.
 
-  explicit Slabs(const Rays& r) {
+  explicit RayInverse(const Rays& r) {
     constexpr float kSteep = 1e30f;  // for one over nothing, so that all stay numbers
     for (int k = 0; k < 3; ++k) {
       bool forwards = false, backwards = false;
@@ -68,12 +68,12 @@ struct alignas(64) Slabs {
 
 /// Which lanes of a vector go through a box.
 template <bool kMixed>
-inline Ints reached(const Rays& r, const Slabs& slabs, const Node& n, int lane) {
+inline Ints entered(const Rays& r, const RayInverse& ray, const Node& n, int lane) {
   Floats enter = load(r.near + lane), leave = load(r.far + lane);
   for (int k = 0; k < 3; ++k) {
-    const Floats inverse = load(slabs.inverse[k] + lane), start = load(slabs.start[k] + lane);
-    const Floats a = n.planes[kMixed ? k : slabs.first[k]] * inverse - start;
-    const Floats b = n.planes[kMixed ? k + 3 : slabs.last[k]] * inverse - start;
+    const Floats inverse = load(ray.inverse[k] + lane), start = load(ray.start[k] + lane);
+    const Floats a = n.planes[kMixed ? k : ray.first[k]] * inverse - start;
+    const Floats b = n.planes[kMixed ? k + 3 : ray.last[k]] * inverse - start;
     // In this order, what is not a number changes nothing.
     enter = most(kMixed ? least(a, b) : a, enter);
     leave = least(kMixed ? most(a, b) : b, leave);
@@ -106,7 +106,7 @@ struct Lanes {
     *reinterpret_cast<Ints*>(r.surface + lane) = surface;
   }
 
-  void meet(const Facet& f, std::int32_t which) {
+  void intersect(const Facet& f, std::int32_t which) {
     const Floats x = ox - f.corner[0], y = oy - f.corner[1], z = oz - f.corner[2];
     const Floats distance = -(x * f.normal[0] + y * f.normal[1] + z * f.normal[2]) /
                             (dx * f.normal[0] + dy * f.normal[1] + dz * f.normal[2]);
@@ -116,15 +116,15 @@ struct Lanes {
     const Floats ft = px * f.t[0] + py * f.t[1] + pz * f.t[2];
     const Floats third = f.third[0] * (1.0f - fs) + f.third[1] * ft;
     const Floats fourth = f.fourth[0] * (1.0f - ft) + f.fourth[1] * fs;
-    const Ints met = (fs >= f.rounding[0]) & (ft >= f.rounding[1]) & (third >= f.rounding[2]) &
+    const Ints hit = (fs >= f.rounding[0]) & (ft >= f.rounding[1]) & (third >= f.rounding[2]) &
                      (fourth >= f.rounding[3]) & (distance > near) & (distance < far);
-    far = met ? distance : far;
-    s = met ? f.start + f.sign * fs : s;
-    t = met ? f.start + f.sign * ft : t;
-    surface = met ? which - Ints{} : surface;
+    far = hit ? distance : far;
+    s = hit ? f.start + f.sign * fs : s;
+    t = hit ? f.start + f.sign * ft : t;
+    surface = hit ? which - Ints{} : surface;
   }
 
-  void meet(const Ball& b, std::int32_t which) {
+  void intersect(const Ball& b, std::int32_t which) {
     const Floats x = b.center[0] - ox, y = b.center[1] - oy, z = b.center[2] - oz;
     const Floats scale = 1.0f / (dx * dx + dy * dy + dz * dz);
     const Floats middle = (x * dx + y * dy + z * dz) * scale;
@@ -134,9 +134,9 @@ struct Lanes {
     for (int k = 0; k < kWidth; ++k) half[k] = __builtin_sqrtf(half[k]);
     const Floats enter = middle - half, leave = middle + half;
     const Floats distance = enter > near ? enter : leave;
-    const Ints met = (inside >= 0.0f) & (distance > near) & (distance < far);
-    far = met ? distance : far;
-    surface = met ? which - Ints{} : surface;
+    const Ints hit = (inside >= 0.0f) & (distance > near) & (distance < far);
+    far = hit ? distance : far;
+    surface = hit ? which - Ints{} : surface;
   }
 };
 
@@ -148,14 +148,14 @@ std::uint32_t blocked(const Rays& rays) {
 
 /// Nodes from near to far, as the first lane goes.
 template <bool kMixed>
-void walk(const Tree& tree, Rays& rays, const Slabs& slabs, std::uint32_t wanted) {
+void traverse(const Tree& tree, Rays& rays, const RayInverse& ray, std::uint32_t wanted) {
   std::int32_t stack[kDeepest + 2];
   int waiting = 0;
   stack[waiting++] = 0;
   while (waiting > 0) {
     const Node& node = tree.nodes[stack[--waiting]];
     int lane = 0;
-    while (lane < kLanes && !any(reached<kMixed>(rays, slabs, node, lane))) lane += kWidth;
+    while (lane < kLanes && !any(entered<kMixed>(rays, ray, node, lane))) lane += kWidth;
     if (lane == kLanes) continue;
     if (node.count == 0) {
       const bool backwards = rays.direction[node.axis][0] < 0;
@@ -166,15 +166,15 @@ void walk(const Tree& tree, Rays& rays, const Slabs& slabs, std::uint32_t wanted
     do {
       Lanes lanes(rays, lane);
       for (std::int32_t k = node.first; k < node.first + node.count; ++k) {
-        const Item& item = tree.items[k];
+        const PrimitiveReference& item = tree.items[k];
         if (item.surface % 2 == 0)
-          lanes.meet(tree.facets[item.shape], item.surface);
+          lanes.intersect(tree.facets[item.shape], item.surface);
         else
-          lanes.meet(tree.balls[item.shape], item.surface);
+          lanes.intersect(tree.balls[item.shape], item.surface);
       }
       lanes.store_to(rays, lane);
       do lane += kWidth;
-      while (lane < kLanes && !any(reached<kMixed>(rays, slabs, node, lane)));
+      while (lane < kLanes && !any(entered<kMixed>(rays, ray, node, lane)));
     } while (lane < kLanes);
     if (wanted != 0 && (wanted & ~blocked(rays)) == 0) return;
   }
@@ -183,8 +183,8 @@ void walk(const Tree& tree, Rays& rays, const Slabs& slabs, std::uint32_t wanted
 }  // namespace
 
 void JOIN(trace_by_, PACKET_WIDTH)(const Tree& tree, Rays& rays, std::uint32_t wanted) {
-  const Slabs slabs(rays);
-  slabs.mixed ? walk<true>(tree, rays, slabs, wanted) : walk<false>(tree, rays, slabs, wanted);
+  const RayInverse inverse(rays);
+  inverse.mixed ? traverse<true>(tree, rays, inverse, wanted) : traverse<false>(tree, rays, inverse, wanted);
 }
 
 }  // namespace patchlight::packet

@@ -19,7 +19,7 @@ struct Ball {
   float radius;
 };
 
-struct Item {
+struct PrimitiveReference {
   std::int32_t surface;  ///< Twice its index, and one more for a sphere.
   std::int32_t shape;    ///< Which facet or ball.
 };
@@ -36,7 +36,7 @@ constexpr int kDeepest = 48;
 /// A tree of boxes about surfaces.
 struct Tree {
   const Node* nodes;
-  const Item* items;
+  const PrimitiveReference* items;
   const Facet* facets;
   const Ball* balls;
 };

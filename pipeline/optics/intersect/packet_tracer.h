@@ -34,7 +34,7 @@ class PacketTracer {
   std::uint32_t occluded(const RTCRay16& rays, std::uint32_t wanted) const;
 
  private:
-  void add_item(std::int32_t surface, std::size_t shape, const Imath::Box3d& box);
+  void add_reference(std::int32_t surface, std::size_t shape, const Imath::Box3d& box);
   void add_facet(const Vec3d& corner, const Vec3d& along_s, const Vec3d& along_t, const Vec2f& shape, double precision,
                  bool second);
   void trace(packet::Rays& rays, std::uint32_t wanted) const;
@@ -42,7 +42,7 @@ class PacketTracer {
   const packet::Trace trace_ = packet::fastest();
   std::vector<packet::Facet> facets_;
   std::vector<packet::Ball> balls_;
-  std::vector<packet::Item> items_;
+  std::vector<packet::PrimitiveReference> items_;
   std::vector<Imath::Box3f> boxes_;  ///< Of the items, until the tree is built.
   std::vector<packet::Node> nodes_;
 };

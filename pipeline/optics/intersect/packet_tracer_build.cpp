@@ -15,7 +15,7 @@ namespace {
 
 constexpr float kBox = 1.0f;  // cost of a box over that of a surface, measured
 
-using packet::Item;
+using packet::PrimitiveReference;
 
 void copy_to(float (&to)[3], const Vec3d& from) {
   for (int k = 0; k < 3; ++k) to[k] = float(from[k]);
@@ -30,7 +30,8 @@ float half_area(const Imath::Box3f& box) {
 /// every axis. Items are sorted once along each and stay so, whatever node they go to.
 class TreeBuilder {
  public:
-  TreeBuilder(const std::vector<Imath::Box3f>& boxes, std::vector<Item>& items, std::vector<packet::Node>& nodes)
+  TreeBuilder(const std::vector<Imath::Box3f>& boxes, std::vector<PrimitiveReference>& items,
+              std::vector<packet::Node>& nodes)
       : boxes_(boxes),
         items_(items),
         nodes_(nodes),
@@ -52,7 +53,7 @@ class TreeBuilder {
   void build() {
     nodes_.resize(1);
     split(0, 0, std::int32_t(items_.size()), 0);
-    std::vector<Item> sorted;
+    std::vector<PrimitiveReference> sorted;
     sorted.reserve(items_.size());
     for (const std::int32_t k : orders_[0]) sorted.push_back(items_[k]);
     items_ = std::move(sorted);
@@ -115,7 +116,7 @@ class TreeBuilder {
   }
 
   const std::vector<Imath::Box3f>& boxes_;
-  std::vector<Item>& items_;
+  std::vector<PrimitiveReference>& items_;
   std::vector<packet::Node>& nodes_;
   std::array<std::vector<std::int32_t>, 3> orders_;  ///< Of items along each axis, node by node.
   std::vector<float> above_;                         ///< Half the surface of what comes from an item on.
@@ -135,7 +136,7 @@ bool PacketTracer::add_quad(const std::array<Vec3d, 4>& c, double precision, std
   for (const Vec3d& corner : c) box.extendBy(corner);
   box.min -= Vec3d(precision);
   box.max += Vec3d(precision);
-  for (std::size_t k = facets_.size() - (plane ? 1 : 2); k < facets_.size(); ++k) add_item(2 * index, k, box);
+  for (std::size_t k = facets_.size() - (plane ? 1 : 2); k < facets_.size(); ++k) add_reference(2 * index, k, box);
   return plane;
 }
 
@@ -164,10 +165,10 @@ void PacketTracer::add_sphere(const Vec3d& center, double radius, std::int32_t i
   copy_to(ball.center, center);
   balls_.push_back(ball);
   const Vec3d reach(radius * (1 + 1e-6));
-  add_item(2 * index + 1, balls_.size() - 1, {center - reach, center + reach});
+  add_reference(2 * index + 1, balls_.size() - 1, {center - reach, center + reach});
 }
 
-void PacketTracer::add_item(std::int32_t surface, std::size_t shape, const Imath::Box3d& box) {
+void PacketTracer::add_reference(std::int32_t surface, std::size_t shape, const Imath::Box3d& box) {
   items_.push_back({surface, std::int32_t(shape)});
   boxes_.emplace_back(Vec3f(box.min), Vec3f(box.max));
 }
@@ -178,7 +179,7 @@ void PacketTracer::build() {
   boxes_ = {};
   std::vector<packet::Facet> in_order;  // of their leaves, so that what is met together lies together
   in_order.reserve(facets_.size());
-  for (Item& item : items_) {
+  for (PrimitiveReference& item : items_) {
     if (item.surface % 2 != 0) continue;
     in_order.push_back(facets_[item.shape]);
     item.shape = std::int32_t(in_order.size()) - 1;

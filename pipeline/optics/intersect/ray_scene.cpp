@@ -144,7 +144,7 @@ void RayScene::add_quads(const PatchSet& scene, float extent) {
   if (!corners.empty()) many_->add_quads(corners);
   if (masked.empty()) return;
   masked_->add_filtered_quads(masked_corners, unsigned(quads_.size()),
-                              [this](auto&&... hit) { return is_met(hit...); });
+                              [this](auto&&... hit) { return is_hit(hit...); });
   quads_.insert(quads_.end(), masked.begin(), masked.end());
 }
 
@@ -205,7 +205,7 @@ inline SurfaceHit RayScene::hit_on(unsigned geometry, unsigned index, float s, f
   result.u = s;
   result.v = t;
   if (quad.a != 1.0f || quad.b != 1.0f) {
-    if (quad.halves && s + t > 1.0f) {  // of the triangle (2,3,1)
+    if (quad.two_triangles && s + t > 1.0f) {  // of the triangle (2,3,1)
       const float p = 1.0f - s, q = 1.0f - t;
       s = quad.a - p * quad.a + q * (1.0f - quad.a);
       t = quad.b + p * (1.0f - quad.b) - q * quad.b;
@@ -229,10 +229,10 @@ SurfaceHit RayScene::hit(const RayPacket& packet, int lane) const {
 }
 
 /// Whether a masked quad is there where a ray comes to it.
-bool RayScene::is_met(unsigned quad, const Vec2f& at, const Vec3f& origin, const Vec3f& direction,
+bool RayScene::is_hit(unsigned quad, const Vec2f& at, const Vec3f& origin, const Vec3f& direction,
                       float distance) const {
   const SurfaceHit hit = hit_on(EmbreeTracer::kQuads, quad, at.x, at.y, origin, direction, distance);
-  return is_there(*patches_, hit.primitive, hit.u, hit.v);
+  return passes_alpha_test(*patches_, hit.primitive, hit.u, hit.v);
 }
 
 Vec2f sphere_uv(const Vec3f& direction) {

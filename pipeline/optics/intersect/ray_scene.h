@@ -74,7 +74,7 @@ class RayScene {
     float a;  ///< Corner 2 = corner 0 + a * (corner 1 - corner 0) + b * (corner 3 - corner 0).
     float b;
     Vec3f normal;
-    bool halves;  ///< Traced as two triangles.
+    bool two_triangles;  ///< Traced as two triangles.
   };
   struct Sphere {
     std::int32_t outside;
@@ -84,7 +84,7 @@ class RayScene {
 
   void add_quads(const PatchSet& scene, float extent);
   void add_spheres(const PatchSet& scene);
-  bool is_met(unsigned quad, const Vec2f& at, const Vec3f& origin, const Vec3f& direction, float distance) const;
+  bool is_hit(unsigned quad, const Vec2f& at, const Vec3f& origin, const Vec3f& direction, float distance) const;
   SurfaceHit hit_on(unsigned geometry, unsigned index, float s, float t, const Vec3f& origin, const Vec3f& direction,
                     float distance) const;
 

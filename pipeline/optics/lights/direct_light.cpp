@@ -10,7 +10,7 @@ namespace patchlight {
 
 namespace {
 
-constexpr int kMostApart = 64;
+constexpr int kMaxExplicit = 64;
 constexpr double kNearest = 1e-6;  ///< m; nothing is lit from nearer by a light without extent.
 
 bool lit_outside(const Primitive& p) {
@@ -83,7 +83,7 @@ struct Outline {
 
 }  // namespace
 
-std::vector<Emitter> emitters_apart(const PatchSet& scene) {
+std::vector<Emitter> explicit_emitters(const PatchSet& scene) {
   struct Candidate {
     std::int32_t first = 0, end = 0;
     double area = 0.0;
@@ -108,7 +108,7 @@ std::vector<Emitter> emitters_apart(const PatchSet& scene) {
     const std::int32_t primitive = scene.patches[c.first].primitive;
     const int pieces = c.even ? 1 : c.end - c.first;
     const bool plane = scene.primitives[primitive].shape == Primitive::Shape::quad;
-    if ((!plane && !c.even) || int(emitters.size()) + pieces > kMostApart) continue;
+    if ((!plane && !c.even) || int(emitters.size()) + pieces > kMaxExplicit) continue;
     if (c.even)
       emitters.push_back({primitive, c.first, c.end - c.first, c.area});
     else

@@ -25,7 +25,7 @@ struct Emitter {
 /// emits alike all over, planes patch by patch where not, nothing that is masked; the largest primitives first, as long
 /// as they make 64 at most; and behind these all lights without extent. By growing first patch. The rest is found by
 /// chance, as anything else is.
-std::vector<Emitter> emitters_apart(const PatchSet& scene);
+std::vector<Emitter> explicit_emitters(const PatchSet& scene);
 
 /// The light of one emitter at a point: how much of it would arrive if nothing stood between, and where to look.
 ///

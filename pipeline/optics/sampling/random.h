@@ -6,7 +6,7 @@
 namespace patchlight {
 
 /// A random-looking permutation of the 64-bit numbers: splitmix64 (Steele, Lea and Flood 2014).
-inline std::uint64_t scramble(std::uint64_t x) {
+inline std::uint64_t hash64(std::uint64_t x) {
   x += 0x9e3779b97f4a7c15;
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9;
   x = (x ^ (x >> 27)) * 0x94d049bb133111eb;
@@ -14,13 +14,13 @@ inline std::uint64_t scramble(std::uint64_t x) {
 }
 
 /// The upper bits as a number in [0,1).
-inline float to_unit(std::uint64_t x) {
+inline float uniform01(std::uint64_t x) {
   return float(x >> 40) * 0x1p-24f;
 }
 
 /// Point k of the two-dimensional Kronecker sequence by the plastic number, shifted by `shift`.
 inline Vec2f kronecker2(std::uint64_t k, std::uint64_t shift) {
-  return {to_unit(shift + k * 0xc13fa9a902a6328f), to_unit(scramble(shift) + k * 0x91e10da5c79e7b1d)};
+  return {uniform01(shift + k * 0xc13fa9a902a6328f), uniform01(hash64(shift) + k * 0x91e10da5c79e7b1d)};
 }
 
 inline std::uint32_t reversed_bits(std::uint32_t x) {

@@ -10,7 +10,7 @@ constexpr float kMirrorRoughness = 0.05f;
 /// `throughput` by what is reflected. A rough metal takes one of the directions of its GGX lobe, chosen by `at`, a
 /// point of the unit square, among the normals that the ray can see (alpha = roughness^2; Heitz 2018, JCGT 7-4). False:
 /// nothing is reflected.
-bool reflect(const Finish& metal, const Vec3f& normal, const Vec2f& at, Vec3f& direction, Color& throughput);
+bool reflect(const MetallicRoughness& metal, const Vec3f& normal, const Vec2f& at, Vec3f& direction, Color& throughput);
 
 /// The GGX lobe that a rough metal reflects a ray by, per sr.
 struct MetalLobe {

@@ -78,9 +78,10 @@ Imath::V2d texcoord_of(const std::vector<Texcoords>& texcoords, std::int32_t i, 
 }
 
 /// As the finish texture of a primitive has it: roughness and how metallic, both in [0,1].
-Vec2f finish_texture(const PatchSet& scene, std::int32_t i, double u, double v) {
-  const auto& texcoords = scene.finish_texcoords.empty() ? scene.texcoords : scene.finish_texcoords;
-  return value_at(scene.textures[scene.primitives[i].finish_texture], texcoord_of(texcoords, i, u, v),
+Vec2f metallic_roughness_texture(const PatchSet& scene, std::int32_t i, double u, double v) {
+  const auto& texcoords =
+      scene.metallic_roughness_texcoords.empty() ? scene.texcoords : scene.metallic_roughness_texcoords;
+  return value_at(scene.textures[scene.primitives[i].metallic_roughness_texture], texcoord_of(texcoords, i, u, v),
                   [](std::int32_t rgb) { return Vec2f(float(rgb >> 8 & 255), float(rgb & 255)); }) /
          255.0f;
 }
@@ -109,24 +110,25 @@ Color colored_reflectance(const PatchSet& scene, std::int32_t i, double u, doubl
   const Primitive& primitive = scene.primitives[i];
   const Material& material = scene.materials[primitive.material];
   Color tint = material.tint;
-  if (primitive.finish_texture >= 0) tint += material.metal * (1.0f - finish_texture(scene, i, u, v).y);
+  if (primitive.metallic_roughness_texture >= 0)
+    tint += material.metal * (1.0f - metallic_roughness_texture(scene, i, u, v).y);
   const Color color = tint * base_color(scene, i, u, v);
   Color most(kHighestReflectance);
   if (!has_varied_metal(scene, i)) most = most_reflectance(material);
   return within_range(Vec3d(color.x, color.y, color.z), most);
 }
 
-Finish finish_at(const PatchSet& scene, std::int32_t i, double u, double v) {
+MetallicRoughness metallic_roughness_at(const PatchSet& scene, std::int32_t i, double u, double v) {
   const Primitive& primitive = scene.primitives[i];
   const Material& material = scene.materials[primitive.material];
-  Finish finish{material.specular, material.roughness};
-  if (!has_varied_metal(scene, i)) return finish;
-  finish.specular = material.metal * base_color(scene, i, u, v);
-  if (primitive.finish_texture < 0) return finish;
-  const Vec2f texel = finish_texture(scene, i, u, v);
-  finish.specular *= texel.y;
-  finish.roughness = material.finish_roughness * texel.x;
-  return finish;
+  MetallicRoughness metallic_roughness{material.specular, material.roughness};
+  if (!has_varied_metal(scene, i)) return metallic_roughness;
+  metallic_roughness.specular = material.metal * base_color(scene, i, u, v);
+  if (primitive.metallic_roughness_texture < 0) return metallic_roughness;
+  const Vec2f texel = metallic_roughness_texture(scene, i, u, v);
+  metallic_roughness.specular *= texel.y;
+  metallic_roughness.roughness = material.roughness_factor * texel.x;
+  return metallic_roughness;
 }
 
 Color textured_emission(const PatchSet& scene, std::int32_t i, double u, double v) {

@@ -15,13 +15,13 @@ Color texture_color(const Texture& texture, const Imath::V2d& at);
 Color colored_reflectance(const PatchSet& scene, std::int32_t i, double u, double v);
 
 /// What a surface reflects as a metal.
-struct Finish {
+struct MetallicRoughness {
   Color specular{0.0f};  ///< Each in [0,1].
   float roughness = 1.0f;
 };
 
 /// At (u,v) of primitive `i`: its material's, or where textures or colours vary that, as they say there.
-Finish finish_at(const PatchSet& scene, std::int32_t i, double u, double v);
+MetallicRoughness metallic_roughness_at(const PatchSet& scene, std::int32_t i, double u, double v);
 
 /// Radiant exitance at (u,v) of primitive `i`, which has an emission texture, W/m2.
 Color textured_emission(const PatchSet& scene, std::int32_t i, double u, double v);

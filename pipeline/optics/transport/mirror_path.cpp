@@ -14,12 +14,12 @@ bool go_on(const PatchSet& scene, const RayScene& ray_scene, const SurfaceHit& h
   const Primitive& primitive = scene.primitives[hit.primitive];
   const SurfacePoint point = point_at(primitive, hit.u, hit.v);
   Vec3f direction = packet.direction(lane);
-  const Vec2f at(to_unit(random), to_unit(scramble(random)));
-  const Finish metal = finish_at(scene, hit.primitive, hit.u, hit.v);
+  const Vec2f at(uniform01(random), uniform01(hash64(random)));
+  const MetallicRoughness metal = metallic_roughness_at(scene, hit.primitive, hit.u, hit.v);
   if (!reflect(metal, point.normal, at, direction, throughput)) return false;
   const float most = std::max({throughput.x, throughput.y, throughput.z});
   if (most < kSurelyKept) {
-    if (to_unit(scramble(~random)) * kSurelyKept >= most) return false;
+    if (uniform01(hash64(~random)) * kSurelyKept >= most) return false;
     throughput *= kSurelyKept / most;
   }
   packet.set(lane, ray_scene.to_local(point.position) + point.normal * ray_scene.offset(hit.primitive), direction);

@@ -34,7 +34,7 @@ constexpr const char* kScene = R"gltf({
   "buffers": [{"byteLength": 188, "uri": "data:application/octet-stream;base64,AAAAwAAAAAAAAABAAAAAQAAAAAAAAABAAAAAQAAAAAAAAADAAAAAwAAAAAAAAADAzczMvQAAAEDNzMy9zczMPQAAAEDNzMy9zczMPQAAAEDNzMw9zczMvQAAAEDNzMw9AACAvwAAgD8AAIA/AACAPwAAgD8AAIA/AACAPwAAgD8AAIC/AACAvwAAgD8AAIC/AAAAAAAAAAAAAIA/AAAAAAAAgD8AAIA/AAAAAAAAgD8AAAEAAgAAAAIAAwA="}]
 })gltf";
 
-class Cutouts : public ProgramTest {
+class AlphaMasks : public ProgramTest {
  protected:
   void SetUp() override {
     folder_.write("scene.gltf", kScene);
@@ -61,7 +61,7 @@ class Cutouts : public ProgramTest {
   }
 };
 
-TEST_F(Cutouts, LetLightThroughWhereTheirTextureSays) {
+TEST_F(AlphaMasks, LetLightThroughWhereTheirTextureSays) {
   for (const char* method : {"matrix", "progressive"}) {
     const std::string by = std::string("solve.method=") + method;
     const auto [left, right] = brightness({by});

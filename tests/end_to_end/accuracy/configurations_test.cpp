@@ -19,12 +19,12 @@ const std::string kScenes = PATCHLIGHT_SCENES;
 /// them.
 constexpr double kPatchFloor = 0.004;
 
-struct Pair {
+struct Configuration {
   const char* method;
   const char* form_factors;
   std::vector<std::string> settings;
 };
-const std::array<Pair, 4> kPairs{
+const std::array<Configuration, 4> kConfigurations{
     {{"matrix", "rays", {"solve.rays=1024"}},
      {"matrix", "hemicube", {"solve.hemicube_resolution=64"}},
      {"progressive", "rays", {"solve.rays=4096"}},
@@ -39,15 +39,15 @@ class Pairs : public ProgramTest {
                   "scene: " + kScenes + "/blender/cornell.glb\ntrace: {resolution: [256, 256], samples: 16}\n");
   }
 
-  void run(const std::string& program, const Pair& pair, const std::string& output,
+  void run(const std::string& program, const Configuration& configuration, const std::string& output,
            const std::vector<std::string>& more = {}) {
     std::vector<std::string> arguments;
     if (program == "patchlight") arguments.push_back("run");
     arguments.insert(arguments.end(), {"job.yaml", "--output", output});
-    for (const auto& set :
-         {std::string("solve.method=") + pair.method, std::string("solve.form_factors=") + pair.form_factors})
+    for (const auto& set : {std::string("solve.method=") + configuration.method,
+                            std::string("solve.form_factors=") + configuration.form_factors})
       arguments.insert(arguments.end(), {"--set", set});
-    for (const auto* sets : {&pair.settings, &more})
+    for (const auto* sets : {&configuration.settings, &more})
       for (const auto& set : *sets) arguments.insert(arguments.end(), {"--set", set});
     const Outcome outcome = run_program(folder_, program, arguments);
     ASSERT_EQ(outcome.code, 0) << outcome.err;
@@ -57,13 +57,13 @@ class Pairs : public ProgramTest {
 
   /// What a pair says of its error, relative: `matrix` its bound. `progressive` says what it has not passed on, which
   /// causes 1 / (1 - rho) times itself, and by another seed how much its samples vary.
-  double stated_error(const Pair& pair, const std::string& output) {
+  double stated_error(const Configuration& configuration, const std::string& output) {
     const PatchSet scene = read_patches(folder_ / (output + "/patches.h5"));
     const EnergyField energy = read_energy(folder_ / (output + "/energy.h5"), scene);
     if (energy.estimate) return energy.estimate->error_bound;
     const std::string again = output + ".again";
-    run("patchlight-import", pair, again);
-    run("patchlight-solve", pair, again, {"solve.seed=2", "solve.display=false"});
+    run("patchlight-import", configuration, again);
+    run("patchlight-solve", configuration, again, {"solve.seed=2", "solve.display=false"});
     const EnergyField other = read_energy(folder_ / (again + "/energy.h5"), scene);
     double reflected = 0, area = 0;
     for (const Patch& patch : scene.patches) {
@@ -105,13 +105,13 @@ TEST_F(Pairs, AgreeWithThePathTracerAndEachOtherWithinTheirStatedErrors) {
   std::array<double, 4> stated{};
   std::array<Image, 4> frames;
   double frame_noise = 0;
-  for (std::size_t k = 0; k < kPairs.size(); ++k) {
-    const std::string output = fmt::format("{}_{}", kPairs[k].method, kPairs[k].form_factors);
-    run("patchlight", kPairs[k], output);
+  for (std::size_t k = 0; k < kConfigurations.size(); ++k) {
+    const std::string output = fmt::format("{}_{}", kConfigurations[k].method, kConfigurations[k].form_factors);
+    run("patchlight", kConfigurations[k], output);
     frames[k] = frame(output);
-    stated[k] = stated_error(kPairs[k], output);
+    stated[k] = stated_error(kConfigurations[k], output);
     if (k == 0) {
-      run("patchlight-trace", kPairs[k], output, {"trace.samples=256"});
+      run("patchlight-trace", kConfigurations[k], output, {"trace.samples=256"});
       frame_noise = image_error(frames[0], frame(output)).block;
     }
     const double error = image_error(frames[k], reference).block;
@@ -121,12 +121,13 @@ TEST_F(Pairs, AgreeWithThePathTracerAndEachOtherWithinTheirStatedErrors) {
   }
   std::cout << fmt::format("noise of the reference {:.2f}%, of frames {:.2f}%\n", 100 * reference_noise,
                            100 * frame_noise);
-  for (std::size_t a = 0; a < kPairs.size(); ++a)
-    for (std::size_t b = a + 1; b < kPairs.size(); ++b) {
-      const double apart = image_error(frames[a], frames[b]).block;
-      std::cout << fmt::format("{} {} from {} {}: {:.2f}%\n", kPairs[a].method, kPairs[a].form_factors,
-                               kPairs[b].method, kPairs[b].form_factors, 100 * apart);
-      EXPECT_LE(apart, stated[a] + stated[b]) << a << " from " << b;
+  for (std::size_t a = 0; a < kConfigurations.size(); ++a)
+    for (std::size_t b = a + 1; b < kConfigurations.size(); ++b) {
+      const double difference = image_error(frames[a], frames[b]).block;
+      std::cout << fmt::format("{} {} from {} {}: {:.2f}%\n", kConfigurations[a].method,
+                               kConfigurations[a].form_factors, kConfigurations[b].method,
+                               kConfigurations[b].form_factors, 100 * difference);
+      EXPECT_LE(difference, stated[a] + stated[b]) << a << " from " << b;
     }
 }
 

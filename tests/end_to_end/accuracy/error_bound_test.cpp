@@ -40,7 +40,7 @@ PatchScene two_rooms_with_a_gap() {
   return builder;
 }
 
-PatchScene lit_by_what_is_not_apart() {
+PatchScene lit_by_gathered_emitters() {
   PatchScene builder;
   builder.sphere({0, 0, 0}, -2, 16, 24, {0.7f, 0.0f});
   PatchSet& scene = builder.get();
@@ -53,7 +53,7 @@ PatchScene lit_by_what_is_not_apart() {
 /// Over 200 seeds, the bound that a solve states holds as often as it claims to: in 19 of 20.
 TEST(ErrorBound, HoldsAsOftenAsItClaims) {
   const std::pair<const char*, PatchScene (*)()> scenes[]{
-      {"ball in a room", ball_in_a_room}, {"two rooms", two_rooms_with_a_gap}, {"not apart", lit_by_what_is_not_apart}};
+      {"ball in a room", ball_in_a_room}, {"two rooms", two_rooms_with_a_gap}, {"not apart", lit_by_gathered_emitters}};
   constexpr int kSeeds = 200;
   for (const auto& [name, make] : scenes) {
     PatchScene builder = make();

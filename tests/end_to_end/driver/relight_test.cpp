@@ -27,9 +27,9 @@ std::vector<std::uint8_t> bytes(const fs::path& png) {
 TEST_F(Relight, MakesWhatATraceWould) {
   EXPECT_LT(error("float"), 2e-6);
   // The layers are rounded, and so is what is made of them, and what is traced.
-  const double of_halves = error("half");
-  EXPECT_LT(of_halves, 3 * 5e-4);
-  EXPECT_GT(of_halves, 0);
+  const double of_sample_sets = error("half");
+  EXPECT_LT(of_sample_sets, 3 * 5e-4);
+  EXPECT_GT(of_sample_sets, 0);
 }
 
 TEST_F(Relight, LetsThePngFollow) {

@@ -13,14 +13,14 @@
 
 namespace patchlight::test {
 
-struct Pair {
+struct Configuration {
   const char* method;
   const char* form_factors;
 };
-inline constexpr std::array<Pair, 4> kPairs{
+inline constexpr std::array<Configuration, 4> kConfigurations{
     {{"matrix", "rays"}, {"matrix", "hemicube"}, {"progressive", "rays"}, {"progressive", "hemicube"}}};
 
-/// What each pair's error has to stay below, in the order of kPairs.
+/// What each pair's error has to stay below, in the order of kConfigurations.
 using Limits = std::array<double, 4>;
 
 /// Every pair's settings but for its names: small scenes, so that cells and rays, not patches, are what errors are of.
@@ -34,9 +34,10 @@ inline SolveConfig hard_case_config() {
   return config;
 }
 
-inline EnergyField solve_quietly(const PatchSet& scene, const Pair& pair, SolveConfig config = hard_case_config()) {
-  config.method = pair.method;
-  config.form_factors = pair.form_factors;
+inline EnergyField solve_quietly(const PatchSet& scene, const Configuration& configuration,
+                                 SolveConfig config = hard_case_config()) {
+  config.method = configuration.method;
+  config.form_factors = configuration.form_factors;
   Progress progress({"test", true, ""});
   return solve(scene, config, progress);
 }
@@ -85,11 +86,12 @@ class HardCases : public ::testing::Test {
   template <class Error>
   void expect_each(const std::string& name, const Limits& limits, Error error) {
     std::array<std::string, 4> cells;
-    for (std::size_t k = 0; k < kPairs.size(); ++k) {
+    for (std::size_t k = 0; k < kConfigurations.size(); ++k) {
       stopped_at_ = 0;
-      const double reached = error(kPairs[k]);
-      EXPECT_LE(reached, limits[k]) << name << " by " << kPairs[k].method << " over " << kPairs[k].form_factors;
-      cells[k] = percent(reached);
+      const double measured = error(kConfigurations[k]);
+      EXPECT_LE(measured, limits[k]) << name << " by " << kConfigurations[k].method << " over "
+                                     << kConfigurations[k].form_factors;
+      cells[k] = percent(measured);
       if (stopped_at_ > 0) cells[k] += fmt::format(", unshot {:.2g}", stopped_at_);
     }
     print_row(name, cells);
@@ -98,17 +100,18 @@ class HardCases : public ::testing::Test {
   /// The same for a scene whose irradiance is known.
   void expect_known(const std::string& name, const PatchSet& scene, const Known& known, const Limits& limits,
                     const SolveConfig& config = hard_case_config()) {
-    expect_each(name, limits,
-                [&](const Pair& pair) { return irradiance_error(scene, solved(scene, pair, config), known); });
+    expect_each(name, limits, [&](const Configuration& configuration) {
+      return irradiance_error(scene, solved(scene, configuration, config), known);
+    });
   }
 
   /// The same for a scene that the same pair has to solve as `usual`, times `factor`, but for patches that it makes
   /// NaN.
   void expect_same(const std::string& name, const PatchSet& scene, const PatchSet& usual, const Known& factor,
                    const Limits& limits, const SolveConfig& config = hard_case_config()) {
-    expect_each(name, limits, [&](const Pair& pair) {
-      const EnergyField before = solve_quietly(usual, pair, config);
-      return irradiance_error(scene, solved(scene, pair, config), [&](const Patch& patch) {
+    expect_each(name, limits, [&](const Configuration& configuration) {
+      const EnergyField before = solve_quietly(usual, configuration, config);
+      return irradiance_error(scene, solved(scene, configuration, config), [&](const Patch& patch) {
         const double times = factor(patch);
         return std::isnan(times) ? times : times * irradiance_at(before, std::size_t(&patch - scene.patches.data()));
       });
@@ -116,9 +119,10 @@ class HardCases : public ::testing::Test {
   }
 
   /// A solve that stops before its tolerance has to say so.
-  EnergyField solved(const PatchSet& scene, const Pair& pair, const SolveConfig& config = hard_case_config()) {
+  EnergyField solved(const PatchSet& scene, const Configuration& configuration,
+                     const SolveConfig& config = hard_case_config()) {
     testing::internal::CaptureStderr();
-    const EnergyField energy = solve_quietly(scene, pair, config);
+    const EnergyField energy = solve_quietly(scene, configuration, config);
     warnings_ = testing::internal::GetCapturedStderr();
     if (energy.residual > config.tolerance) {
       stopped_at_ = energy.residual;

@@ -29,13 +29,14 @@ TEST_F(HardCases, ReflectancesNearOne) {
     scene.primitives[0].light_group = 0;
     for (int i = 0; i < 16; ++i) scene.patches[i].emission = Color(1.0f);
     // What one of six equal walls emits is absorbed by all.
-    expect_each(fmt::format("power absorbed, one wall lit, {}", rho), {0.01, 0.02, 5e-3, 0.3}, [&](const Pair& pair) {
-      const EnergyField energy = solved(scene, pair);
-      double absorbed = 0;
-      for (std::size_t i = 0; i < scene.patches.size(); ++i)
-        absorbed += scene.patches[i].area * irradiance_at(energy, i) * (1 - rho);
-      return std::abs(absorbed / 4 - 1);
-    });
+    expect_each(fmt::format("power absorbed, one wall lit, {}", rho), {0.01, 0.02, 5e-3, 0.3},
+                [&](const Configuration& configuration) {
+                  const EnergyField energy = solved(scene, configuration);
+                  double absorbed = 0;
+                  for (std::size_t i = 0; i < scene.patches.size(); ++i)
+                    absorbed += scene.patches[i].area * irradiance_at(energy, i) * (1 - rho);
+                  return std::abs(absorbed / 4 - 1);
+                });
   }
 }
 
@@ -74,7 +75,7 @@ TEST_F(HardCases, PatchesThatRunOnBehindAWall) {
   const auto far_room = [](const PatchSet& scene) {
     SolveConfig config = hard_case_config();
     config.rays = 1 << 13;
-    const EnergyField energy = solve_quietly(scene, kPairs[0], config);
+    const EnergyField energy = solve_quietly(scene, kConfigurations[0], config);
     double power = 0, area = 0;
     for (std::size_t i = 0; i < scene.patches.size(); ++i)
       if (const Patch& patch = scene.patches[i]; patch.center.x > 0.4) {
@@ -91,7 +92,7 @@ TEST_F(HardCases, LightThatHardlyFadesBehindASlit) {
   SolveConfig many = hard_case_config();
   many.rays = 1 << 15;
   many.seed = 2;
-  const EnergyField truth = solve_quietly(scene, kPairs[0], many);
+  const EnergyField truth = solve_quietly(scene, kConfigurations[0], many);
   expect_known("two rooms with a slit between them, 0.9999", scene,
                [&](const Patch& p) { return irradiance_at(truth, std::size_t(&p - scene.patches.data())); },
                {0.02, 0.5, 0.5, 0.5});
@@ -111,8 +112,8 @@ TEST_F(HardCases, NoEmitter) {
   PatchScene builder;
   builder.room(1, 4, {0.5f, 0.0f});
   builder.get().light_groups.clear();
-  expect_each("no emitter", {0, 0, 0, 0}, [&](const Pair& pair) {
-    const EnergyField energy = solved(builder.get(), pair);
+  expect_each("no emitter", {0, 0, 0, 0}, [&](const Configuration& configuration) {
+    const EnergyField energy = solved(builder.get(), configuration);
     EXPECT_NE(warnings_.find("nothing in the scene emits light"), std::string::npos);
     double most = 0;
     for (const Color& b : radiosity(builder.get(), energy)) most = std::max(most, std::abs(double(b.y)));
@@ -136,12 +137,12 @@ PatchSet mirror_room(float mirror) {
 
 TEST_F(HardCases, MirrorFacingMirror) {
   const PatchSet scene = mirror_room(1.0f);
-  const EnergyField black = solve_quietly(mirror_room(0.0f), kPairs[0]);
+  const EnergyField black = solve_quietly(mirror_room(0.0f), kConfigurations[0]);
   // Perfect mirrors go on for ever, but light between them meets the other walls: a furnace. Only `matrix` over rays
   // sends light on there; for the other pairs mirrors are black.
-  expect_each("mirrors face each other", {0.01, 0.02, 0.05, 0.1}, [&](const Pair& pair) {
-    const bool sent_on = &pair == &kPairs[0];
-    return irradiance_error(scene, solved(scene, pair), [&](const Patch& p) {
+  expect_each("mirrors face each other", {0.01, 0.02, 0.05, 0.1}, [&](const Configuration& configuration) {
+    const bool sent_on = &configuration == &kConfigurations[0];
+    return irradiance_error(scene, solved(scene, configuration), [&](const Patch& p) {
       if (p.primitive < 2) return kNotCounted;
       return sent_on ? 2.0 : irradiance_at(black, std::size_t(&p - scene.patches.data()));
     });

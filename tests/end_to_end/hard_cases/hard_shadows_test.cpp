@@ -47,8 +47,8 @@ TEST_F(HardCases, ThinWalls) {
                            {"light through a wall of 0.1 mm", 1e-4, true, {0, 1e-4, 0, 1e-4}},
                            {"light through a wall of 1 cm that all else ends at", 0.01, false, {0, 0, 0, 0}}}) {
     const PatchSet scene = divided_room(wall.thickness, wall.runs_on);
-    expect_each(wall.name, wall.limits, [&](const Pair& pair) {
-      const EnergyField energy = solved(scene, pair);
+    expect_each(wall.name, wall.limits, [&](const Configuration& configuration) {
+      const EnergyField energy = solved(scene, configuration);
       double dark = 0, lit = 0;
       for (std::size_t i = 0; i < scene.patches.size(); ++i) {
         const bool behind = scene.patches[i].center.x + 0.01 * scene.patches[i].normal.x > 0;
@@ -93,8 +93,8 @@ TEST_F(HardCases, ContactShadow) {
 
   PatchScene lamp = block_above_floor();
   lamp.quad({{{0.4, 1, 0.4}, {0.6, 1, 0.4}, {0.6, 1, 0.6}, {0.4, 1, 0.6}}}, 3, 3, {0.0f, 1.0f});
-  expect_each("lamp's light under the block", {0, 0, 0, 0}, [&](const Pair& pair) {
-    const EnergyField energy = solved(lamp.get(), pair);
+  expect_each("lamp's light under the block", {0, 0, 0, 0}, [&](const Configuration& configuration) {
+    const EnergyField energy = solved(lamp.get(), configuration);
     double dark = 0, lit = 0;
     for (std::size_t i = 0; i < 100; ++i)
       (under_the_block(lamp.get().patches[i]) ? dark : lit) += irradiance_at(energy, i);

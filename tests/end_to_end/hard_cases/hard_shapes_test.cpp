@@ -12,7 +12,7 @@ TEST_F(HardCases, SurfacesThatTouch) {
   PatchScene builder;
   builder.quad(kFloor, 9, 9, {0.0f, 0.0f});
   builder.quad(kWall, 9, 9, {0.0f, 1.0f});
-  light_by_rows(builder.get());
+  gathered_light(builder.get());
   const PatchSet& scene = builder.get();
   expect_known("walls that touch", scene,
                [&](const Patch& p) { return p.primitive == 0 ? patch_factor(scene, p, {kWall}) : kNotCounted; },
@@ -24,7 +24,7 @@ TEST_F(HardCases, SurfacesThatNearlyTouch) {
   const Corners lid{{{0, 1e-3, 0}, {1, 1e-3, 0}, {1, 1e-3, 1}, {0, 1e-3, 1}}};
   builder.quad(kFloor, 9, 9, {0.0f, 0.0f});
   builder.quad(lid, 9, 9, {0.0f, 1.0f});
-  light_by_rows(builder.get());
+  gathered_light(builder.get());
   const PatchSet& scene = builder.get();
   expect_known("plates 1 mm apart", scene,
                [&](const Patch& p) { return p.primitive == 0 ? patch_factor(scene, p, {lid}) : kNotCounted; },
@@ -70,14 +70,14 @@ TEST_F(HardCases, PolesOfSpheres) {
   PatchScene nested, lit;
   nested.sphere({1, 2, 3}, -1, 12, 18, {0.0f, 0.0f});
   nested.sphere({1, 2, 3}, 0.5, 12, 18, {0.0f, 2.0f});
-  light_by_rows(nested.get());
+  gathered_light(nested.get());
   expect_known("poles about a ball", nested.get(),
                [](const Patch& p) { return p.primitive == 0 && (p.v0 == 0 || p.v1 == 1) ? 0.5 : kNotCounted; },
                {0.01, 0.01, 0.06, 0.03});
   const Corners lamp{{{-0.5, 1, -0.5}, {0.5, 1, -0.5}, {0.5, 1, 0.5}, {-0.5, 1, 0.5}}};
   lit.sphere(Vec3d(0.0), 0.5, 12, 18, {0.0f, 0.0f});
   lit.quad(lamp, 9, 9, {0.0f, 1.0f});
-  light_by_rows(lit.get());
+  gathered_light(lit.get());
   const PatchSet& scene = lit.get();
   expect_known(
       "pole under a lamp", scene,
@@ -105,10 +105,10 @@ TEST_F(HardCases, CoplanarOverlaps) {
               [](const Patch& p) { return p.primitive == 2 || p.primitive == 6 ? kNotCounted : 1.0; },
               {5e-3, 5e-3, 0.02, 0.02});
   // Each of the two floors gathers a row, but what is shot at them lands on one or the other: their power counts.
-  expect_each("floor twice in one plane: the floor", {5e-3, 5e-3, 0.02, 0.02}, [&](const Pair& pair) {
+  expect_each("floor twice in one plane: the floor", {5e-3, 5e-3, 0.02, 0.02}, [&](const Configuration& configuration) {
     const PatchSet& scene = twice.get();
-    const EnergyField before = solve_quietly(once.get(), pair), energy = solved(scene, pair);
-    if (std::string(pair.method) == "progressive")
+    const EnergyField before = solve_quietly(once.get(), configuration), energy = solved(scene, configuration);
+    if (std::string(configuration.method) == "progressive")
       return std::abs((power_on(scene, energy, 2) + power_on(scene, energy, 6)) / power_on(once.get(), before, 2) - 1);
     return irradiance_error(scene, energy, [&](const Patch& p) {
       return p.primitive == 2 ? irradiance_at(before, std::size_t(&p - scene.patches.data())) : kNotCounted;

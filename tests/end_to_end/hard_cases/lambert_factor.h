@@ -35,7 +35,7 @@ inline double patch_factor(const PatchSet& scene, const Patch& patch, const std:
 }
 
 /// Makes the last primitive emit by a millionth unevenly, and of more than 64 patches: its light comes by the rows.
-inline void light_by_rows(PatchSet& scene) {
+inline void gathered_light(PatchSet& scene) {
   scene.patches.back().emission *= 1.000001f;
 }
 

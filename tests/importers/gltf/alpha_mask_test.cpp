@@ -28,7 +28,7 @@ struct Leaf {
   PatchSet import() { return importer.import(gltf); }
 };
 
-TEST(Cutouts, PatchesAreOfWhatIsThere) {
+TEST(AlphaMasks, PatchesAreOfWhatIsThere) {
   Leaf leaf(kLeaf, 1.0 / 4);  // two by two patches
   const PatchSet scene = leaf.import();
   ASSERT_EQ(scene.masks.size(), 1u);
@@ -44,7 +44,7 @@ TEST(Cutouts, PatchesAreOfWhatIsThere) {
   EXPECT_NEAR(patch_at(scene, 0.75).reflectance.x, 0, 1e-6);
 }
 
-TEST(Cutouts, TheFactorsAlphaAndTheCutoffCount) {
+TEST(AlphaMasks, TheFactorsAlphaAndTheCutoffCount) {
   Leaf leaf;
   leaf.gltf.json["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"] = {1, 1, 1, 0.5};
   leaf.gltf.json["materials"][0]["alphaCutoff"] = 0.25;
@@ -59,7 +59,7 @@ TEST(Cutouts, TheFactorsAlphaAndTheCutoffCount) {
   EXPECT_ERROR(leaf.import(), ExitCode::bad_data, "leaf");
 }
 
-TEST(Cutouts, BlendIsMaskAtAHalfWithAWarning) {
+TEST(AlphaMasks, BlendIsMaskAtAHalfWithAWarning) {
   Leaf leaf;
   leaf.gltf.json["materials"][0]["alphaMode"] = "BLEND";
   leaf.gltf.json["materials"][0]["alphaCutoff"] = 0.9;
@@ -71,7 +71,7 @@ TEST(Cutouts, BlendIsMaskAtAHalfWithAWarning) {
   EXPECT_ERROR(leaf.import(), ExitCode::bad_data, "alphaMode");
 }
 
-TEST(Cutouts, WhatIsWholeHasNoMask) {
+TEST(AlphaMasks, WhatIsWholeHasNoMask) {
   Leaf opaque;
   opaque.gltf.json["materials"][0].erase("alphaMode");
   EXPECT_TRUE(opaque.import().masks.empty());
@@ -83,7 +83,7 @@ TEST(Cutouts, WhatIsWholeHasNoMask) {
   EXPECT_EQ(unmapped.import().primitives[0].mask, -1);
 }
 
-TEST(Cutouts, BothSidesAreCutOutInOnePlace) {
+TEST(AlphaMasks, BothSidesAreCutOutInOnePlace) {
   Leaf leaf;
   leaf.gltf.json["materials"][0]["doubleSided"] = true;
   const PatchSet scene = leaf.import();
@@ -94,7 +94,7 @@ TEST(Cutouts, BothSidesAreCutOutInOnePlace) {
   EXPECT_LT(patch_at(scene, 0.375, 1).coverage, 0.002f);
 }
 
-TEST(Cutouts, AlphaOfVerticesCutsOutToo) {
+TEST(AlphaMasks, AlphaOfVerticesCutsOutToo) {
   const Json plain{{"name", "veil"}, {"alphaMode", "MASK"}, {"pbrMetallicRoughness", {{"metallicFactor", 0}}}};
   Leaf veil(plain);
   veil.gltf.primitive(0)["attributes"]["COLOR_0"] =
@@ -102,7 +102,7 @@ TEST(Cutouts, AlphaOfVerticesCutsOutToo) {
   const PatchSet scene = veil.import();
   const auto there = [&](double x) {
     const Imath::V2d uv = uv_of(scene, 0, x, 0.5);
-    return is_there(scene, 0, uv.x, uv.y);
+    return passes_alpha_test(scene, 0, uv.x, uv.y);
   };
   EXPECT_FALSE(there(0.49));
   EXPECT_TRUE(there(0.51));
@@ -114,7 +114,7 @@ TEST(Cutouts, AlphaOfVerticesCutsOutToo) {
   EXPECT_LT(patch_at(veil.import(), 0.375).coverage, 0.002f);
 }
 
-TEST(Cutouts, ANewMaskIsANewTransportANewColourIsNot) {
+TEST(AlphaMasks, ANewMaskIsANewTransportANewColourIsNot) {
   Leaf leaf;
   const auto keys = [&] {
     PatchSet scene = leaf.import();

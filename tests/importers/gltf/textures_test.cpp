@@ -64,8 +64,9 @@ TEST(Textures, FinishAndBaseColourMultiplyPlaceByPlace) {
   const PatchSet scene = importer.import(gltf);
   expect_near(patch_at(scene, 0.25).reflectance, {0.25, 0, 0}, 1e-3);
   expect_near(patch_at(scene, 0.75).reflectance, {0.2, 0.2, 0.2}, 1e-3);
-  const std::array<Finish, 4> finishes{at(finish_at, scene, 0.1, 0.5), at(finish_at, scene, 0.3, 0.5),
-                                       at(finish_at, scene, 0.6, 0.5), at(finish_at, scene, 0.9, 0.5)};
+  const std::array<MetallicRoughness, 4> finishes{
+      at(metallic_roughness_at, scene, 0.1, 0.5), at(metallic_roughness_at, scene, 0.3, 0.5),
+      at(metallic_roughness_at, scene, 0.6, 0.5), at(metallic_roughness_at, scene, 0.9, 0.5)};
   expect_near(finishes[0].specular, {0.5, 0.5, 0.5});
   expect_near(finishes[1].specular, {0, 0, 0});
   expect_near(finishes[2].specular, {0.1, 0.1, 0.1});
@@ -77,7 +78,7 @@ TEST(Textures, FinishAndBaseColourMultiplyPlaceByPlace) {
   importer.job.materials = {{"plate"}};
   importer.job.materials[0].mirror = Color(0.25f);
   const PatchSet mirror = importer.import(gltf);
-  expect_near(at(finish_at, mirror, 0.3, 0.5).specular, {0.25, 0.25, 0.25});
+  expect_near(at(metallic_roughness_at, mirror, 0.3, 0.5).specular, {0.25, 0.25, 0.25});
 }
 
 TEST(Textures, EachLiesByItsOwnSetAndTransform) {
@@ -101,9 +102,9 @@ TEST(Textures, EachLiesByItsOwnSetAndTransform) {
   for (const std::int32_t side : {0, 1}) {
     expect_near(at(textured_emission, scene, 0.25, 0.5, side), Vec3d(0, 1, 1) * kPi);
     expect_near(at(textured_emission, scene, 0.75, 0.5, side), Vec3d(1, 1, 0) * kPi);
-    expect_near(at(finish_at, scene, 0.25, 0.25, side).specular, {0, 0, 0});
-    expect_near(at(finish_at, scene, 0.25, 0.75, side).specular, {1, 1, 0});
-    expect_near(at(finish_at, scene, 0.75, 0.75, side).specular, {0, 1, 1});
+    expect_near(at(metallic_roughness_at, scene, 0.25, 0.25, side).specular, {0, 0, 0});
+    expect_near(at(metallic_roughness_at, scene, 0.25, 0.75, side).specular, {1, 1, 0});
+    expect_near(at(metallic_roughness_at, scene, 0.75, 0.75, side).specular, {0, 1, 1});
   }
 }
 

@@ -111,12 +111,12 @@ TEST(PatchFile, RefusesBrokenMasksAndColoursOfVertices) {
 
 PatchSet finished_sample() {
   PatchSet scene = textured_sample();
-  scene.primitives[1].finish_texture = scene.primitives[1].emission_texture = 0;
+  scene.primitives[1].metallic_roughness_texture = scene.primitives[1].emission_texture = 0;
   scene.primitives[1].light_group = 0;
   scene.materials[std::size_t(scene.primitives[1].material)].metal = Color(0.5f, 0.25f, 0.125f);
-  scene.materials[0].finish_roughness = 0.375f;
+  scene.materials[0].roughness_factor = 0.375f;
   scene.materials[0].emission_tint = Color(7.0f, 8.0f, 9.0f);
-  scene.finish_texcoords.assign(3, kOwnTexcoords);
+  scene.metallic_roughness_texcoords.assign(3, kOwnTexcoords);
   scene.emission_texcoords.assign(3, {Vec2f(1, 2), Vec2f(3, 4), Vec2f(5, 6), Vec2f(7, 8)});
   return scene;
 }
@@ -127,27 +127,28 @@ TEST(PatchFile, KeepsTexturesOfEmissionAndFinish) {
   write_patches(folder / "plain.h5", plain);
   write_patches(folder / "patches.h5", scene);
   const PatchSet read = read_patches(folder / "patches.h5");
-  EXPECT_EQ(read.primitives[1].finish_texture, 0);
+  EXPECT_EQ(read.primitives[1].metallic_roughness_texture, 0);
   EXPECT_EQ(read.primitives[1].emission_texture, 0);
   EXPECT_EQ(read.primitives[0].emission_texture, -1);
   for (std::size_t i = 0; i < scene.materials.size(); ++i) EXPECT_EQ(read.materials[i].metal, scene.materials[i].metal);
-  EXPECT_EQ(read.materials[0].finish_roughness, 0.375f);
+  EXPECT_EQ(read.materials[0].roughness_factor, 0.375f);
   EXPECT_EQ(read.materials[0].emission_tint, Color(7.0f, 8.0f, 9.0f));
-  EXPECT_EQ(read.finish_texcoords, scene.finish_texcoords);
+  EXPECT_EQ(read.metallic_roughness_texcoords, scene.metallic_roughness_texcoords);
   EXPECT_EQ(read.emission_texcoords, scene.emission_texcoords);
   EXPECT_NE(scene.geometry_key, plain.geometry_key);
 }
 
 TEST(PatchFile, RefusesBrokenFinishes) {
-  expect_refused(finished_sample(),
-                 {
-                     {"/primitives/finish_texture", [](PatchSet& s) { s.primitives[1].finish_texture = 2; }},
-                     {"/primitives/emission_texture", [](PatchSet& s) { s.primitives[0].emission_texture = -2; }},
-                     {"/primitives/light_group", [](PatchSet& s) { s.primitives[2].emission_texture = 0; }},
-                     {"/primitives/emission_texcoord", [](PatchSet& s) { s.emission_texcoords[2][3].x = NAN; }},
-                     {"/materials", [](PatchSet& s) { s.materials[0].finish_roughness = 2; }},
-                     {"/materials", [](PatchSet& s) { s.materials[0].emission_tint.x = -1; }},
-                 });
+  expect_refused(
+      finished_sample(),
+      {
+          {"/primitives/finish_texture", [](PatchSet& s) { s.primitives[1].metallic_roughness_texture = 2; }},
+          {"/primitives/emission_texture", [](PatchSet& s) { s.primitives[0].emission_texture = -2; }},
+          {"/primitives/light_group", [](PatchSet& s) { s.primitives[2].emission_texture = 0; }},
+          {"/primitives/emission_texcoord", [](PatchSet& s) { s.emission_texcoords[2][3].x = NAN; }},
+          {"/materials", [](PatchSet& s) { s.materials[0].roughness_factor = 2; }},
+          {"/materials", [](PatchSet& s) { s.materials[0].emission_tint.x = -1; }},
+      });
 }
 
 PatchSet shaded_sample() {

@@ -17,9 +17,9 @@ using test::TemporaryFolder;
 Transport sample() {
   Transport transport;
   transport.starts = {0, 2, 4, 4, 6};  // two patches
-  transport.ends = {1, 0, 1, 1, 0, 1};
-  transport.shares = {0.25f, 0.5f, 0.25f, 0.5f};
-  transport.exposed = {0.5f, 0.5f, 1.0f, 1.0f};
+  transport.columns = {1, 0, 1, 1, 0, 1};
+  transport.hit_weights = {0.25f, 0.5f, 0.25f, 0.5f};
+  transport.visible_fractions = {0.5f, 0.5f, 1.0f, 1.0f};
   transport.rays = 4;
   transport.mirrored = {{0, 1, 1, Color(0.5f, 0.25f, 0.0f)}, {1, 0, 0, Color(0.1f)}};
   transport.emitters = {{0, 1, {0.1f, 0.2f, 0.3f, -0.01f}}, {1, 1, {0.0f, 0.0f, 0.5f, 0.5f}}};
@@ -31,7 +31,7 @@ Transport sample() {
 /// As rows by hemicubes are.
 void weigh(Transport& transport) {
   transport.rays = 0;
-  transport.shares.clear();
+  transport.hit_weights.clear();
   transport.weights = {0.1f, 0.2f, 0.3f, 0.4f, 0.5f, 0.6f};
 }
 
@@ -43,13 +43,13 @@ TEST(TransportFile, ReadsBackWhatWasWritten) {
     write_transport(folder / "transport.h5", written);
     const Transport read = read_transport(folder / "transport.h5");
     EXPECT_EQ(read.starts, written.starts);
-    EXPECT_EQ(read.ends, written.ends);
+    EXPECT_EQ(read.columns, written.columns);
     EXPECT_EQ(read.weights, written.weights);
-    EXPECT_EQ(read.shares, written.shares);
-    EXPECT_EQ(read.exposed, written.exposed);
+    EXPECT_EQ(read.hit_weights, written.hit_weights);
+    EXPECT_EQ(read.visible_fractions, written.visible_fractions);
     EXPECT_EQ(read.rays, written.rays);
     ASSERT_EQ(read.mirrored.size(), 2u);
-    EXPECT_EQ(read.mirrored[0].half, 1);
+    EXPECT_EQ(read.mirrored[0].sample_set, 1);
     EXPECT_EQ(read.mirrored[0].weight, written.mirrored[0].weight);
     ASSERT_EQ(read.emitters.size(), 2u);
     EXPECT_EQ(read.emitters[1].first_patch, 1);
@@ -83,8 +83,8 @@ Transport sample_with_display() {
   Transport transport = sample();
   transport.display = {cut_patch(), {}};
   transport.display->rows.starts = {0, 1, 2, 4, 6};
-  transport.display->rows.ends = {7, 8, 0, 1, 2, 3};  // 2 patches, 7 elements of leaves
-  transport.display->rows.shares = {1.0f, 1.0f, 0.5f, 0.5f};
+  transport.display->rows.columns = {7, 8, 0, 1, 2, 3};  // 2 patches, 7 elements of leaves
+  transport.display->rows.hit_weights = {1.0f, 1.0f, 0.5f, 0.5f};
   transport.display->rows.rays = 4;
   transport.display->rows.mirrored = {{1, 0, 8, Color(0.5f)}};
   for (auto& emitter : transport.emitters) emitter.display.assign(14, 0.125f);
@@ -97,7 +97,7 @@ TEST(TransportFile, ReadsBackWhatTheDisplaySolutionNeeds) {
   write_transport(folder / "transport.h5", written);
   const Transport read = read_transport(folder / "transport.h5");
   ASSERT_TRUE(read.display);
-  EXPECT_EQ(read.display->rows.ends, written.display->rows.ends);
+  EXPECT_EQ(read.display->rows.columns, written.display->rows.columns);
   EXPECT_EQ(read.display->rows.mirrored[0].patch, 8);
   EXPECT_EQ(read.emitters[1].display, written.emitters[1].display);
   const DisplayMesh &mesh = read.display->mesh, &cut = written.display->mesh;
@@ -139,7 +139,7 @@ TEST(TransportFile, RefusesMeshesThatAreNone) {
       [](Transport::Display& d) { d.mesh.facets[0].corners[1] = 2; },
       [](Transport::Display& d) { d.mesh.gathered = 5; },
       [](Transport::Display& d) { d.mesh.gathered = 1; },
-      [](Transport::Display& d) { d.rows.ends[0] = 9; },
+      [](Transport::Display& d) { d.rows.columns[0] = 9; },
       [](Transport::Display& d) { d.rows.mirrored[0].patch = 9; },
       [](Transport::Display& d) { d.rows.mirrored[0].row = 2; },
   };
@@ -175,8 +175,8 @@ TEST(TransportFile, HoldsLightsAndWhatRowsSeeOfTheSky) {
     emitter.factors[0] = float(light);
   }
   written.sky = 3;
-  written.ends[0] = 4;                 // 2 patches, 3 cells
-  written.display->rows.ends[0] = 11;  // behind 7 elements
+  written.columns[0] = 4;                 // 2 patches, 3 cells
+  written.display->rows.columns[0] = 11;  // behind 7 elements
   write_transport(folder / "transport.h5", written);
   const Transport read = read_transport(folder / "transport.h5");
   ASSERT_EQ(read.emitters.size(), 4u);
@@ -189,10 +189,10 @@ TEST(TransportFile, HoldsLightsAndWhatRowsSeeOfTheSky) {
     EXPECT_EQ(read.emitters[k].mirrored, written.emitters[k].mirrored);
   }
   EXPECT_EQ(read.sky, 3);
-  EXPECT_EQ(read.ends, written.ends);
+  EXPECT_EQ(read.columns, written.columns);
   for (const bool display : {false, true}) {
     Transport broken = written;
-    ++(display ? broken.display->rows.ends[0] : broken.ends[0]);
+    ++(display ? broken.display->rows.columns[0] : broken.columns[0]);
     write_transport(folder / "transport.h5", broken);
     EXPECT_ERROR(read_transport(folder / "transport.h5"), ExitCode::bad_data, "rows/patch");
   }
@@ -204,18 +204,18 @@ TEST(TransportFile, RefusesWhatIsOutOfBounds) {
       [](Transport& t) { t.starts[1] = 5; },
       [](Transport& t) { t.starts.back() = 5; },
       [](Transport& t) { t.starts.push_back(6); },
-      [](Transport& t) { t.ends[0] = 2; },
-      [](Transport& t) { t.ends[0] = -1; },
+      [](Transport& t) { t.columns[0] = 2; },
+      [](Transport& t) { t.columns[0] = -1; },
       [](Transport& t) { weigh(t), t.weights[1] = std::numeric_limits<float>::quiet_NaN(); },
       [](Transport& t) { weigh(t), t.weights.pop_back(); },
-      [](Transport& t) { t.shares[1] = std::numeric_limits<float>::quiet_NaN(); },
-      [](Transport& t) { t.shares[1] = 1.5f; },
-      [](Transport& t) { t.shares.pop_back(); },
+      [](Transport& t) { t.hit_weights[1] = std::numeric_limits<float>::quiet_NaN(); },
+      [](Transport& t) { t.hit_weights[1] = 1.5f; },
+      [](Transport& t) { t.hit_weights.pop_back(); },
       [](Transport& t) { t.rays = -1; },
-      [](Transport& t) { t.exposed[0] = 0.0f; },
-      [](Transport& t) { t.exposed.pop_back(); },
+      [](Transport& t) { t.visible_fractions[0] = 0.0f; },
+      [](Transport& t) { t.visible_fractions.pop_back(); },
       [](Transport& t) { t.mirrored[0].row = 2; },
-      [](Transport& t) { t.mirrored[0].half = 2; },
+      [](Transport& t) { t.mirrored[0].sample_set = 2; },
       [](Transport& t) { t.mirrored[0].patch = 2; },
       [](Transport& t) { t.mirrored[0].weight.x = std::numeric_limits<float>::infinity(); },
       [](Transport& t) { std::swap(t.mirrored[0], t.mirrored[1]); },

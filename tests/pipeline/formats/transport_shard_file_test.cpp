@@ -19,15 +19,15 @@ using test::TemporaryFolder;
 TransportShard sample() {
   TransportShard shard;
   shard.rows.starts = {0, 2, 4, 4, 6};
-  shard.rows.ends = {1, 3, 1, 1, 0, 2};
-  shard.rows.shares = {0.25f, 0.5f, 0.25f, 0.5f};
-  shard.rows.exposed = {0.5f, 0.5f, 1.0f, 1.0f};
+  shard.rows.columns = {1, 3, 1, 1, 0, 2};
+  shard.rows.hit_weights = {0.25f, 0.5f, 0.25f, 0.5f};
+  shard.rows.visible_fractions = {0.5f, 0.5f, 1.0f, 1.0f};
   shard.rows.rays = 4;
   shard.rows.mirrored = {{0, 1, 3, Color(0.5f, 0.25f, 0.0f)}};
   shard.display_rows.emplace();
   shard.display_rows->starts = {0, 1, 2};
-  shard.display_rows->ends = {4, 3};
-  shard.display_rows->shares = {1.0f, 1.0f};
+  shard.display_rows->columns = {4, 3};
+  shard.display_rows->hit_weights = {1.0f, 1.0f};
   shard.display_rows->rays = 2;
   shard.cast = 12;
   shard.key = "key";
@@ -52,12 +52,12 @@ TEST(TransportShardFile, ReadsBackWhatWasWritten) {
   write_transport_shard(folder / "shard.h5", written);
   const TransportShard read = read_transport_shard(folder / "shard.h5", 4, 0, &of_first);
   EXPECT_EQ(read.rows.starts, written.rows.starts);
-  EXPECT_EQ(read.rows.ends, written.rows.ends);
-  EXPECT_EQ(read.rows.shares, written.rows.shares);
-  EXPECT_EQ(read.rows.exposed, written.rows.exposed);
+  EXPECT_EQ(read.rows.columns, written.rows.columns);
+  EXPECT_EQ(read.rows.hit_weights, written.rows.hit_weights);
+  EXPECT_EQ(read.rows.visible_fractions, written.rows.visible_fractions);
   EXPECT_EQ(read.rows.rays, 4);
   EXPECT_EQ(read.rows.mirrored.at(0).weight, written.rows.mirrored[0].weight);
-  EXPECT_EQ(read.display_rows->ends, written.display_rows->ends);
+  EXPECT_EQ(read.display_rows->columns, written.display_rows->columns);
   EXPECT_EQ(read.display_rows->rays, 2);
   EXPECT_FALSE(read.mesh);
   EXPECT_EQ(read.cast, 12);
@@ -68,10 +68,11 @@ TEST(TransportShardFile, ReadsBackWhatWasWritten) {
 
   std::fstream file(folder / "shard.h5", std::ios::in | std::ios::out | std::ios::binary);
   const std::string bytes{std::istreambuf_iterator<char>(file), {}};
-  const std::size_t shares = bytes.find(std::string(reinterpret_cast<const char*>(written.rows.shares.data()), 8));
-  ASSERT_NE(shares, std::string::npos);
-  file.seekp(std::streamoff(shares));
-  file.put(char(bytes[shares] ^ 1));
+  const std::size_t hit_weights =
+      bytes.find(std::string(reinterpret_cast<const char*>(written.rows.hit_weights.data()), 8));
+  ASSERT_NE(hit_weights, std::string::npos);
+  file.seekp(std::streamoff(hit_weights));
+  file.put(char(bytes[hit_weights] ^ 1));
   file.close();
   EXPECT_FALSE(is_fresh_shard(folder / "shard.h5", "key")) << "with another byte in what only a merge reads";
 }
@@ -98,15 +99,15 @@ TEST(TransportShardFile, MayHoldNoRow) {
 TEST(TransportShardFile, RefusesWhatIsOutOfBounds) {
   const std::vector<std::function<void(TransportShard&)>> faults{
       [](TransportShard& s) { s.rows.starts[0] = 1; },
-      [](TransportShard& s) { s.rows.ends[0] = 4; },
-      [](TransportShard& s) { s.rows.ends[0] = -1; },
-      [](TransportShard& s) { s.rows.shares[0] = std::numeric_limits<float>::quiet_NaN(); },
-      [](TransportShard& s) { s.rows.exposed[0] = 0; },
-      [](TransportShard& s) { s.rows.exposed.pop_back(); },
+      [](TransportShard& s) { s.rows.columns[0] = 4; },
+      [](TransportShard& s) { s.rows.columns[0] = -1; },
+      [](TransportShard& s) { s.rows.hit_weights[0] = std::numeric_limits<float>::quiet_NaN(); },
+      [](TransportShard& s) { s.rows.visible_fractions[0] = 0; },
+      [](TransportShard& s) { s.rows.visible_fractions.pop_back(); },
       [](TransportShard& s) { s.rows.mirrored[0].row = 2; },
       [](TransportShard& s) { s.rows.mirrored[0].patch = 4; },
-      [](TransportShard& s) { s.display_rows->ends[0] = 5; },
-      [](TransportShard& s) { s.display_rows->shares.pop_back(); },
+      [](TransportShard& s) { s.display_rows->columns[0] = 5; },
+      [](TransportShard& s) { s.display_rows->hit_weights.pop_back(); },
   };
   const TemporaryFolder folder;
   const DisplayMesh of_first = mesh();

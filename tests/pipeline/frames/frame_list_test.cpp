@@ -33,7 +33,7 @@ TEST(FrameList, CutsNamesThatNoFileCanHave) {
 }
 
 /// A scene with a camera `still` and one `walk`, which goes along X by 1 m/s from 0 to 10 s.
-PatchSet walk_scene() {
+PatchSet walkthrough_scene() {
   PatchSet scene;
   scene.cameras.resize(2);
   scene.cameras[0].name = "still";
@@ -45,7 +45,7 @@ PatchSet walk_scene() {
 TEST(FrameList, HasFramesOfWhatMovesAndOneOfWhatIsStill) {
   Job job;
   job.trace.frames = "12,24..48:24";
-  const std::vector<Frame> frames = job_frames(job, walk_scene());
+  const std::vector<Frame> frames = job_frames(job, walkthrough_scene());
   ASSERT_EQ(frames.size(), 4u);
   EXPECT_EQ(frames[0].exr.filename(), "still.0001.exr");
   EXPECT_EQ(frames[1].exr.filename(), "walk.0012.exr");
@@ -53,13 +53,13 @@ TEST(FrameList, HasFramesOfWhatMovesAndOneOfWhatIsStill) {
   EXPECT_DOUBLE_EQ(frames[1].camera.to_world.translation().x, 0.5);
   EXPECT_DOUBLE_EQ(frames[3].camera.to_world.translation().x, 2.0);
   job.trace.fps = 12;
-  EXPECT_DOUBLE_EQ(job_frames(job, walk_scene())[1].camera.to_world.translation().x, 1.0);
+  EXPECT_DOUBLE_EQ(job_frames(job, walkthrough_scene())[1].camera.to_world.translation().x, 1.0);
 }
 
 TEST(FrameList, IsBounded) {
   Job job;
   job.trace.frames = "1-60000";
-  PatchSet scene = walk_scene();
+  PatchSet scene = walkthrough_scene();
   EXPECT_EQ(job_frames(job, scene).size(), 60001u);
   scene.cameras.push_back(scene.cameras[1]);
   EXPECT_ERROR(job_frames(job, scene), ExitCode::over_limit, "trace.frames");
@@ -67,7 +67,7 @@ TEST(FrameList, IsBounded) {
 
 TEST(FrameList, NamesTheFrameOfACameraThatIsFlat) {
   Job job;
-  PatchSet scene = walk_scene();
+  PatchSet scene = walkthrough_scene();
   scene.cameras[1].motion[0] = {Motion::Kind::scale, Motion::Interpolation::step, {0}, {0, 0, 0}};
   EXPECT_ERROR(job_frames(job, scene), ExitCode::bad_data, "camera `walk` makes no picture at frame 1");
 }
@@ -76,7 +76,7 @@ TEST(FrameList, TakesTheJobsOwnCameras) {
   Job job;
   job.cameras["walk"].look_from = Vec3d(0, 0, 5);
   job.cameras["above"] = {Vec3d(1, 9, 1), Vec3d(1, 2, 1), Vec3d(0, 0, -1), {}, 3.0};
-  const std::vector<Frame> frames = job_frames(job, walk_scene());
+  const std::vector<Frame> frames = job_frames(job, walkthrough_scene());
   ASSERT_EQ(frames.size(), 3u);
   EXPECT_EQ(frames[1].exr.filename(), "walk.0001.exr") << "in place of the scene's";
   EXPECT_EQ(frames[1].camera.to_world.translation(), Vec3d(0, 0, 5));
@@ -91,9 +91,9 @@ TEST(FrameList, TakesTheJobsOwnCameras) {
   EXPECT_TRUE(forward.equalWithAbsError(Vec3d(0, -1, 0), 1e-12));
   EXPECT_TRUE(up.equalWithAbsError(Vec3d(0, 0, -1), 1e-12));
   job.trace.cameras = {"above"};
-  EXPECT_EQ(job_frames(job, walk_scene()).size(), 1u);
+  EXPECT_EQ(job_frames(job, walkthrough_scene()).size(), 1u);
   job.trace.cameras = {"below"};
-  EXPECT_ERROR(job_frames(job, walk_scene()), ExitCode::bad_config, "still, walk, above");
+  EXPECT_ERROR(job_frames(job, walkthrough_scene()), ExitCode::bad_config, "still, walk, above");
 }
 
 TEST(FrameList, TurnsATurntableAboutItsTarget) {
@@ -101,7 +101,7 @@ TEST(FrameList, TurnsATurntableAboutItsTarget) {
   job.cameras["spin"] = {Vec3d(1, 2, 6), Vec3d(1, 0, 1), Vec3d(0, 1, 0), {}, {}, 8};
   job.trace.cameras = {"spin"};
   job.trace.frames = "1-9";
-  const std::vector<Frame> frames = job_frames(job, walk_scene());
+  const std::vector<Frame> frames = job_frames(job, walkthrough_scene());
   ASSERT_EQ(frames.size(), 9u);
   const auto at = [&](int frame) { return frames[frame - 1].camera.to_world.translation(); };
   EXPECT_TRUE(at(1).equalWithAbsError(Vec3d(1, 2, 6), 1e-12));
@@ -114,7 +114,8 @@ TEST(FrameList, TurnsATurntableAboutItsTarget) {
     EXPECT_TRUE(target.equalWithAbsError(Vec3d(0, 0, -std::sqrt(29.0)), 1e-9)) << frame.number;
   }
   job.cameras["spin"].turntable = -8;
-  EXPECT_TRUE(job_frames(job, walk_scene())[2].camera.to_world.translation().equalWithAbsError(Vec3d(-4, 2, 1), 1e-12));
+  EXPECT_TRUE(
+      job_frames(job, walkthrough_scene())[2].camera.to_world.translation().equalWithAbsError(Vec3d(-4, 2, 1), 1e-12));
 }
 
 }  // namespace

@@ -126,16 +126,16 @@ TEST_F(StageKeys, HoldWhatCanChangeTheStageAndNothingElse) {
 }
 
 TEST_F(StageKeys, AreToldHereForEverySettingOfAJob) {
-  std::set<std::string> told{"include"};
+  std::set<std::string> reported{"include"};
   for (const Setting& setting : kSettings) {
-    told.insert(setting.key);
+    reported.insert(setting.key);
     for (const char* names : {"materials", "nodes", "shaders", "lights", "cameras", "matrix"})
-      if (setting.key.starts_with(std::string(names) + ".")) told.insert(names);
+      if (setting.key.starts_with(std::string(names) + ".")) reported.insert(names);
   }
   const std::string help = job_key_help();
   static const std::regex line("\n  ([a-z_.]+)");
   for (std::sregex_iterator i(help.begin(), help.end(), line), end; i != end; ++i)
-    EXPECT_TRUE(told.contains((*i)[1])) << "say in kSettings which stages run again after a change of " << (*i)[1];
+    EXPECT_TRUE(reported.contains((*i)[1])) << "say in kSettings which stages run again after a change of " << (*i)[1];
 }
 
 }  // namespace

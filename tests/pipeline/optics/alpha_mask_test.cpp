@@ -24,7 +24,7 @@ Texture right_half() {
 }
 
 /// The primitive that a ray straight down, or up, meets at x; -1: none.
-std::int32_t met(const RayScene& rays, double x, double z, bool down) {
+std::int32_t hit_primitive(const RayScene& rays, double x, double z, bool down) {
   RayPacket packet;
   packet.clear();
   packet.set(3, rays.to_local({x, down ? 9.0 : -9.0, z}), Vec3f(0, down ? -1.0f : 1.0f, 0));
@@ -39,15 +39,15 @@ bool in_the_way(const RayScene& rays, double x, bool down, float distance) {
   return rays.occluded(packet) == 1u << 7;
 }
 
-TEST(Cutouts, RaysOfEveryKindPassWhereTheMaskIsBelowTheCutoff) {
+TEST(AlphaMasks, RaysOfEveryKindPassWhereTheMaskIsBelowTheCutoff) {
   PatchSet scene = squares({3, 2, 1, 0}).get();
-  for (const int masked : {0, 1}) test::cut_out(scene, masked, right_half(), 0.5f);
+  for (const int masked : {0, 1}) test::alpha_masked(scene, masked, right_half(), 0.5f);
   scene.materials[std::size_t(scene.primitives[1].material)].alpha_cutoff = 0.25f;  // from u = 0.375 on
   for (const std::size_t few : {std::size_t(0), RayScene::kFew}) {
     const RayScene rays(scene, few);
     for (const auto& [x, first] : {std::pair(0.2, 2), {0.37, 2}, {0.38, 1}, {0.49, 1}, {0.51, 0}, {0.9, 0}}) {
-      EXPECT_EQ(met(rays, x, 0.5, true), first) << x;
-      EXPECT_EQ(met(rays, x, 0.5, false), 3) << x;
+      EXPECT_EQ(hit_primitive(rays, x, 0.5, true), first) << x;
+      EXPECT_EQ(hit_primitive(rays, x, 0.5, false), 3) << x;
       EXPECT_EQ(in_the_way(rays, x, true, 6.5f), first == 0) << x;
       EXPECT_EQ(in_the_way(rays, x, true, 7.5f), first <= 1) << x;
       EXPECT_TRUE(in_the_way(rays, x, true, 8.5f)) << x;
@@ -55,9 +55,9 @@ TEST(Cutouts, RaysOfEveryKindPassWhereTheMaskIsBelowTheCutoff) {
   }
 }
 
-TEST(Cutouts, APacketsRaysGoTheirOwnWays) {
+TEST(AlphaMasks, APacketsRaysGoTheirOwnWays) {
   PatchSet scene = squares({1, 0}).get();
-  test::cut_out(scene, 0, test::checkers(16), 0.5f);
+  test::alpha_masked(scene, 0, test::checkers(16), 0.5f);
   const RayScene rays(scene);
   RayPacket packet;
   packet.clear();
@@ -68,7 +68,7 @@ TEST(Cutouts, APacketsRaysGoTheirOwnWays) {
     EXPECT_EQ(rays.hit(packet, lane).primitive, lane == 5 ? -1 : lane % 2) << lane;
 }
 
-TEST(Cutouts, BothSidesHaveTheSameHoles) {
+TEST(AlphaMasks, BothSidesHaveTheSameHoles) {
   PatchSet scene = squares({1}).get();
   Primitive back = scene.primitives[0];
   back.corners = {scene.primitives[0].corners[1], scene.primitives[0].corners[0], scene.primitives[0].corners[3],
@@ -76,36 +76,36 @@ TEST(Cutouts, BothSidesHaveTheSameHoles) {
   scene.primitives.push_back(back);
   test::make_sides(scene, 0, 1);
   scene.texcoords = {kOwnTexcoords, {Vec2f(1, 0), Vec2f(0, 0), Vec2f(0, 1), Vec2f(1, 1)}};
-  for (const int side : {0, 1}) test::cut_out(scene, side, right_half(), 0.5f);
+  for (const int side : {0, 1}) test::alpha_masked(scene, side, right_half(), 0.5f);
   const RayScene rays(scene);
   for (const bool down : {true, false}) {
-    EXPECT_EQ(met(rays, 0.3, 0.5, down), -1);
-    EXPECT_EQ(met(rays, 0.7, 0.5, down), down ? 0 : 1);
+    EXPECT_EQ(hit_primitive(rays, 0.3, 0.5, down), -1);
+    EXPECT_EQ(hit_primitive(rays, 0.7, 0.5, down), down ? 0 : 1);
   }
 }
 
-TEST(Cutouts, AlphaOfTextureFactorAndVerticesMultiply) {
+TEST(AlphaMasks, AlphaOfTextureFactorAndVerticesMultiply) {
   PatchSet scene = squares({0}).get();
-  test::cut_out(scene, 0, {1, 1, {}, false, {204}}, 0.5f);  // 0.8
+  test::alpha_masked(scene, 0, {1, 1, {}, false, {204}}, 0.5f);  // 0.8
   Material& material = scene.materials[1];
   material.alpha = 0.9f;
   scene.colors = {{Vec4f(1, 1, 1, 0), Vec4f(1), Vec4f(1), Vec4f(1, 1, 1, 0)}};  // grows with u
-  EXPECT_FALSE(is_there(scene, 0, 0.5 / 0.72 - 1e-4, 0.3));
-  EXPECT_TRUE(is_there(scene, 0, 0.5 / 0.72 + 1e-4, 0.3));
+  EXPECT_FALSE(passes_alpha_test(scene, 0, 0.5 / 0.72 - 1e-4, 0.3));
+  EXPECT_TRUE(passes_alpha_test(scene, 0, 0.5 / 0.72 + 1e-4, 0.3));
   material.alpha_cutoff = 0.72f + 1e-5f;
-  EXPECT_FALSE(is_there(scene, 0, 1, 0.3));
+  EXPECT_FALSE(passes_alpha_test(scene, 0, 1, 0.3));
 }
 
-TEST(Cutouts, PointsThatAreMovedOutOfHolesSpreadEvenlyOverWhatIsThere) {
+TEST(AlphaMasks, PointsThatAreMovedOutOfHolesSpreadEvenlyOverWhatIsThere) {
   PatchSet scene = squares({0}).get();
   Texture quarter{4, 1, {}, true, {0, 0, 255, 0}};
-  test::cut_out(scene, 0, quarter, 0.25f);
+  test::alpha_masked(scene, 0, quarter, 0.25f);
   const PatchSampler sampler(scene.primitives[0], scene.patches[0]);
   std::array<int, 8> counts{};  // in eighths of what is there
   constexpr int kPoints = 8000;
   for (int k = 0; k < kPoints; ++k) {
     const Vec2f at =
-        covered_point(scene, scene.patches[0], sampler, kronecker2(std::uint64_t(k), 1), scramble(std::uint64_t(k)));
+        covered_point(scene, scene.patches[0], sampler, kronecker2(std::uint64_t(k), 1), hash64(std::uint64_t(k)));
     ASSERT_TRUE(at.x >= 0.5f && at.x < 0.75f && at.y >= 0 && at.y < 1);
     ++counts[std::size_t((at.x - 0.5f) * 16) * 2 + std::size_t(at.y * 2)];
   }
@@ -114,9 +114,9 @@ TEST(Cutouts, PointsThatAreMovedOutOfHolesSpreadEvenlyOverWhatIsThere) {
   EXPECT_LT(chi_square, 24.3);  // 7 degrees of freedom, one in a thousand
 }
 
-TEST(Cutouts, WhereNothingIsLeftTheWholePatchStandsForIt) {
+TEST(AlphaMasks, WhereNothingIsLeftTheWholePatchStandsForIt) {
   PatchSet scene = squares({0}).get();
-  test::cut_out(scene, 0, {1, 1, {}, true, {0}}, 1.0f / 1024);
+  test::alpha_masked(scene, 0, {1, 1, {}, true, {0}}, 1.0f / 1024);
   const PatchSampler sampler(scene.primitives[0], scene.patches[0]);
   const Vec2f at = covered_point(scene, scene.patches[0], sampler, {0.5f, 0.5f}, 7);
   EXPECT_TRUE(at.x >= 0 && at.x < 1 && at.y >= 0 && at.y < 1);

@@ -16,7 +16,7 @@ const std::array<Vec3d, 4> kSquareAbove{{{0, 1, 0}, {1, 1, 0}, {1, 1, 1}, {0, 1,
 
 DirectLight light_of(const PatchSet& scene) {
   const RayScene rays(scene);
-  return DirectLight(scene, rays, emitters_apart(scene).at(0));
+  return DirectLight(scene, rays, explicit_emitters(scene).at(0));
 }
 
 /// Mean weight of many samples against the closed form, each sample at the end of its own ray.
@@ -71,11 +71,11 @@ TEST(DirectLight, IsTheSumOfItsPartsHoweverTheHorizonCutsThem) {
   }
   const RayScene rays(builder.get());
   std::vector<DirectLight> lights;
-  for (const Emitter& emitter : emitters_apart(builder.get())) lights.emplace_back(builder.get(), rays, emitter);
+  for (const Emitter& emitter : explicit_emitters(builder.get())) lights.emplace_back(builder.get(), rays, emitter);
   ASSERT_EQ(lights.size(), 1u + kParts * kParts);
   int cut = 0;
   for (std::uint64_t k = 0; k < 2000; ++k) {
-    const auto unit = [&](std::uint64_t axis) { return 2.0 * to_unit(scramble(8 * k + axis)) - 1.0; };
+    const auto unit = [&](std::uint64_t axis) { return 2.0 * uniform01(hash64(8 * k + axis)) - 1.0; };
     const Vec3d point(1.5 * unit(0), 1 - 0.01 * (1 + 60 * (1 + unit(1))), 1.5 * unit(2));
     const Vec3f normal = Vec3f(Vec3d(unit(3), unit(4), unit(5))).normalized();
     double sum = 0;
@@ -192,18 +192,18 @@ TEST(DirectLight, OfASunWithARadiusIsThatOfItsDisk) {
   EXPECT_EQ(light.form_factor({0, 0, 0}, {0.6f, -0.8f, 0}), 0);
 }
 
-TEST(EmittersApart, HoldEveryLightBehindTheSurfaces) {
+TEST(ExplicitEmitters, HoldEveryLightBehindTheSurfaces) {
   PatchScene builder;
   builder.quad(kSquareAbove, 2, 2, {0.5f, 1.0f});
   builder.get().lights.assign(100, light_at({0, 5, 0}));
-  const std::vector<Emitter> emitters = emitters_apart(builder.get());
+  const std::vector<Emitter> emitters = explicit_emitters(builder.get());
   ASSERT_EQ(emitters.size(), 101u);
   EXPECT_EQ(emitters[0].light, -1);
   EXPECT_EQ(emitters[100].light, 99);
   EXPECT_EQ(emitters[100].patches, 0);
 }
 
-TEST(EmittersApart, AreWholeWhereTheyEmitAlikeAndPatchByPatchWhereNot) {
+TEST(ExplicitEmitters, AreWholeWhereTheyEmitAlikeAndPatchByPatchWhereNot) {
   PatchScene builder;
   builder.quad(kSquareAbove, 2, 2, {0.5f, 1.0f});
   builder.quad({{{0, 0, 0}, {0, 0, 1}, {1, 0, 1}, {1, 0, 0}}}, 2, 1, {0.5f, 1.0f});
@@ -211,7 +211,7 @@ TEST(EmittersApart, AreWholeWhereTheyEmitAlikeAndPatchByPatchWhereNot) {
   builder.sphere({5, 5, 5}, -9, 3, 4, {0.5f, 1.0f});
   PatchSet& scene = builder.get();
   scene.patches[5].emission = Color(2.0f);
-  const std::vector<Emitter> emitters = emitters_apart(scene);
+  const std::vector<Emitter> emitters = explicit_emitters(scene);
   ASSERT_EQ(emitters.size(), 4u);
   EXPECT_EQ(emitters[0].patches, 4);
   EXPECT_NEAR(emitters[0].area, 1.0, 1e-6);
@@ -222,14 +222,14 @@ TEST(EmittersApart, AreWholeWhereTheyEmitAlikeAndPatchByPatchWhereNot) {
   EXPECT_EQ(emitters[3].patches, 12);
 }
 
-TEST(EmittersApart, AreTheLargestOfTooMany) {
+TEST(ExplicitEmitters, AreTheLargestOfTooMany) {
   PatchScene builder;
   for (int i = 0; i < 100; ++i) {
     const double size = i == 70 ? 0.5 : 0.1;
     const Vec3d at(i, 0, 0);
     builder.quad({at, at + Vec3d(size, 0, 0), at + Vec3d(size, 0, size), at + Vec3d(0, 0, size)}, 1, 1, {0.5f, 1.0f});
   }
-  const std::vector<Emitter> emitters = emitters_apart(builder.get());
+  const std::vector<Emitter> emitters = explicit_emitters(builder.get());
   EXPECT_EQ(emitters.size(), 64u);
   EXPECT_TRUE(std::any_of(emitters.begin(), emitters.end(), [](const Emitter& e) { return e.primitive == 70; }));
 }
@@ -239,7 +239,7 @@ TEST(DirectLight, TellsTheDensityOfItsSamples) {
   builder.quad({{{0, 0, 2}, {0, 1, 2}, {2, 1, 2}, {1, 0, 2}}}, 1, 1, {0.0f, 1.0f});
   builder.sphere({-3, 0, 1}, 0.5, 2, 4, {0.0f, 1.0f});
   const RayScene rays(builder.get());
-  for (const Emitter& emitter : emitters_apart(builder.get())) {
+  for (const Emitter& emitter : explicit_emitters(builder.get())) {
     const DirectLight light(builder.get(), rays, emitter);
     for (const Vec3d& point : {Vec3d(0.3, 0.2, 0.5), Vec3d(20, 0, -15)}) {
       const DirectLight::View view = light.view(point, Vec3f(0, 0, 1));
@@ -253,7 +253,7 @@ TEST(DirectLight, TellsTheDensityOfItsSamples) {
       EXPECT_GE(light.apparent_size(point), light.form_factor(point, Vec3f(0, 0, 1)) / 4);
     }
   }
-  const DirectLight light(builder.get(), rays, emitters_apart(builder.get())[0]);
+  const DirectLight light(builder.get(), rays, explicit_emitters(builder.get())[0]);
   EXPECT_EQ(light.apparent_size({0, 0, 3}), 0) << "from behind";
 }
 

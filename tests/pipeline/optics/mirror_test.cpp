@@ -64,7 +64,7 @@ TEST(Mirror, LobesAreWhatReflectTakesDirectionsBy) {
   for (const float roughness : {0.3f, 0.8f})
     for (const float mu : {0.95f, 0.3f}) {
       const Vec3f in = incoming(mu);
-      const Finish metal{Color(1.0f), roughness};
+      const MetallicRoughness metal{Color(1.0f), roughness};
       Vec3f tangent, bitangent;
       orthonormal_frame(kNormal, tangent, bitangent);
       // Integrals over the hemisphere, and over a part of it.

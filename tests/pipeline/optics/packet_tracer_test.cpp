@@ -127,13 +127,13 @@ TEST(PacketTracer, LeavesOutLanesWhateverTheyHold) {
     RayPacket shadows = other;
     rays.intersect(clean, true);
     rays.intersect(other, true);
-    std::uint32_t met = 0;
+    std::uint32_t hits = 0;
     for (int lane = 0; lane < RayPacket::kSize; ++lane) {
       EXPECT_EQ(rays.hit(other, lane).primitive, rays.hit(clean, lane).primitive);
       EXPECT_EQ(rays.hit(other, lane).t, rays.hit(clean, lane).t);
-      met |= std::uint32_t(rays.hit(clean, lane).primitive >= 0) << lane;
+      hits |= std::uint32_t(rays.hit(clean, lane).primitive >= 0) << lane;
     }
-    EXPECT_EQ(rays.occluded(shadows), met);
+    EXPECT_EQ(rays.occluded(shadows), hits);
   }
 }
 

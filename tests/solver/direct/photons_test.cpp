@@ -17,15 +17,16 @@ using test::PatchScene;
 std::vector<Color> shoot(const PatchSet& scene, std::int64_t photons, std::uint64_t seed = 1) {
   const RayScene ray_scene(scene);
   std::int64_t cast = 0;
-  return Photons(scene, ray_scene, seed).shoot(emitters_apart(scene).at(0), photons, cast);
+  return Photons(scene, ray_scene, seed).shoot(explicit_emitters(scene).at(0), photons, cast);
 }
 
 /// Irradiance of patches by mirrors for an exitance of 1 of the only emitter, as rows of form factors tell it: green.
-std::vector<double> by_rows(const PatchSet& scene, int rays, std::uint64_t seed) {
+std::vector<double> gathered(const PatchSet& scene, int rays, std::uint64_t seed) {
   const RayScene ray_scene(scene);
   Progress progress({"test", true, ""});
   TransportRows rows;
-  RayRows(scene, ray_scene, scene.patches, Elements(scene), seed, RayRows::Halves::apart).cast(rays, rows, progress);
+  RayRows(scene, ray_scene, scene.patches, Elements(scene), seed, RayRows::SampleSets::separate)
+      .cast(rays, rows, progress);
   std::vector<double> received(scene.patches.size());
   for (const auto& m : rows.mirrored)
     if (scene.patches[m.patch].emission.y > 0) received[m.row] += 0.5 * m.weight.y;
@@ -43,7 +44,7 @@ std::vector<double> by_photons(const PatchSet& scene, std::int64_t photons, std:
 double arrived(const PatchSet& scene, const std::vector<Color>& factors) {
   double power = 0;
   for (std::size_t k = 0; k < factors.size(); ++k) power += 0.5 * factors[k].y * scene.patches[k / 2].area;
-  return power / emitters_apart(scene).at(0).area;
+  return power / explicit_emitters(scene).at(0).area;
 }
 
 /// A room with a small lamp, a mirror, a half-mirror that leans, a ball of rough metal and one that is a mirror.
@@ -84,18 +85,18 @@ TEST(Photons, AgreeWithManyRaysOfRowsPatchByPatch) {
   const PatchSet& scene = builder.get();
   const std::size_t n = scene.patches.size();
   const Means photons(8, n, [&](std::uint64_t seed) { return by_photons(scene, 100'000, seed); });
-  const Means rows(8, n, [&](std::uint64_t seed) { return by_rows(scene, 4096, seed); });
+  const Means rows(8, n, [&](std::uint64_t seed) { return gathered(scene, 4096, seed); });
   int off = 0, lit = 0;
   double squares = 0, difference = 0, all = 0, error = 0;
   for (std::size_t i = 0; i < n; ++i) {
     const double area = scene.patches[i].area;
-    const double apart = photons.mean[i] - rows.mean[i], square = photons.square[i] + rows.square[i];
-    difference += area * apart;
+    const double separate = photons.mean[i] - rows.mean[i], square = photons.square[i] + rows.square[i];
+    difference += area * separate;
     all += area * photons.mean[i];
     error += area * area * square;
     if (rows.mean[i] < 1e-4) continue;  // too few rays to know their spread
-    squares += apart * apart / square;
-    off += apart * apart > 25 * square;
+    squares += separate * separate / square;
+    off += separate * separate > 25 * square;
     ++lit;
   }
   EXPECT_GT(lit, 150);
@@ -120,7 +121,7 @@ TEST(Photons, AreFarLessNoisyThanSixteenTimesAsManyRaysOfRows) {
     return std::sqrt(square / norm);
   };
   constexpr int kRays = 256;
-  const double of_rows = noise(by_rows(scene, kRays, 7)), of_photons = noise(by_photons(scene, n * kRays / 16, 7));
+  const double of_rows = noise(gathered(scene, kRays, 7)), of_photons = noise(by_photons(scene, n * kRays / 16, 7));
   EXPECT_LT(of_photons, 0.2 * of_rows) << of_rows;
 }
 
@@ -164,8 +165,8 @@ TEST(Photons, FindManyPlanesOfANodeAsTheyFindFew) {
     builder.quad({{{-3, 3, -3}, {3, 3, -3}, {3, 3, 3}, {-3, 3, 3}}}, 1, 1, {0.0f, 0.0f});
     return builder;
   };
-  PatchScene apart = bowl(false), together = bowl(true);
-  const double expected = arrived(apart.get(), shoot(apart.get(), 200'000));
+  PatchScene separate = bowl(false), together = bowl(true);
+  const double expected = arrived(separate.get(), shoot(separate.get(), 200'000));
   EXPECT_GT(expected, 0.5);
   EXPECT_NEAR(arrived(together.get(), shoot(together.get(), 200'000)), expected, 0.01 * expected);
 }

@@ -171,7 +171,7 @@ TEST(DisplaySolution, AtTheFootOfACurvedMeshIsNearerToTheTruthThanFacets) {
 }
 
 /// A floor of one square metre, seen from +y, and the sides and top of a block on it from (x0,z0) to (x1,z1).
-float exposed_floor(double x0, double x1, double z0, double z1, std::uint64_t random) {
+float visible_floor(double x0, double x1, double z0, double z1, std::uint64_t random) {
   PatchScene builder;
   builder.quad({{{0, 0, 0}, {0, 0, 1}, {1, 0, 1}, {1, 0, 0}}}, 1, 1, {});
   builder.quad({{{x1, 0, z0}, {x1, 1, z0}, {x1, 1, z1}, {x1, 0, z1}}}, 1, 1, {});
@@ -182,8 +182,8 @@ float exposed_floor(double x0, double x1, double z0, double z1, std::uint64_t ra
   const RayScene ray_scene(builder.get());
   std::int64_t cast = 0;
   for (std::size_t i = 1; i < 6; ++i)
-    EXPECT_EQ(exposed_part(builder.get(), ray_scene, builder.get().patches[i], 1024, random, cast), 1.0f);
-  return exposed_part(builder.get(), ray_scene, builder.get().patches[0], 1024, random, cast);
+    EXPECT_EQ(visible_area_fraction(builder.get(), ray_scene, builder.get().patches[i], 1024, random, cast), 1.0f);
+  return visible_area_fraction(builder.get(), ray_scene, builder.get().patches[0], 1024, random, cast);
 }
 
 TEST(DisplayMesh, LeavesBesideAPanelAskNoVertexAtItsEdge) {
@@ -231,10 +231,10 @@ TEST(Elements, HaveNoHiddenCornersStandForWhatIsExposed) {
 
 TEST(ExposedPart, IsWhatNothingStandsOn) {
   for (std::uint64_t random = 0; random < 8; ++random) {
-    EXPECT_NEAR(exposed_floor(-1, 0.3, 0, 1, random), 0.7, 0.01) << "one border";
-    EXPECT_NEAR(exposed_floor(-1, 0.3, -1, 0.6, random), 1 - 0.3 * 0.6, 0.025) << "a corner";
-    EXPECT_NEAR(exposed_floor(0.3, 0.7, 0.2, 0.7, random), 1 - 0.4 * 0.5, 0.03) << "in the middle";
-    EXPECT_EQ(exposed_floor(1.5, 1.7, 0.2, 0.7, random), 1.0f) << "beside it";
+    EXPECT_NEAR(visible_floor(-1, 0.3, 0, 1, random), 0.7, 0.01) << "one border";
+    EXPECT_NEAR(visible_floor(-1, 0.3, -1, 0.6, random), 1 - 0.3 * 0.6, 0.025) << "a corner";
+    EXPECT_NEAR(visible_floor(0.3, 0.7, 0.2, 0.7, random), 1 - 0.4 * 0.5, 0.03) << "in the middle";
+    EXPECT_EQ(visible_floor(1.5, 1.7, 0.2, 0.7, random), 1.0f) << "beside it";
   }
 }
 

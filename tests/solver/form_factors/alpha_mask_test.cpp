@@ -49,14 +49,14 @@ PatchSet screened(int count) {
   builder.quad({{{0, 0.5, 0}, {0, 0.5, 1}, {1, 0.5, 1}, {1, 0.5, 0}}}, 4, 4, {0.0f});
   builder.quad({{{1, 0.5, 0}, {1, 0.5, 1}, {0, 0.5, 1}, {0, 0.5, 0}}}, 4, 4, {0.0f});
   PatchSet scene = builder.get();
-  for (const int side : {2, 3}) test::cut_out(scene, side, test::checkers(count), 0.5f);
+  for (const int side : {2, 3}) test::alpha_masked(scene, side, test::checkers(count), 0.5f);
   test::make_sides(scene, 2, 3);
   scene.texcoords.assign(4, kOwnTexcoords);
   scene.texcoords[3] = {Vec2f(0, 1), Vec2f(1, 1), Vec2f(1, 0), Vec2f(0, 0)};
   return scene;
 }
 
-TEST(Cutouts, HalfAScreenOfHolesLetsHalfTheLightThrough) {
+TEST(AlphaMasks, HalfAScreenOfHolesLetsHalfTheLightThrough) {
   constexpr double kUnscreened = 0.199824895698387;
   const PatchSet scene = screened(64);
   for (const Method& by : kMethods)
@@ -64,14 +64,14 @@ TEST(Cutouts, HalfAScreenOfHolesLetsHalfTheLightThrough) {
         << by.method << " " << by.form_factors;
 }
 
-TEST(Cutouts, LightGoesThroughEveryHoleToWhereItLeads) {
+TEST(AlphaMasks, LightGoesThroughEveryHoleToWhereItLeads) {
   // A lamp's small square straight above a hole of the screen's that stands on the floor, and one above a square of it.
   PatchScene builder;
   builder.quad({{{0, 0, 0}, {0, 0, 1}, {1, 0, 1}, {1, 0, 0}}}, 2, 2, {0.0f});
   builder.quad({{{0, 1, 0}, {1, 1, 0}, {1, 1, 1}, {0, 1, 1}}}, 1, 1, {0.0f, 1.0f});
   builder.quad({{{0, 1e-3, 0}, {0, 1e-3, 1}, {1, 1e-3, 1}, {1, 1e-3, 0}}}, 1, 1, {0.0f});
   PatchSet scene = builder.get(), open = scene;
-  test::cut_out(scene, 2, test::checkers(2), 0.5f);
+  test::alpha_masked(scene, 2, test::checkers(2), 0.5f);
   std::erase_if(open.patches, [](const Patch& patch) { return patch.primitive == 2; });
   open.primitives.pop_back();
   for (const Method& by : {kMethods[0], kMethods[1]}) {
@@ -91,14 +91,14 @@ PatchSet furnace(float reflectance) {
   builder.quad({{{0, -0.9, -0.9}, {0, 0.9, -0.9}, {0, 0.9, 0.9}, {0, -0.9, 0.9}}}, 4, 4, {reflectance, 1.0f});
   builder.quad({{{0, 0.9, -0.9}, {0, -0.9, -0.9}, {0, -0.9, 0.9}, {0, 0.9, 0.9}}}, 4, 4, {reflectance, 1.0f});
   PatchSet scene = builder.get();
-  for (const int side : {1, 2}) test::cut_out(scene, side, test::checkers(16), 0.5f);
+  for (const int side : {1, 2}) test::alpha_masked(scene, side, test::checkers(16), 0.5f);
   test::make_sides(scene, 1, 2);
   scene.texcoords.assign(3, kOwnTexcoords);
   scene.texcoords[2] = {Vec2f(1, 0), Vec2f(0, 0), Vec2f(0, 1), Vec2f(1, 1)};
   return scene;
 }
 
-TEST(Cutouts, AFurnaceWithAPerforatedBaffleGlowsAllOver) {
+TEST(AlphaMasks, AFurnaceWithAPerforatedBaffleGlowsAllOver) {
   for (const float reflectance : {0.5f, 0.9f}) {
     const PatchSet scene = furnace(reflectance);
     const EnergyField energy = solve_by(scene, kMethods[0], 1e-6);
@@ -116,12 +116,12 @@ TEST(Cutouts, AFurnaceWithAPerforatedBaffleGlowsAllOver) {
   }
 }
 
-TEST(Cutouts, APerforatedLampGivesOffWhatIsThereOfIt) {
+TEST(AlphaMasks, APerforatedLampGivesOffWhatIsThereOfIt) {
   PatchScene builder;
   builder.room(1, 4, {0.0f});
   builder.quad({{{-0.5, 0, -0.5}, {0.5, 0, -0.5}, {0.5, 0, 0.5}, {-0.5, 0, 0.5}}}, 2, 2, {0.0f, 3.0f});
   PatchSet scene = builder.get();
-  test::cut_out(scene, 6, {4, 1, {}, true, {255, 0, 0, 0}}, 1.0f);
+  test::alpha_masked(scene, 6, {4, 1, {}, true, {255, 0, 0, 0}}, 1.0f);
   for (Patch& patch : scene.patches)
     if (patch.primitive == 6) patch.coverage = patch.u0 == 0 ? 0.5f : 1.0f / 1024;
   for (const Method& by : kMethods) {
@@ -132,14 +132,14 @@ TEST(Cutouts, APerforatedLampGivesOffWhatIsThereOfIt) {
   }
 }
 
-TEST(Cutouts, LightIsReflectedByWhatIsThereAlone) {
+TEST(AlphaMasks, LightIsReflectedByWhatIsThereAlone) {
   // Under a lamp that fills the sky a white square, half of it cut out, sends to a black ceiling what half of it would.
   const auto sent = [](bool cut, const Method& by) {
     PatchScene builder;
     builder.quad({{{0, 0, 0}, {0, 0, 1}, {1, 0, 1}, {1, 0, 0}}}, 4, 4, {0.8f});
     builder.quad({{{0, 1, 0}, {1, 1, 0}, {1, 1, 1}, {0, 1, 1}}}, 4, 4, {0.0f, 1.0f});
     PatchSet scene = builder.get();
-    if (cut) test::cut_out(scene, 0, test::checkers(32), 0.5f);
+    if (cut) test::alpha_masked(scene, 0, test::checkers(32), 0.5f);
     return received(scene, solve_by(scene, by), 1);
   };
   for (const Method& by : kMethods)

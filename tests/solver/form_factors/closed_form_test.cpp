@@ -90,7 +90,7 @@ TEST(ClosedForm, AMirrorIsAWindowToTheVirtualImage) {
   image.quad({{{-1, 1, -2}, {1, 1, -2}, {1, 2, -2}, {-1, 2, -2}}}, 1, 1, {0.0f, 3.0f});
   const PatchSet& scene = builder.get();
   const RayScene rays(image.get());
-  const DirectLight virtual_lamp(image.get(), rays, emitters_apart(image.get()).at(0));
+  const DirectLight virtual_lamp(image.get(), rays, explicit_emitters(image.get()).at(0));
   double exact = 0, seen = 0;
   SolveConfig config;
   config.rays = 1 << 16;

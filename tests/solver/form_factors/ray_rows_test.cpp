@@ -16,7 +16,7 @@ Transport cast(const PatchSet& scene, int rays) {
   const RayScene ray_scene(scene);
   Progress progress({"test", true, ""});
   Transport transport;
-  RayRows(scene, ray_scene, scene.patches, Elements(scene), 1, RayRows::Halves::apart, true)
+  RayRows(scene, ray_scene, scene.patches, Elements(scene), 1, RayRows::SampleSets::separate, true)
       .cast(rays, transport, progress);
   return transport;
 }
@@ -24,9 +24,9 @@ Transport cast(const PatchSet& scene, int rays) {
 /// From the patches from `first` on, of equal areas, to those from `to` on.
 double form_factor(const Transport& transport, int first, int rows, int to, int patches) {
   double sum = 0;
-  for (int half = 2 * first; half < 2 * (first + rows); ++half)
-    for (std::uint64_t k = transport.starts[half]; k < transport.starts[half + 1]; ++k)
-      if (transport.ends[k] >= to && transport.ends[k] < to + patches) sum += transport.shares[half];
+  for (int sample_set = 2 * first; sample_set < 2 * (first + rows); ++sample_set)
+    for (std::uint64_t k = transport.starts[sample_set]; k < transport.starts[sample_set + 1]; ++k)
+      if (transport.columns[k] >= to && transport.columns[k] < to + patches) sum += transport.hit_weights[sample_set];
   return sum / (2 * rows);
 }
 
@@ -72,7 +72,7 @@ TEST(RayRows, GoOnWhereMostRaysMeetNothing) {
   builder.quad({{{0, 0, 0}, {0, 0, 1}, {1, 0, 1}, {1, 0, 0}}}, 1, 1, {});
   builder.quad({{{0, 3, 0}, {1, 3, 0}, {1, 3, 1}, {0, 3, 1}}}, 1, 1, {});
   const Transport transport = cast(builder.get(), 1 << 12);
-  EXPECT_EQ(transport.shares[0], 1.0f / (8 << 11)) << "up to eight times as many";
+  EXPECT_EQ(transport.hit_weights[0], 1.0f / (8 << 11)) << "up to eight times as many";
   EXPECT_NEAR(form_factor(transport, 0, 1, 1, 1), 0.032971, 3e-4);  // Howell 2010, C-11
 }
 
@@ -86,8 +86,8 @@ TEST(RayRows, AreOfTheExposedPartOfAPatch) {
   builder.quad({{{-1, 0, 0}, {-1, 1, 0}, {x, 1, 0}, {x, 0, 0}}}, 1, 1, {});
   builder.quad({{{-1, 0, 0}, {-1, 0, 1}, {-1, 1, 1}, {-1, 1, 0}}}, 1, 1, {});
   const Transport transport = cast(builder.get(), 1 << 13);
-  ASSERT_EQ(transport.exposed.size(), 2 * builder.get().patches.size());
-  EXPECT_NEAR(transport.exposed[0], 1 - x, 0.01);
+  ASSERT_EQ(transport.visible_fractions.size(), 2 * builder.get().patches.size());
+  EXPECT_NEAR(transport.visible_fractions[0], 1 - x, 0.01);
   EXPECT_NEAR(form_factor(transport, 0, 1, 1, 1), 0.24842, 0.004) << "rectangles that share an edge: Howell 2010, C-14";
 }
 
@@ -134,11 +134,11 @@ PatchScene before_mirror(const Color& specular, float roughness) {
 TEST(RayRows, GoOnThroughMirrorsByWhatTheyReflect) {
   PatchScene builder = before_mirror(Color(0.8f, 0.4f, 0.0f), 0.0f);
   const Transport transport = cast(builder.get(), 4096);
-  const double meets = form_factor(transport, 4, 1, 6, 1);  // the wall at -z sees the mirror
-  EXPECT_GT(meets, 0.05);
+  const double hits = form_factor(transport, 4, 1, 6, 1);  // the wall at -z sees the mirror
+  EXPECT_GT(hits, 0.05);
   const Vec3d by_mirror = mirrored(transport, 4);
-  EXPECT_NEAR(by_mirror.x, 0.8 * meets, 0.01 * meets);
-  EXPECT_NEAR(by_mirror.y, 0.4 * meets, 0.01 * meets);
+  EXPECT_NEAR(by_mirror.x, 0.8 * hits, 0.01 * hits);
+  EXPECT_NEAR(by_mirror.y, 0.4 * hits, 0.01 * hits);
   EXPECT_EQ(by_mirror.z, 0);
 }
 
@@ -146,9 +146,9 @@ TEST(RayRows, RoughMetalsSendOnNoMoreThanTheyGet) {
   for (const float roughness : {0.1f, 0.5f, 1.0f}) {
     PatchScene builder = before_mirror(Color(1.0f), roughness);
     const Transport transport = cast(builder.get(), 4096);
-    const double meets = form_factor(transport, 4, 1, 6, 1);
-    EXPECT_LE(mirrored(transport, 4).x, 1.01 * meets) << roughness;
-    EXPECT_GT(mirrored(transport, 4).x, 0.25 * meets) << roughness;
+    const double hits = form_factor(transport, 4, 1, 6, 1);
+    EXPECT_LE(mirrored(transport, 4).x, 1.01 * hits) << roughness;
+    EXPECT_GT(mirrored(transport, 4).x, 0.25 * hits) << roughness;
   }
 }
 
@@ -157,7 +157,7 @@ TEST(RayRows, EndBetweenMirrorsThatFaceEachOther) {
   builder.get().materials[0] = {"mirror", Color(1.0f), 0.0f};
   builder.room(1, 2, {0.0f, 0.0f});
   const Transport transport = cast(builder.get(), 64);
-  EXPECT_EQ(transport.ends.size(), 24u * 64);
+  EXPECT_EQ(transport.columns.size(), 24u * 64);
 }
 
 }  // namespace

@@ -18,14 +18,14 @@ Transport random_rows(double share, bool weighted) {
   Transport rows;
   rows.starts.push_back(0);
   rows.rays = weighted ? 0 : 32;
-  if (!weighted) rows.shares.assign(2 * kPatches, 1.0f / 16);
-  for (int half = 0; half < 2 * kPatches; ++half) {
+  if (!weighted) rows.hit_weights.assign(2 * kPatches, 1.0f / 16);
+  for (int sample_set = 0; sample_set < 2 * kPatches; ++sample_set) {
     for (int k = 0; k < 16; ++k) {
       if (unit(random) >= share) continue;
-      rows.ends.push_back(patch(random));
+      rows.columns.push_back(patch(random));
       if (weighted) rows.weights.push_back(unit(random) / 16);
     }
-    rows.starts.push_back(rows.ends.size());
+    rows.starts.push_back(rows.columns.size());
   }
   return rows;
 }
@@ -156,8 +156,8 @@ TEST(FormFactorRows, InSinglePrecisionLoseItsDigitsAlone) {
 TEST(FormFactorRows, TellHowFarTheirHalvesAreApart) {
   Transport transport;
   transport.starts = {0, 2, 3};
-  transport.ends = {0, 1, 0};
-  transport.shares = {0.5f, 1.0f};
+  transport.columns = {0, 1, 0};
+  transport.hit_weights = {0.5f, 1.0f};
   transport.rays = 4;
   transport.mirrored = {{0, 1, 0, Color(0.5f, 0.25f, 0.0f)}};
   const FormFactorRows rows(transport);

@@ -147,7 +147,7 @@ TEST(MatrixSolver, GivesTheSameBitsForAnyNumberOfThreads) {
     all.push_back(solve_quietly(builder.get(), 100));
   }
   for (const Solved& solved : all) {
-    EXPECT_EQ(solved.transport.ends, all[0].transport.ends);
+    EXPECT_EQ(solved.transport.columns, all[0].transport.columns);
     EXPECT_EQ(solved.energy.groups[0].direct, all[0].energy.groups[0].direct);
     EXPECT_EQ(solved.energy.groups[0].indirect, all[0].energy.groups[0].indirect);
     EXPECT_EQ(solved.energy.estimate->error, all[0].energy.estimate->error);

@@ -49,14 +49,14 @@ class TransportShards : public ::testing::Test {
 
   static void expect_equal(const TransportRows& a, const TransportRows& b) {
     EXPECT_EQ(a.starts, b.starts);
-    EXPECT_EQ(a.ends, b.ends);
-    EXPECT_EQ(a.shares, b.shares);
-    EXPECT_EQ(a.exposed, b.exposed);
+    EXPECT_EQ(a.columns, b.columns);
+    EXPECT_EQ(a.hit_weights, b.hit_weights);
+    EXPECT_EQ(a.visible_fractions, b.visible_fractions);
     EXPECT_EQ(a.rays, b.rays);
     ASSERT_EQ(a.mirrored.size(), b.mirrored.size());
     for (std::size_t k = 0; k < a.mirrored.size(); ++k) {
       EXPECT_EQ(a.mirrored[k].row, b.mirrored[k].row);
-      EXPECT_EQ(a.mirrored[k].half, b.mirrored[k].half);
+      EXPECT_EQ(a.mirrored[k].sample_set, b.mirrored[k].sample_set);
       EXPECT_EQ(a.mirrored[k].patch, b.mirrored[k].patch);
       EXPECT_EQ(a.mirrored[k].weight, b.mirrored[k].weight);
     }
@@ -73,7 +73,7 @@ TEST_F(TransportShards, MakeTheRowsAndTheSolutionOfOneSolve) {
   Transport whole;
   const EnergyField alone = solve(scene_, job_.solve, whole, progress_);
   ASSERT_FALSE(whole.mirrored.empty());
-  ASSERT_FALSE(whole.exposed.empty());
+  ASSERT_FALSE(whole.visible_fractions.empty());
   ASSERT_GT(whole.display->mesh.gathered, 10);
   for (const int count : {1, 3, 7}) {
     SCOPED_TRACE(count);
@@ -123,9 +123,9 @@ TEST_F(TransportShards, AreRefusedWhereOneIsMissingOrOfSomethingElse) {
   rows.key = transport_shard_key(job_, scene_, {2, 3});
   TransportShard fewer = rows;
   fewer.rows.starts = {0};
-  fewer.rows.ends.clear();
-  fewer.rows.shares.clear();
-  fewer.rows.exposed.clear();
+  fewer.rows.columns.clear();
+  fewer.rows.hit_weights.clear();
+  fewer.rows.visible_fractions.clear();
   fewer.rows.mirrored.clear();
   write_transport_shard(transport_shard_file(job_, {2, 3}), fewer);
   EXPECT_ERROR(merge(3), ExitCode::bad_data, "that has other rows than it should");

@@ -39,7 +39,7 @@ TEST(FinalGather, IsExactInsideASphereWhoseLightComesByRows) {
   PatchScene builder;
   builder.sphere({0, 0, 0}, -1, 4, 8, {0.5f, 2.0f});
   Solved solved = gathered(builder, 2.0f, 2.0f);
-  solved.energy.groups[0].direct_by_rows = solved.energy.groups[0].direct;
+  solved.energy.groups[0].gathered_direct = solved.energy.groups[0].direct;
   const Image image = solved.render();
   for (std::size_t p = 0; p < image.pixels.size(); ++p) {
     EXPECT_NEAR(image.pixels[p].y * kPi, 4, 1e-4);
@@ -75,7 +75,7 @@ TEST(FinalGather, MeetsEmittersByWayOfMirrorsOnceAndByTheirReflectance) {
   solved.job.trace.gather_rays = 1 << 16;
   const Image image = solved.render();
   const RayScene rays(mirrored.get());
-  const DirectLight lamp(mirrored.get(), rays, emitters_apart(mirrored.get()).at(0));
+  const DirectLight lamp(mirrored.get(), rays, explicit_emitters(mirrored.get()).at(0));
   const double irradiance = 5 * lamp.form_factor({0, 0, 2}, {0, 0, -1});
   ASSERT_GT(irradiance, 0.1);
   const Color is = colors(image, 1)[0];

@@ -65,10 +65,10 @@ TEST(Integrator, FindsDirectLightAtThePixelAndInMirrors) {
   solved.job.trace.resolution = {1, 1};
   solved.camera.vertical = 1e-3;  // it sees itself in the mirror, and the wall behind
   const RayScene rays(solved.scene);
-  const DirectLight lamp(solved.scene, rays, emitters_apart(solved.scene).at(0));
+  const DirectLight lamp(solved.scene, rays, explicit_emitters(solved.scene).at(0));
   const double irradiance = 1 + 5 * lamp.form_factor({0, 0, 2}, {0, 0, -1});
   EXPECT_NEAR(solved.render().pixels[0].y, 0.5 * 0.8 * irradiance / kPi, 1e-4);
-  solved.energy.groups[0].direct_by_rows.assign(solved.scene.patches.size(), Color(0.25f));
+  solved.energy.groups[0].gathered_direct.assign(solved.scene.patches.size(), Color(0.25f));
   EXPECT_NEAR(solved.render().pixels[0].y, 0.5 * 0.8 * (irradiance + 0.25) / kPi, 1e-4);
 }
 

@@ -167,7 +167,7 @@ TEST(SkyInFrames, AFurnaceIsEvenWhenGathered) {
   Environment sky;
   sky.texels = sky.cells = {Color(1.0f)};
   solved.scene.environment = sky;
-  solved.energy.groups[0].direct_by_rows = solved.energy.groups[0].direct;
+  solved.energy.groups[0].gathered_direct = solved.energy.groups[0].direct;
   for (const char* quality : {"patches", "direct", "gather"}) {
     solved.job.trace.quality = quality;
     for (const Color& pixel : solved.render().pixels) EXPECT_NEAR(pixel.y, 1, 1e-3) << quality;

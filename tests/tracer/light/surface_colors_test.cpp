@@ -56,7 +56,7 @@ TEST(SurfaceColors, ShowsWhatStandsBehindHolesAtThePixel) {
   PatchScene builder = wall_scene({"wall", {}, {}});
   builder.get().primitives[0].shader = -1;
   builder.quad({{{-3, -3, -2}, {3, -3, -2}, {3, 3, -2}, {-3, 3, -2}}}, 1, 1, {0.0f, 3 * float(kPi)});
-  test::cut_out(builder.get(), 0, {4, 1, {}, true, {255, 0, 0, 255}}, 0.5f);
+  test::alpha_masked(builder.get(), 0, {4, 1, {}, true, {255, 0, 0, 255}}, 0.5f);
   const Image image = before_wall(builder).render();
   for (int x = 0; x < 8; ++x) EXPECT_NEAR(image.pixels[std::size_t(x)].x, x < 2 || x > 5 ? 1 + 0.5 : 3, 1e-5) << x;
 }
@@ -80,13 +80,13 @@ TEST(SurfaceColors, FinishTexturesAreMirrorsWhereTheySaySo) {
   PatchScene builder = wall_scene({"wall", {}, {}});
   PatchSet& scene = builder.get();
   scene.primitives[0].shader = -1;
-  scene.primitives[0].finish_texture = 0;
+  scene.primitives[0].metallic_roughness_texture = 0;
   scene.primitives[0].light_group = -1;
   scene.patches[0].emission = Color(0.0f);
   scene.materials[0] = {"plate", Color(0.4f), 0.25f, Color(0.0f)};
   scene.materials[0].metal = Color(0.8f);
   scene.textures = {{2, 1, {}, true, {0x0000ff, 0x000000}}};  // a mirror, and no metal
-  scene.finish_texcoords = {kOwnTexcoords};
+  scene.metallic_roughness_texcoords = {kOwnTexcoords};
   builder.quad({{{-9, -9, 1}, {-9, 9, 1}, {9, 9, 1}, {9, -9, 1}}}, 1, 1, {0.0f, 5 * float(kPi)});  // behind the camera
   const Image image = before_wall(builder).render();
   for (int x = 0; x < 8; ++x) EXPECT_NEAR(image.pixels[std::size_t(x)].x, x < 4 ? 0.8 * 5 : 0.8, 1e-4) << x;

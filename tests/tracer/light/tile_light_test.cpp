@@ -74,7 +74,7 @@ struct Ground {
 TEST(TileLight, OfALampThatNothingHidesIsItsClosedForm) {
   Ground ground(0.5);
   const RayScene rays(ground.builder.get());
-  const DirectLight lamp(ground.builder.get(), rays, emitters_apart(ground.builder.get()).at(0));
+  const DirectLight lamp(ground.builder.get(), rays, explicit_emitters(ground.builder.get()).at(0));
   const std::vector<Color> pixels = ground.light(1);
   for (int p = 0; p < kWidth; ++p) {
     double exact = 0;
@@ -88,7 +88,7 @@ TEST(TileLight, InPenumbraeIsRightInTheMean) {
   Ground ground(1.5);
   ground.builder.quad({{{0, 1, -2}, {0, 1, 2}, {4, 1, 2}, {4, 1, -2}}}, 1, 1, {0.0f, 0.0f});
   const RayScene rays(ground.builder.get());
-  const DirectLight lamp(ground.builder.get(), rays, emitters_apart(ground.builder.get()).at(0));
+  const DirectLight lamp(ground.builder.get(), rays, explicit_emitters(ground.builder.get()).at(0));
   const std::vector<Ground::Lamp> lamps{{{-0.5, 2, -0.5}, 1, 3}};
   constexpr int kPlaces = 200;
   std::vector<double> mean(kWidth, 0.0);

@@ -41,7 +41,7 @@ Solved lit_room() {
       group.indirect[i] = Color(float(std::max(0.0, g == 0 ? at.x : -at.x)), 0.3f, float(std::max(0.0, at.y)));
       group.direct[i] = Color(float(std::max(0.0, at.z)), 0.2f, 0.1f);
     }
-    group.direct_by_rows.assign(solved.scene.patches.size(), Color(g == 0 ? 0.1f : 0.0f));
+    group.gathered_direct.assign(solved.scene.patches.size(), Color(g == 0 ? 0.1f : 0.0f));
   }
   solved.camera.to_world.translate(Vec3d(0, 0, 0.95));
   solved.camera.vertical = 2.0;
@@ -134,7 +134,7 @@ TEST(Layers, TellPatchDepthPlaceAndNormalExactly) {
   const auto& patch = values<std::uint32_t>(image, "patch");
   const auto& depth = values<float>(image, "depth");
   const auto& position = colors(image, "position");
-  std::set<std::uint32_t> met;
+  std::set<std::uint32_t> patches_seen;
   for (std::size_t p = 0; p < image.pixels.size(); ++p) {
     EXPECT_EQ(patch[p], std::uint32_t((position[p].x + 1) / 2 * 4));
     EXPECT_NEAR(depth[p], 2 + position[p].x, 1e-5);
@@ -143,9 +143,9 @@ TEST(Layers, TellPatchDepthPlaceAndNormalExactly) {
     EXPECT_NEAR(colors(image, "normal")[p].x, std::sqrt(0.5), 1e-6);
     EXPECT_NEAR(colors(image, "normal")[p].z, std::sqrt(0.5), 1e-6);
     EXPECT_EQ(colors(image, "albedo")[p], Color(0.5f));
-    met.insert(patch[p]);
+    patches_seen.insert(patch[p]);
   }
-  EXPECT_GE(met.size(), 3u);
+  EXPECT_GE(patches_seen.size(), 3u);
 }
 
 TEST(Layers, DoNotMixPlacesWhereAPixelSeesTwo) {

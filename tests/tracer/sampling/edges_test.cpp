@@ -114,7 +114,7 @@ TEST(Edges, AnEvenImageIsExactAtFewSamples) {
   solved.job.trace.resolution = {40, 40};
   solved.camera.vertical = 1.0;
   const RayScene ray_scene(solved.scene);
-  const DirectLight lamp(solved.scene, ray_scene, emitters_apart(solved.scene).at(0));
+  const DirectLight lamp(solved.scene, ray_scene, explicit_emitters(solved.scene).at(0));
   const Image image = solved.render();
   const CameraRays rays(solved.camera, 40, 40);
   for (int k = 0; k < 40 * 40; ++k) {

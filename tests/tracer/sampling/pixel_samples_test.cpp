@@ -13,7 +13,7 @@ TEST(PixelSamples, AreStratifiedInSquaresAndAlongBothAxesAtEachPowerOfFour) {
       const int count = side * side;
       std::set<int> columns, rows, squares;
       for (int k = 0; k < count; ++k) {
-        const Vec2f at = pixel_sample(std::uint32_t(k), scramble(pixel));
+        const Vec2f at = pixel_sample(std::uint32_t(k), hash64(pixel));
         ASSERT_TRUE(at.x >= 0 && at.x < 1 && at.y >= 0 && at.y < 1);
         columns.insert(int(at.x * float(count)));
         rows.insert(int(at.y * float(count)));
@@ -29,7 +29,7 @@ TEST(PixelSamples, AreEvenOverPixels) {
   double x = 0, y = 0, product = 0;
   constexpr int kPixels = 20000;
   for (std::uint64_t pixel = 0; pixel < kPixels; ++pixel) {
-    const Vec2f at = pixel_sample(0, scramble(pixel));
+    const Vec2f at = pixel_sample(0, hash64(pixel));
     x += at.x / kPixels;
     y += at.y / kPixels;
     product += (at.x - 0.5) * (at.y - 0.5) / kPixels;
