@@ -22,7 +22,7 @@ std::string summary(const Measurement& m) {
   return text;
 }
 
-/// A finer sweep than the reference's own patches would be blamed for being right.
+/// If the reference has coarser patches than the sweep, a finer variant would count as wrong.
 void warn_of_coarse_reference(const Job& job, Progress& progress) {
   const BenchConfig& bench = job.bench;
   if (bench.radiance || !bench.reference.empty() || bench.reference_settings.contains("import.patch_area")) return;
@@ -34,7 +34,7 @@ void warn_of_coarse_reference(const Job& job, Progress& progress) {
             "bench.reference_settings a finer one");
 }
 
-/// Refuses a sweep of frames that do not average to the reference's shape, or it to theirs.
+/// Refuses a sweep whose frames cannot be averaged down to the size of the reference, or the reference to theirs.
 void check_sizes(const Job& job, const CommonOptions& common, const std::vector<Variant>& variants,
                  const Image& reference) {
   for (const Variant& variant : variants) {
@@ -83,7 +83,7 @@ int bench_job(const BenchCommand& command, Progress& progress) {
   }
   draw_comparison(job, reference, measurements);
   plot_errors(job, measurements);
-  progress.note("results stand in " + bench_folder(job).string());
+  progress.note("results are in " + bench_folder(job).string());
   return first_failure;
 }
 

@@ -11,8 +11,8 @@ namespace patchlight {
 
 namespace {
 
-constexpr std::size_t kMostRows = 12;
-constexpr int kWidest = 400, kNarrowest = 192;  // of a tile, pixels
+constexpr std::size_t kMaxRows = 12;
+constexpr int kMaxTileWidth = 400, kMinTileWidth = 192;  // pixels
 constexpr int kMargin = 20, kGap = 10, kLine = 26, kHeader = 64;
 const Color kPaper(0.13f), kInk(0.88f), kFaint(0.6f);
 
@@ -37,7 +37,7 @@ double luminance(const Color& c) {
   return 0.2126 * double(c.x) + 0.7152 * double(c.y) + 0.0722 * double(c.z);
 }
 
-/// Signed error of luminance over the reference's, each pixel; a hundredth of the mean keeps black from dividing.
+/// Signed relative error of luminance for each pixel; a hundredth of the mean is added to the divisor, against black.
 std::vector<double> relative_error(const Image& frame, const Image& reference) {
   double mean = 0;
   for (const Color& c : reference.pixels) mean += luminance(c) / double(reference.pixels.size());
@@ -49,7 +49,7 @@ std::vector<double> relative_error(const Image& frame, const Image& reference) {
   return error;
 }
 
-/// Frame and reference of one row, in one size that fits a tile, and what to write over them.
+/// Frame and reference of one row, scaled to the tile size, and their caption.
 struct Row {
   Image frame;
   Image reference;
@@ -57,10 +57,10 @@ struct Row {
   std::string label;
 };
 
-/// The least factor by which both sides divide and the picture fits.
+/// The smallest factor that divides both sides and makes the picture fit the tile.
 int reduction(const Image& image) {
   for (int k = 1; k <= image.width; ++k)
-    if (image.width % k == 0 && image.height % k == 0 && image.width / k <= kWidest) return k;
+    if (image.width % k == 0 && image.height % k == 0 && image.width / k <= kMaxTileWidth) return k;
   return 1;
 }
 
@@ -80,7 +80,7 @@ Row make_row(const Measurement& m, const Reference& reference) {
   return row;
 }
 
-/// The range of colours: 95% of all pixels lie within it; 1, 2 or 5 of a decade.
+/// The colour range: contains 95% of all pixels, rounded up to 1, 2 or 5 times a power of ten.
 double error_range(const std::vector<Row>& rows) {
   std::vector<double> all;
   for (const Row& row : rows)
@@ -125,7 +125,7 @@ void draw_scale(Image& sheet, int left, int width, double range) {
   draw_text(sheet, left + width - text_width(high, 13), base, high, 13, kFaint);
 }
 
-/// All that finished, or if they are many, those on the Pareto front.
+/// All finished measurements; if there are more than kMaxRows, those on the Pareto front.
 std::vector<const Measurement*> chosen(const std::vector<Measurement>& measurements) {
   const std::vector<bool> pareto = on_pareto_front(measurements);
   std::vector<const Measurement*> all, front;
@@ -133,8 +133,8 @@ std::vector<const Measurement*> chosen(const std::vector<Measurement>& measureme
     if (measurements[i].exit_code == 0) all.push_back(&measurements[i]);
     if (pareto[i]) front.push_back(&measurements[i]);
   }
-  if (all.size() > kMostRows) all = front;
-  all.resize(std::min(all.size(), kMostRows));
+  if (all.size() > kMaxRows) all = front;
+  all.resize(std::min(all.size(), kMaxRows));
   return all;
 }
 
@@ -145,7 +145,7 @@ void draw_comparison(const Job& job, const Reference& reference, const std::vect
   for (const Measurement* m : chosen(measurements)) rows.push_back(make_row(*m, reference));
   if (rows.empty()) return;
   int widest = 0, height = kHeader + kMargin;
-  const auto scale_of = [](const Row& row) { return std::max(1, kNarrowest / row.frame.width); };
+  const auto scale_of = [](const Row& row) { return std::max(1, kMinTileWidth / row.frame.width); };
   for (const Row& row : rows) {
     widest = std::max(widest, row.frame.width * scale_of(row));
     height += kLine + row.frame.height * scale_of(row) + kGap;

@@ -28,13 +28,13 @@ struct Point {
   std::string label;
 };
 
-/// Points that one line joins: those of a grid that differ in its longest axis alone.
+/// Points joined by one line: those of a grid that differ only in its longest axis.
 struct Series {
   std::string title;
   std::vector<Point> points;
 };
 
-/// The axis of a grid that a line follows: the one of most values.
+/// The axis of a grid that a line follows: the axis with the most values.
 std::size_t running_axis(const SweepGrid& grid) {
   const auto longest = std::max_element(grid.begin(), grid.end(), [](const SweepAxis& a, const SweepAxis& b) {
     return a.values.size() < b.values.size();
@@ -61,7 +61,7 @@ std::vector<Series> series_of(const std::vector<SweepGrid>& sweep, const std::ve
   return series;
 }
 
-/// Text as gnuplot takes it between double quotes, without enhanced markup.
+/// Text escaped for double quotes in gnuplot, without enhanced markup.
 std::string quoted(const std::string& text) {
   std::string result = "\"";
   for (const char c : text)
@@ -72,7 +72,7 @@ std::string quoted(const std::string& text) {
   return result + "\"";
 }
 
-/// What a logarithmic axis shows.
+/// Range of a logarithmic axis.
 struct Range {
   double low = 0;
   double high = 0;
@@ -86,8 +86,7 @@ Range range_of(const std::vector<Point>& points, double Point::*value) {
   return {(*least).*value / 1.35, (*most).*value * 1.6};
 }
 
-/// `set` commands for an axis with numbers at 1, 2 and 5 of each decade; at the decades of a long one, and between
-/// them on a short one.
+/// `set` commands for an axis with tics at 1, 2 and 5 of each decade; fewer for a long axis, more for a short one.
 std::string axis_commands(char axis, const Range& range) {
   const double span = range.high / range.low;
   const std::vector<double> steps = span > 2e3 ? std::vector<double>{1}
@@ -103,15 +102,15 @@ std::string axis_commands(char axis, const Range& range) {
   return fmt::format("set {0}range [{1:.6g}:{2:.6g}]\nset {0}tics ({3})\n", axis, range.low, range.high, ticks);
 }
 
-/// Places labels beside their points, where they touch neither other points nor other labels; what finds no place
-/// stays without one. All in pixels of the plot, roughly.
+/// Places labels beside their points so that they overlap neither points nor labels; a point without room gets no
+/// label. Units: approximate pixels of the plot.
 class LabelPlacer {
  public:
   LabelPlacer(const std::vector<Point>& points, const Range& x, const Range& y) : x_(x), y_(y) {
     for (const Point& p : points) taken_.push_back({px(p) - 4, px(p) + 4, py(p) - 4, py(p) + 4});
   }
 
-  /// The label's command; empty if there is no place.
+  /// The gnuplot command of a label; empty if there is no room.
   std::string place(const Point& point, const char* color) {
     const double width = 7.0 * double(point.label.size()), height = 12, away = 7;
     for (const double side : {1.0, -1.0})
@@ -154,7 +153,7 @@ std::string script(const Job& job, const std::vector<Series>& series) {
   for (const Point& p : all) points.push_back({p.seconds, p.percent});
   for (const std::size_t i : pareto_front(points)) front.push_back(all[i]);
 
-  const std::size_t height = 600 + 22 * (series.size() + 1);  // the key stands below
+  const std::size_t height = 600 + 22 * (series.size() + 1);  // the legend is below
   std::string text =
       "# Made by patchlight bench. Draw it again, in this folder: gnuplot error_against_seconds.gnuplot\n";
   text += fmt::format("set terminal pngcairo size 900,{} noenhanced font \"DejaVu Sans,11\" background \"#ffffff\"\n",

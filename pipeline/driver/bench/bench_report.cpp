@@ -40,7 +40,7 @@ Json number(double value) {
   return std::isfinite(value) ? Json(value) : Json(nullptr);
 }
 
-/// Swept values are YAML; those that are JSON too become numbers, flags or lists.
+/// Swept values are YAML; values that are also JSON become numbers, booleans or lists.
 Json setting(const std::string& value) {
   const Json parsed = Json::parse(value, nullptr, false);
   return parsed.is_discarded() ? Json(value) : parsed;
@@ -85,7 +85,7 @@ std::string cell(double value) {
   return std::isfinite(value) ? fmt::format("{:.6g}", value) : "";
 }
 
-/// The keys that any grid sweeps, in the order of their first appearance.
+/// All swept keys, in order of first appearance.
 std::vector<std::string> swept_keys(const Job& job) {
   std::vector<std::string> keys;
   for (const SweepGrid& grid : job.bench.sweep)

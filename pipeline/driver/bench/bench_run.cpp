@@ -27,7 +27,7 @@ std::size_t stage_of(const std::string& key) {
   return section == "solve" ? 1 : 2;
 }
 
-/// Restricts a job whose patches stand in `folder` to the frame that is compared: the first of the one camera.
+/// Restricts a job, whose patches.h5 is in `folder`, to the compared frame: the first frame of one camera.
 void restrict_to_frame(const Job& job, const std::string& job_file, std::vector<std::string>& sets,
                        const fs::path& folder) {
   std::string camera = job.bench.camera;
@@ -38,12 +38,12 @@ void restrict_to_frame(const Job& job, const std::string& job_file, std::vector<
   sets.push_back(fmt::format("trace.frames={}", frame_numbers(variant.trace.frames).front()));
 }
 
-/// Runs a stage `repeats` times from the same inputs. Returns the run of median CPU seconds, or the first that failed.
+/// Runs a stage `repeats` times from the same inputs. Returns the run of median CPU seconds, or the first failed run.
 ProgramRun measure(const std::string& stage, const Job& job, const CommonOptions& options) {
   std::vector<ProgramRun> runs;
   for (int i = 0; i < job.bench.repeats; ++i) {
     Progress::check_interrupted();
-    if (stage == "solve")  // which may reuse what an earlier repeat left
+    if (stage == "solve")  // the solver would reuse the output of an earlier repeat
       for (const char* file : {"energy.h5", "transport.h5"}) fs::remove(fs::path(options.output) / file);
     runs.push_back(run_stage_program(stage, stage_arguments(job.file.string(), options)));
     if (runs.back().exit_code != 0) return runs.back();
@@ -63,7 +63,7 @@ void link_file(const fs::path& from, const fs::path& to) {
 
 void stop_if_interrupted(int exit_code) {
   if (exit_code == int(ExitCode::interrupted))
-    throw Error(ExitCode::interrupted, "interrupted", "", "what was measured stands in the bench's folder");
+    throw Error(ExitCode::interrupted, "interrupted", "", "finished measurements are in the bench folder");
 }
 
 }  // namespace
@@ -110,10 +110,9 @@ Reference bench_reference(const Job& job, const CommonOptions& common, Progress&
   const auto check = [](int exit_code) {
     stop_if_interrupted(exit_code);
     if (exit_code != 0)
-      throw Error(ExitCode(exit_code), "the reference could not be made", "bench.reference_settings",
-                  "see the message above");
+      throw Error(ExitCode(exit_code), "the reference run failed", "bench.reference_settings", "see the message above");
   };
-  // The camera's name may have to come from the scene; what this imports, run_job finds up to date.
+  // The camera name may come from the scene; run_job() finds this import fresh.
   check(run_stage_program("import", stage_arguments(run.job_file, run.common)).exit_code);
   restrict_to_frame(job, run.job_file, run.common.sets, run.common.output);
   check(run_job(run, progress));
@@ -150,7 +149,7 @@ void VariantRunner::run_stages(Measurement& result, const fs::path& folder) {
     std::string inputs = kStages[k];
     for (const auto& [key, value] : result.variant.settings)
       if (stage_of(key) <= k) inputs += "\n" + key + "=" + value;
-    if (const auto found = made_.find(inputs); k < 2 && found != made_.end()) {
+    if (const auto found = outputs_.find(inputs); k < 2 && found != outputs_.end()) {
       const char* output = k == 0 ? "patches.h5" : "energy.h5";
       link_file(found->second.folder / output, folder / output);
       result.stages[k] = found->second.run;
@@ -164,7 +163,7 @@ void VariantRunner::run_stages(Measurement& result, const fs::path& folder) {
       result.fault = fmt::format("{} failed", kStages[k]);
       return;
     }
-    made_[inputs] = {folder, result.stages[k]};
+    outputs_[inputs] = {folder, result.stages[k]};
   }
   evaluate(result, options.sets, folder);
 }

@@ -15,55 +15,55 @@ namespace patchlight {
 
 constexpr std::array<const char*, 3> kStages{"import", "solve", "trace"};
 
-/// What one variant took and gave.
+/// Cost and error of one variant.
 struct Measurement {
   Variant variant;
-  int exit_code = 0;                   ///< Of the stage that failed; 0: all below is valid.
-  std::string fault;                   ///< For people; empty if all went well.
-  std::array<ProgramRun, 3> stages{};  ///< In the order of kStages; each the one of median CPU seconds.
+  int exit_code = 0;                   ///< Of the failed stage; 0: all members below are valid.
+  std::string fault;                   ///< Message; empty if all stages succeeded.
+  std::array<ProgramRun, 3> stages{};  ///< In the order of kStages; each is the run of median CPU seconds.
   std::int64_t patches = 0;
   std::int64_t rays = 0;
   std::int64_t iterations = 0;
   double residual = 0;
   std::filesystem::path frame;  ///< EXR.
   ImageError error;
-  std::optional<double> radiosity_error;  ///< Where the reference was solved on the same patches.
+  std::optional<double> radiosity_error;  ///< Present if the reference was solved on the same patches.
 
   double cpu_seconds() const;
   double wall_seconds() const;
-  std::int64_t peak_bytes() const;  ///< Of the largest stage.
+  std::int64_t peak_bytes() const;  ///< Maximum over the stages.
 };
 
-/// Where all of the bench's output stands.
+/// The folder of all bench output.
 std::filesystem::path bench_folder(const Job& job);
 
-/// A reference that frames are compared with.
+/// The reference that frames are compared with.
 struct Reference {
-  std::string origin;                             ///< For people and for bench.json.
-  std::optional<Image> frame;                     ///< Absent: a closed form.
-  Color radiance{0.0f};                           ///< The closed form, W/m2/sr.
-  std::filesystem::path patch_file, energy_file;  ///< Empty unless it was solved here.
+  std::string origin;                             ///< Description, for messages and bench.json.
+  std::optional<Image> frame;                     ///< Absent: the reference is a closed form.
+  Color radiance{0.0f};                           ///< The closed form: constant radiance, W/m2/sr.
+  std::filesystem::path patch_file, energy_file;  ///< Empty unless the reference was solved by a run of this job.
 
-  /// The reference's own pixels; those of a closed form are as many as the image's.
+  /// The reference frame; for a closed form, a constant image of the size of `image`.
   Image like(const Image& image) const;
 };
 
-/// Reads the job's reference, or makes it by a run of its own, which is skipped while it is up to date.
-/// Throws: Error (missing_input, bad_data); any stage's exit code if that run fails.
+/// Reads the job's reference, or renders it by a separate run, which is skipped if it is fresh.
+/// Throws: Error (missing_input, bad_data); the exit code of the failed stage if that run fails.
 Reference bench_reference(const Job& job, const CommonOptions& common, Progress& progress);
 
-/// Runs variants one after another. A stage whose settings, and those of the stages before it, are an earlier
-/// variant's is not run again: its output is linked and its measurement stands for both.
+/// Runs variants one after another. If a stage and the stages before it have the settings of an earlier variant, the
+/// earlier output is hard-linked and the earlier measurement is reused.
 class VariantRunner {
  public:
   VariantRunner(const Job& job, const CommonOptions& common, const Reference& reference)
       : job_(job), common_(common), reference_(reference) {}
 
-  /// Throws: Error (interrupted); a variant's own failure stands in its Measurement.
+  /// Throws: Error (interrupted). A failed stage is reported in the Measurement.
   Measurement run(const Variant& variant);
 
  private:
-  struct Made {
+  struct StageOutput {
     std::filesystem::path folder;
     ProgramRun run;
   };
@@ -74,7 +74,7 @@ class VariantRunner {
   const Job& job_;
   const CommonOptions& common_;
   const Reference& reference_;
-  std::map<std::string, Made> made_;  ///< By stage and settings.
+  std::map<std::string, StageOutput> outputs_;  ///< By stage and settings.
 };
 
 }  // namespace patchlight

@@ -10,7 +10,7 @@ namespace patchlight {
 
 namespace {
 
-/// What follows the last dot outside of quotes.
+/// The part after the last dot outside of quotes.
 std::string last_word(const std::string& key) {
   bool quoted = false;
   std::size_t start = 0;

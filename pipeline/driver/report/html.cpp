@@ -29,7 +29,7 @@ std::string base64(const std::string& bytes) {
   return text;
 }
 
-/// Where a plot's points lie, in pixels.
+/// Maps plot values to pixels.
 struct Axes {
   static constexpr int kLeft = 70, kTop = 16, kWidth = 560, kHeight = 220;
   double low = 0, high = 0;  ///< Decades.

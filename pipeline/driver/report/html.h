@@ -6,27 +6,27 @@
 
 namespace patchlight {
 
-/// Text as it stands in HTML, also within quotes.
+/// Text escaped for HTML, also for quoted attributes.
 std::string html_text(const std::string& text);
 
-/// A picture with a caption, the PNG within the page; empty if it cannot be read.
+/// A figure with a caption and an embedded PNG; empty if the file cannot be read.
 std::string html_picture(const std::filesystem::path& png, const std::string& caption);
 
-/// A table of text cells; the first row is its head.
+/// A table of text cells; the first row is the header.
 std::string html_table(const std::vector<std::vector<std::string>>& rows);
 
-/// A line of a plot, by its points' place in `values`.
+/// One line of a plot: values at x = 0, 1, 2, ...
 struct PlotLine {
   std::string name;
   std::vector<double> values;
 };
 
-/// An SVG of positive values on a logarithmic axis against their number, with a level drawn across; empty without two
-/// points.
+/// An SVG plot of positive values on a logarithmic y axis against their index, with a horizontal line at `level`; empty
+/// with fewer than two points. `across`: label of the x axis.
 std::string html_log_plot(const std::vector<PlotLine>& lines, const std::string& across, double level,
                           const std::string& level_name);
 
-/// A whole page that needs nothing from elsewhere.
+/// A complete, self-contained page.
 std::string html_page(const std::string& title, const std::string& body);
 
 }  // namespace patchlight

@@ -26,9 +26,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMostFrames = 48, kMostIrradiances = 8;  // pictures in the page
+constexpr std::size_t kMaxFrames = 48, kMaxIrradiances = 8;  // pictures in the page
 
-/// What stands in the headers of a job's frames.
+/// Data from the headers of a job's frames.
 struct FrameRecord {
   Frame frame;
   std::string camera;
@@ -62,10 +62,10 @@ std::string percent(double part) {
   return fmt::format("{:.2g}%", 100 * part);
 }
 
-/// Some pictures of many: `picture` makes the one of frame i.
+/// At most kMaxFrames pictures; `picture` returns the HTML of frame i.
 template <class Picture>
 std::string frame_pictures(std::size_t frames, Picture picture) {
-  const std::size_t stride = (frames + kMostFrames - 1) / kMostFrames;
+  const std::size_t stride = (frames + kMaxFrames - 1) / kMaxFrames;
   std::string html;
   for (std::size_t i = 0; i < frames; i += stride) html += picture(i);
   html = "<div class=\"pictures\">\n" + html + "</div>\n";
@@ -81,7 +81,7 @@ std::string traced_frames(const std::vector<FrameRecord>& frames) {
          });
 }
 
-/// What `relight` made, whether or not the job makes it so now; nothing where it was never asked for.
+/// The relit frames, fresh or stale; empty if `relight` never ran.
 std::string relit_frames(const Job& job, const PatchSet& scene, const std::vector<FrameRecord>& frames) {
   if (std::error_code fault; !fs::exists(job.relit_folder(), fault)) return "";
   JointFreshness all;
@@ -93,7 +93,7 @@ std::string relit_frames(const Job& job, const PatchSet& scene, const std::vecto
   }
   std::string html = "<h3>Relit frames</h3>\n";
   for (const std::string& reason : all.all().reasons)
-    html += "<p class=\"warning\">Not as the job makes them now: " + html_text(reason) + "</p>\n";
+    html += "<p class=\"warning\">Stale: " + html_text(reason) + "</p>\n";
   return html + frame_pictures(frames.size(), [&](std::size_t i) {
            const fs::path png = relit_frame(job, frames[i].frame).png;
            return html_picture(png, png.stem().string() + ", " + states[i]);
@@ -143,37 +143,37 @@ std::string error_budget(const EnergyField& energy) {
   std::vector<std::vector<std::string>> rows{{"source", "size", "of what"}};
   if (const auto& e = energy.estimate) {
     rows.push_back({"sampling", percent(e->error), "reflected radiosity, relative L2 over the patches; expected"});
-    rows.push_back({"sampling, bound", percent(e->error_bound), "what it stays below in 19 of 20 solves"});
+    rows.push_back({"sampling, bound", percent(e->error_bound), "upper bound of the error in 19 of 20 solves"});
   } else {
-    rows.push_back({"sampling", "not stated", "only matrix states it"});
+    rows.push_back({"sampling", "not stated", "only `matrix` states its error"});
   }
-  rows.push_back(
-      {"residual", fmt::format("{:.2g}", energy.residual), "what is left of the linear system, over its source"});
+  rows.push_back({"residual", fmt::format("{:.2g}", energy.residual),
+                  "norm of the remaining residual over the norm of the source term"});
   if (const auto& e = energy.estimate) {
-    rows.push_back({"balance", percent(e->balance), "emitted power that is neither absorbed nor escaped"});
-    rows.push_back(
-        {"reciprocity", percent(e->reciprocity), "how far A F breaks its symmetry, in sums over the patches"});
+    rows.push_back({"balance", percent(e->balance), "emitted power that neither was absorbed nor escaped"});
+    rows.push_back({"reciprocity", percent(e->reciprocity), "asymmetry of A F, by column sums"});
   }
   return html_table(rows);
 }
 
-/// Pictures of irradiance in false colour, with scales in W/m2. Those that cannot be drawn are left out with a warning.
+/// Pictures of irradiance in false colour, with scales in W/m2. A picture that cannot be drawn becomes a warning.
 std::string irradiances(const JobVariant& variant, const Job& job, const std::vector<FrameRecord>& frames,
                         std::vector<std::string>& warnings) {
   std::vector<std::string> cameras;
   for (const FrameRecord& f : frames)
     if (std::find(cameras.begin(), cameras.end(), f.camera) == cameras.end()) cameras.push_back(f.camera);
   std::string html;
-  for (std::size_t i = 0; i < std::min(cameras.size(), kMostIrradiances); ++i) {
+  for (std::size_t i = 0; i < std::min(cameras.size(), kMaxIrradiances); ++i) {
     const PreviewCommand preview{variant.job_file, "irradiance", cameras[i], "", variant.options};
     const fs::path picture = preview_file(preview, job);
     const int code = draw_picture(preview, picture);
     if (code == int(ExitCode::interrupted))
       throw Error(ExitCode::interrupted, "interrupted", "", "run again to continue");
     if (code == 0)
-      html += html_picture(picture, cameras[i] + ", irradiance of the three channels together, W/m2");
+      html += html_picture(picture, cameras[i] + ", irradiance, sum of the three channels, W/m2");
     else
-      warnings.push_back(fmt::format("irradiance as {} sees it could not be drawn (exit code {})", cameras[i], code));
+      warnings.push_back(
+          fmt::format("the irradiance picture of camera {} could not be drawn (exit code {})", cameras[i], code));
   }
   return "<div class=\"pictures\">\n" + html + "</div>\n";
 }

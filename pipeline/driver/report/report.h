@@ -11,8 +11,8 @@ struct ReportCommand {
   CommonOptions common;
 };
 
-/// Writes <output>/report.html, one page that needs nothing from elsewhere, after running what is stale. Returns an
-/// exit code. Throws: Error (bad_config, missing_input) for the job, (cannot_create, io_error, interrupted).
+/// Updates stale stages, then writes <output>/report.html, one self-contained page. Returns an exit code.
+/// Throws: Error (bad_config, missing_input) for the job, (cannot_create, io_error, interrupted).
 int write_report_page(const ReportCommand& command, Progress& progress);
 
 }  // namespace patchlight

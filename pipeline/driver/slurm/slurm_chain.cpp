@@ -18,21 +18,21 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto kProbe = 100ms;             // between two looks at what tasks write, at least
-constexpr auto kProbesOfTask = 5ms;        // and for each of them: there may be a thousand, on a shared disk
-constexpr auto kAsk = 4s, kAskAgain = 1s;  // between two questions to Slurm; where a task seems to be lost
-constexpr auto kMostSilence = 10min;       // of Slurm
-constexpr int kUnseen = 2, kLate = 60;     // answers: what a task that did well has written may be seen late
+constexpr auto kMinPoll = 100ms;                // between two polls of the task files
+constexpr auto kPollPerTask = 5ms;              // there may be a thousand tasks on a shared disk
+constexpr auto kSqueue = 4s, kSqueueSoon = 1s;  // between two squeue calls; if a task seems to be lost
+constexpr auto kMaxSilence = 10min;             // without an answer of Slurm
+constexpr int kUnseen = 2, kLate = 60;          // squeue answers; the end file of a completed task may appear late
 
-/// Whether a task did not end by itself.
+/// Whether a task was killed by a signal.
 bool is_killed(int exit_code) {
-  constexpr int kBySignal = 128;  // and more, as a shell tells it
+  constexpr int kBySignal = 128;  // a shell adds the signal number
   constexpr std::array kSignals{SIGHUP, SIGINT, SIGKILL, SIGTERM};
   return exit_code == int(ExitCode::interrupted) ||
          std::find(kSignals.begin(), kSignals.end(), exit_code - kBySignal) != kSignals.end();
 }
 
-/// Of the contract, whatever a shell makes of it.
+/// One of the documented exit codes, whatever the shell returned.
 ExitCode contract_code(int exit_code) {
   const bool not_started = exit_code == 126 || exit_code == 127;
   if (not_started) return ExitCode::unavailable;
@@ -62,17 +62,17 @@ void SlurmChain::run(const std::vector<SlurmStage>& stages, const Done& done) {
   try {
     submit_from(0);
     while (advance(done))
-      std::this_thread::sleep_for(std::max<Clock::duration>(kProbe, stages_[front_].tasks.size() * kProbesOfTask));
+      std::this_thread::sleep_for(std::max<Clock::duration>(kMinPoll, stages_[front_].tasks.size() * kPollPerTask));
   } catch (...) {
     try {
       client_.cancel();
-    } catch (const Error&) {  // the first fault tells more
+    } catch (const Error&) {  // the first error says more
     }
     throw;
   }
 }
 
-/// Submits what of these stages is not done and not submitted.
+/// Submits the tasks of these stages that are neither done nor submitted.
 void SlurmChain::submit_from(std::size_t first) {
   std::vector<std::string> after;
   for (std::size_t i = first; i < stages_.size(); ++i) {
@@ -94,7 +94,7 @@ void SlurmChain::submit_from(std::size_t first) {
   }
 }
 
-/// Has done again what the stage under way has lost, and what was to come after.
+/// Resubmits the lost tasks of the running stage, and the stages after it.
 void SlurmChain::submit_again() {
   const Clock::time_point now = Clock::now();
   if (!stages_[front_].submitted()) {
@@ -107,20 +107,20 @@ void SlurmChain::submit_again() {
       }
     client_.cancel(later);
   }
-  if (refused_ && now - asked_to_submit_ < kAsk) return;
+  if (refused_ && now - asked_to_submit_ < kSqueue) return;
   asked_to_submit_ = now;
   try {
     submit_from(front_);
     refused_.reset();
   } catch (const Error& error) {  // Slurm may be restarting
-    if (error.code() != ExitCode::unavailable || (refused_ && now - *refused_ > kMostSilence)) throw;
+    if (error.code() != ExitCode::unavailable || (refused_ && now - *refused_ > kMaxSilence)) throw;
     if (refused_) return;
     refused_ = now;
-    progress_.warning(fmt::format("{}: tried again for ten minutes", error.what()));
+    progress_.warning(fmt::format("{}: retrying for ten minutes", error.what()));
   }
 }
 
-/// Looks at what tasks have written. Returns false when all is done.
+/// Polls the task files. Returns false when all stages are done.
 bool SlurmChain::advance(const Done& done) {
   Progress::check_interrupted();
   Stage& stage = stages_[front_];
@@ -137,7 +137,7 @@ bool SlurmChain::advance(const Done& done) {
     return ++front_ < stages_.size();
   }
   const bool doubt = std::any_of(stage.tasks.begin(), stage.tasks.end(), [](const Task& t) { return t.unseen > 0; });
-  if (Clock::now() - asked_ > (doubt ? kAskAgain : kAsk)) ask_slurm(stage);
+  if (Clock::now() - asked_ > (doubt ? kSqueueSoon : kSqueue)) ask_slurm(stage);
   if (!std::all_of(stages_.begin() + std::ptrdiff_t(front_), stages_.end(),
                    [](const Stage& each) { return each.submitted(); }))
     submit_again();
@@ -159,17 +159,17 @@ void SlurmChain::look_at(Stage& stage, Task& task) {
     const ExitCode code = contract_code(end->exit_code);
     throw Error(code, fmt::format("{} failed with exit code {}", name(stage, task), end->exit_code),
                 file(stage, task, "log").string(),
-                code == ExitCode::unavailable ? "see there; all nodes must see this program's folder, too"
-                                              : "its messages stand above and there");
+                code == ExitCode::unavailable ? "see its log; all nodes must see this program's folder"
+                                              : "see its messages above and in its log");
   }
 }
 
-/// Finds tasks of the stage that ended without a word.
+/// Finds tasks of the stage that ended without an end file.
 void SlurmChain::ask_slurm(Stage& stage) {
   const auto states = client_.states();
   asked_ = Clock::now();
   if (!states) {
-    if (asked_ - answered_ < kMostSilence) return;
+    if (asked_ - answered_ < kMaxSilence) return;
     throw Error(ExitCode::unavailable, "Slurm has not answered for ten minutes", "squeue", "run again to continue");
   }
   answered_ = asked_;
@@ -187,7 +187,7 @@ void SlurmChain::ask_slurm(Stage& stage) {
   }
 }
 
-/// Passes on what a task has told since the last time.
+/// Forwards the log lines that a task has written since the last call.
 void SlurmChain::listen(const Stage& stage, Task& task) {
   std::ifstream stream(file(stage, task, "jsonl"), std::ios::binary);
   stream.seekg(task.heard);
@@ -197,20 +197,20 @@ void SlurmChain::listen(const Stage& stage, Task& task) {
     if (!line.is_object()) continue;
     if (line.contains("fraction") && line["fraction"].is_number())
       task.fraction = std::clamp(line["fraction"].get<double>(), 0.0, 1.0);
-    // Tasks of an array have the same to warn of.
+    // The tasks of an array repeat each other's warnings.
     if (line.value("level", "") == "warning" && !warnings_.insert(line.value("message", "")).second) continue;
     progress_.pass_on(line);
   }
 }
 
-/// Leaves a task to be submitted again.
+/// Marks a task for resubmission.
 void SlurmChain::lose(const Stage& stage, Task& task, const std::string& how) {
   const std::string log = file(stage, task, "log").string();
   if (++task.losses > retries_)
     throw Error(ExitCode::interrupted, fmt::format("{} {}, {} times", name(stage, task), how, task.losses), log,
-                "see why there, if the task began; then run again to continue, perhaps with more slurm.time or "
-                "memory in slurm.options. All nodes must see the output folder");
-  progress_.warning(fmt::format("{} {} ({}): done again", name(stage, task), how, log));
+                "see its log; then run again to continue, perhaps with more slurm.time or memory in slurm.options. "
+                "All nodes must see the output folder");
+  progress_.warning(fmt::format("{} {} ({}): resubmitted", name(stage, task), how, log));
   task.job.clear();
   task.fraction = 0;
   task.heard = 0;
@@ -227,8 +227,8 @@ void SlurmChain::show(const Stage& stage) {
     running += !task.done && (task.runs || task.fraction > 0);
   }
   std::string detail =
-      fmt::format("{}: {} of {} tasks done, {} run", stage.what.name, finished, stage.tasks.size(), running);
-  if (!waits_for_.empty() && waits_for_ != "None") detail += ", others wait for " + waits_for_;
+      fmt::format("{}: {} of {} tasks done, {} running", stage.what.name, finished, stage.tasks.size(), running);
+  if (!waits_for_.empty() && waits_for_ != "None") detail += ", pending: " + waits_for_;
   progress_.set_part(front_, stages_.size());
   progress_.update(fraction, detail);
 }

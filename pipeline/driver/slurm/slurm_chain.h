@@ -13,25 +13,25 @@
 
 namespace patchlight {
 
-/// Stages under Slurm, each after the one before it: submits them, waits, passes on what their tasks tell, and has
-/// tasks that are lost or killed done again, alone.
+/// Runs a chain of stages under Slurm: submits them, waits, forwards the messages of their tasks, and resubmits single
+/// tasks that were lost or killed.
 ///
-/// How a task ended it reads from a file that the task writes, since not every cluster keeps accounts; Slurm is asked
-/// now and then for tasks that end without.
+/// Each task writes its exit status to a file, because not every cluster has an accounting database. squeue is polled
+/// for tasks that ended without writing the file.
 class SlurmChain {
  public:
-  /// `folder`: for scripts and logs, seen by all nodes. `retries`: how often a task is done again.
+  /// `folder`: for scripts and logs, visible to all nodes. `retries`: how often a task is resubmitted.
   SlurmChain(const SlurmClient& client, std::filesystem::path folder, int retries, Progress& progress)
       : client_(client), folder_(std::move(folder)), retries_(retries), progress_(progress) {}
 
-  /// When all tasks of a stage had done well: seconds from the first's beginning to the last's end, and of CPU.
+  /// Called when all tasks of a stage have succeeded: seconds from the first start to the last end, and CPU seconds.
   using Done = std::function<void(const SlurmStage& stage, double wall_seconds, double cpu_seconds)>;
 
-  /// Throws: Error with the exit code of a task that fails, naming its log; (interrupted) for a task that is lost again
-  /// and again, and after SIGINT or SIGTERM; (unavailable) without Slurm. What is left is cancelled then.
+  /// Throws: Error with the exit code of a failed task, naming its log; (interrupted) if a task is lost more than
+  /// `retries` times, and after SIGINT or SIGTERM; (unavailable) without Slurm. Cancels the remaining tasks first.
   void run(const std::vector<SlurmStage>& stages, const Done& done);
 
-  /// The stage that is under way, or failed.
+  /// The running or failed stage.
   const std::string& stage() const { return stages_[front_].what.name; }
 
  private:
@@ -43,9 +43,9 @@ class SlurmChain {
     int losses = 0;
     bool done = false;
     SlurmTaskEnd end{};
-    double fraction = 0;       ///< As its log has it.
-    std::streamoff heard = 0;  ///< Bytes of its log that were passed on.
-    int unseen = 0;            ///< How many times Slurm did not know of it.
+    double fraction = 0;       ///< Progress, from its log.
+    std::streamoff heard = 0;  ///< Bytes of its log that were forwarded.
+    int unseen = 0;            ///< Consecutive squeue answers without this task.
     bool runs = false;
   };
   struct Stage {
@@ -73,11 +73,11 @@ class SlurmChain {
   const int retries_;
   Progress& progress_;
   std::vector<Stage> stages_;
-  std::size_t front_ = 0;  ///< The stage that is under way.
+  std::size_t front_ = 0;  ///< Index of the running stage.
   Clock::time_point asked_{}, answered_{}, asked_to_submit_{};
-  std::optional<Clock::time_point> refused_;  ///< Since when Slurm takes nothing more.
-  std::string waits_for_;                     ///< What Slurm says that tasks wait for.
-  std::set<std::string> warnings_;            ///< That were passed on.
+  std::optional<Clock::time_point> refused_;  ///< Since when sbatch refuses jobs.
+  std::string waits_for_;                     ///< Reason that squeue gives for pending tasks.
+  std::set<std::string> warnings_;            ///< Forwarded warnings.
 };
 
 }  // namespace patchlight

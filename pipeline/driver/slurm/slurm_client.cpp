@@ -23,7 +23,7 @@ ProgramOutput ask_slurm(const std::string& program, const std::vector<std::strin
                          "`executor: slurm`");
 }
 
-/// As --array takes them: 1,3-5.
+/// Array indices in the notation of --array: 1,3-5.
 std::string ranges(const std::vector<int>& tasks) {
   std::string text;
   for (std::size_t i = 0; i < tasks.size();) {
@@ -64,7 +64,7 @@ std::string SlurmClient::submit(const Request& request) const {
   add("partition", config_.partition);
   add("time", config_.time);
   add("job-name", name(request.stage));
-  add("output", "/dev/null");  // the script writes its own, since Slurm would read some names of folders as patterns
+  add("output", "/dev/null");  // the script redirects its output itself: Slurm would expand patterns in folder names
   add("ntasks", "1");
   add("cpus-per-task", std::to_string(cpus_));
   add("array", ranges(request.tasks));

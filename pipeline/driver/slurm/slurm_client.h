@@ -8,33 +8,34 @@
 
 namespace patchlight {
 
-/// Slurm's own programs, for the jobs of one output folder: these have names of its own, by which jobs are found again
-/// that a killed run has left.
+/// Calls sbatch, squeue and scancel for the jobs of one output folder. Job names contain a hash of the folder, so that
+/// the jobs of a killed run are found again.
 class SlurmClient {
  public:
   struct Request {
     std::string stage;
     std::filesystem::path script;
-    std::vector<int> tasks;          ///< Of an array, ascending; empty: a job of one task.
-    std::vector<std::string> after;  ///< Jobs and tasks that must have done well before.
+    std::vector<int> tasks;          ///< Array indices, ascending; empty: a job of one task.
+    std::vector<std::string> after;  ///< Jobs and tasks that must have succeeded before.
   };
 
-  /// What Slurm says of a task.
+  /// State of a task, from squeue.
   struct TaskState {
-    std::string name;     ///< As in RUNNING.
-    std::string reason;   ///< Why it waits.
-    bool active = false;  ///< It runs, or will.
+    std::string name;     ///< For example RUNNING.
+    std::string reason;   ///< Why it is pending.
+    bool active = false;  ///< Running or pending.
   };
 
   SlurmClient(const Job& job, int cpus);
 
-  /// Returns the job's number. Throws: Error (unavailable) without Slurm, or if it refuses the job; (interrupted).
+  /// Returns the job id. Throws: Error (unavailable) without Slurm, or if sbatch refuses the job; (interrupted).
   std::string submit(const Request& request) const;
 
-  /// By `12` or, of an array, `12_3`: what is queued, runs, or ended not long ago; nothing if Slurm does not answer.
+  /// States by job id (`12`, or `12_3` for an array task): pending, running or recently ended. Empty optional if Slurm
+  /// does not answer.
   std::optional<std::map<std::string, TaskState>> states() const;
 
-  /// All jobs of this folder. Throws: Error (unavailable) without Slurm.
+  /// Cancels all jobs of this folder. Throws: Error (unavailable) without Slurm.
   void cancel() const;
   void cancel(const std::vector<std::string>& jobs) const;
 
@@ -44,7 +45,7 @@ class SlurmClient {
 
   SlurmConfig config_;
   int cpus_;
-  std::string folder_;  ///< Short for the output folder.
+  std::string folder_;  ///< Hash of the output folder.
 };
 
 }  // namespace patchlight

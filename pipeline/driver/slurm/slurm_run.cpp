@@ -49,8 +49,8 @@ class SlurmRun {
  private:
   bool may_restore() const { return !command_.force; }
 
-  /// What a run that was killed has left in the queue must not write into what is judged here. Where Slurm is not, it
-  /// left nothing.
+  /// Cancels the jobs of a killed run, which could write into the folder that is checked here. Without Slurm there are
+  /// none.
   void cancel_leftovers() const {
     if (slurm_files(slurm_folder(job_)).empty()) return;
     try {
@@ -60,7 +60,7 @@ class SlurmRun {
     }
   }
 
-  /// With `arguments` before what hands the job on.
+  /// The command line: `arguments`, then the options that pass on the job.
   std::vector<std::string> command(const std::string& stage, std::vector<std::string> arguments = {}) const {
     CommonOptions options = command_.common;
     options.threads = cpus();
@@ -75,7 +75,7 @@ class SlurmRun {
 
   int cpus() const { return command_.common.threads > 0 ? command_.common.threads : job_.slurm.cpus; }
 
-  /// The solve, and before it those shards that it needs and that are not there.
+  /// The solve, preceded by the missing shards.
   void add_solve(std::vector<SlurmStage>& stages) const {
     const int shards = job_.slurm.shards;
     if (shards == 1 || !is_shardable(job_.solve) || !keeps_transport(job_, scene_) ||

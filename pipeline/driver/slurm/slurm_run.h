@@ -4,10 +4,10 @@
 
 namespace patchlight {
 
-/// Brings a job's stages up to date by Slurm: import, then, each after the other, an array of tasks that cast shards of
-/// the rows, the solve that merges them, and an array of tasks for the frames. Results have the same bits as those of a
-/// local run. Nobody else may be working in the output folder.
-/// Throws: Error with the exit code of a stage that fails, (interrupted), (unavailable) without Slurm.
+/// Updates a job's stale stages under Slurm: import; an array of tasks that cast shards of the form factor rows; the
+/// solve, which merges the shards; an array of tasks for the frames. The output has the same bits as that of a local
+/// run. The caller must hold the output lock. Throws: Error with the exit code of a failed stage; (interrupted);
+/// (unavailable) without Slurm.
 void run_on_slurm(const RunCommand& command, const Job& job, const OutputCache& cache, StageAccount& account,
                   Progress& progress);
 

@@ -9,7 +9,7 @@ namespace patchlight {
 
 namespace {
 
-/// One word of a shell script, whatever it holds.
+/// Text quoted as one shell word.
 std::string quoted(const std::string& text) {
   std::string result = "'";
   for (const char c : text) result += c == '\'' ? std::string("'\\''") : std::string(1, c);
@@ -41,7 +41,7 @@ std::string slurm_script(const SlurmStage& stage, const std::filesystem::path& f
   if (stage.shards > 0) command += fmt::format(" --shard \"$task/{}\"", stage.shards);
   command += " --log-json \"$place.jsonl\"";
   for (std::size_t i = 1; i < stage.command.size(); ++i) command += " " + quoted(stage.command[i]);
-  // A task that Slurm stops hears it together with its program, and lives until that has ended.
+  // Slurm signals the script and the program together; the script must outlive the program.
   return fmt::format(
       R"sh(#!/bin/sh
 # Written by `patchlight run` for Slurm.
