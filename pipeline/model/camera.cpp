@@ -18,9 +18,9 @@ std::optional<Matrix4> rigid_frame(const Matrix4& to_world) {
   if (!(back.length() > 0.0) || !std::isfinite(back.length()) || !std::isfinite(origin.length())) return std::nullopt;
   const Vec3d z = back.normalized();
   const Vec3d up = axis(to_world, 1);
-  const Vec3d rest = up - z * up.dot(z);
-  if (!(rest.length() > 1e-12 * up.length()) || !std::isfinite(up.length())) return std::nullopt;
-  const Vec3d y = rest.normalized();
+  const Vec3d orthogonal_up = up - z * up.dot(z);
+  if (!(orthogonal_up.length() > 1e-12 * up.length()) || !std::isfinite(up.length())) return std::nullopt;
+  const Vec3d y = orthogonal_up.normalized();
   const Vec3d x = y.cross(z);
   return Matrix4(x.x, x.y, x.z, 0.0, y.x, y.y, y.z, 0.0, z.x, z.y, z.z, 0.0, origin.x, origin.y, origin.z, 1.0);
 }

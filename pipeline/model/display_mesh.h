@@ -7,53 +7,55 @@
 
 namespace patchlight {
 
-/// Quadtrees in place of patches that irradiance varies too fast on for one value each, near contacts and creases, with
+/// Quadtrees that subdivide patches on which irradiance varies too fast for one value, near contacts and creases, with
 /// irradiance at the leaves' corners (patches and elements: Cohen, Greenberg, Immel and Brock 1986).
 struct DisplayMesh {
   struct Cell {
-    std::int32_t children = -1;  ///< First of four, in rows of growing u; -1: a leaf.
-    std::int32_t leaf = -1;      ///< Its number among the leaves' elements; -1: not a leaf.
-    bool cut = false;  ///< Something stands between a leaf's corners, or hides some: each is an element of its own.
-    std::array<std::int32_t, 4> corners{-1, -1, -1, -1};  ///< Vertices of a leaf, in rows of growing u.
+    std::int32_t children = -1;  ///< First of four children, in rows of growing u; -1: a leaf.
+    std::int32_t leaf = -1;      ///< A leaf's first element; -1: not a leaf.
+    bool cut = false;  ///< A leaf whose corners are occluded from each other, or covered: one element per corner.
+    std::array<std::int32_t, 4> corners{-1, -1, -1, -1};  ///< A leaf's vertices, in rows of growing u.
 
     int elements() const { return children >= 0 ? 0 : cut ? 4 : 1; }
   };
   struct Vertex {
-    std::int32_t patch = 0;  ///< One of those that it belongs to.
-    float u = 0, v = 0;      ///< On the patch's primitive.
-    bool hidden = false;     ///< What it says holds for covered places only: of no use for others.
+    std::int32_t patch = 0;  ///< One of the patches that share the vertex.
+    float u = 0, v = 0;      ///< Position on the patch's primitive.
+    bool hidden = false;     ///< Covered by another surface: its irradiance is invalid elsewhere.
   };
 
-  /// A facet of a curved mesh, a patch by itself, some of whose corners have irradiance of their own.
+  /// A facet of a curved mesh: a single patch with gathered irradiance at some of its corners.
   struct Facet {
     std::int32_t patch = 0;
-    std::array<std::int32_t, 4> corners{-1, -1, -1, -1};  ///< Vertices, in rows of growing u; -1: as patches say.
+    std::array<std::int32_t, 4> corners{-1, -1, -1,
+                                        -1};  ///< Vertices, in rows of growing u; -1: interpolated from patches.
   };
 
-  std::vector<std::int32_t> roots;  ///< [patches]: the cell that stands for a patch; -1: none.
-  std::vector<Cell> cells;          ///< Children behind their parents.
-  std::vector<Facet> facets;        ///< Of patches that no cell stands for.
-  std::int32_t elements = 0;        ///< Of leaves: one each, four of those that are cut.
+  std::vector<std::int32_t> roots;  ///< [patches]: root cell of each patch; -1: not subdivided.
+  std::vector<Cell> cells;          ///< Parents before their children.
+  std::vector<Facet> facets;        ///< On patches without a root cell.
+  std::int32_t elements = 0;        ///< Number of elements: one per leaf, four per cut leaf.
 
-  /// First those that have irradiance of their own, then those that take what patches say, since they border on patches
-  /// that are whole, and last those that are halfway between two before them, since they border on a larger leaf.
+  /// In this order: vertices with gathered irradiance; vertices interpolated from patches, where they border on patches
+  /// that are not subdivided; hanging vertices, the midpoints of two earlier vertices, where they border on a larger
+  /// leaf.
   std::vector<Vertex> vertices;
-  std::int32_t gathered = 0;                             ///< How many of the first kind.
-  std::vector<std::array<std::int32_t, 2>> midpoints{};  ///< Of the last kind: the two.
+  std::int32_t gathered = 0;                             ///< Number of vertices with gathered irradiance.
+  std::vector<std::array<std::int32_t, 2>> midpoints{};  ///< The two vertices of each hanging vertex.
 
-  /// A leaf, and the place in it.
+  /// A leaf, and a position in it.
   struct Place {
     const Cell* leaf = nullptr;
     float u = 0, v = 0;  ///< In [0,1].
   };
 
-  /// The leaf at (u,v) of a patch's primitive, for a patch that has one.
+  /// The leaf at (u,v) of a patch's primitive. The patch must have a root cell.
   Place find(std::int32_t index, const Patch& patch, float u, float v) const {
-    const auto within = [](float x, float low, float high) {
+    const auto relative_position = [](float x, float low, float high) {
       const float t = (x - low) / (high - low);
       return t < 0.0f ? 0.0f : (t > 1.0f ? 1.0f : t);
     };
-    Place at{&cells[roots[index]], within(u, patch.u0, patch.u1), within(v, patch.v0, patch.v1)};
+    Place at{&cells[roots[index]], relative_position(u, patch.u0, patch.u1), relative_position(v, patch.v0, patch.v1)};
     while (at.leaf->children >= 0) {
       const int right = at.u >= 0.5f, upper = at.v >= 0.5f;
       at = {&cells[at.leaf->children + 2 * upper + right], 2 * at.u - float(right), 2 * at.v - float(upper)};

@@ -35,8 +35,8 @@ std::vector<Color> radiosity(const PatchSet& scene, const EnergyField& energy) {
   return result;
 }
 
-double radiosity_error(const PatchSet& scene, const EnergyField& energy, const EnergyField& truth) {
-  const std::vector<Color> a = radiosity(scene, energy), b = radiosity(scene, truth);
+double radiosity_error(const PatchSet& scene, const EnergyField& energy, const EnergyField& reference) {
+  const std::vector<Color> a = radiosity(scene, energy), b = radiosity(scene, reference);
   double difference = 0, norm = 0;
   for (std::size_t i = 0; i < a.size(); ++i) {
     const Patch& patch = scene.patches[i];

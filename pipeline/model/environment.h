@@ -6,18 +6,18 @@
 
 namespace patchlight {
 
-/// Light that comes from all around, from infinitely far away.
+/// Light from infinitely far away in all directions: an environment map.
 ///
-/// Solving knows it by cells of equal solid angle: rows of equal height in y from +Y down, twice as many columns in
-/// azimuth. What is too bright and small for them is apart from it, as suns among PatchSet::lights.
+/// The solver uses cells of equal solid angle: rows of equal height in y from +Y down, and twice as many columns in
+/// azimuth. Sources that are too bright and small for the cells are suns in PatchSet::lights instead.
 struct Environment {
   std::int32_t light_group = 0;
-  int width = 1, height = 1;  ///< Of `texels`.
-  std::vector<Color> texels;  ///< [height * width] Radiance, W/m2/sr, equirectangular, all there is; rows from +Y down.
-  double turn = 0.0;          ///< Part of a full turn by which they are turned, counter-clockwise from above.
-  float clip = 0.0f;          ///< Radiance above which texels are suns, W/m2/sr, of the largest channel; 0: none are.
-  int rows = 1;               ///< Of cells; 1 row has 1 column.
-  std::vector<Color> cells;   ///< Mean radiance, W/m2/sr, without suns.
+  int width = 1, height = 1;  ///< Size of `texels`.
+  std::vector<Color> texels;  ///< [height * width] Radiance with suns, W/m2/sr, equirectangular; rows from +Y down.
+  double turn = 0.0;          ///< Rotation of the texels, in full turns, counter-clockwise seen from above.
+  float clip = 0.0f;          ///< Largest channel above which a texel belongs to a sun, W/m2/sr; 0: no suns.
+  int rows = 1;               ///< Rows of cells; a single row is a single cell.
+  std::vector<Color> cells;   ///< Mean radiance of each cell without suns, W/m2/sr.
 };
 
 }  // namespace patchlight

@@ -19,7 +19,7 @@ enum class ExitCode : int {
   bad_config = 78,
 };
 
-/// A fault that the user can mend. what() reads "WHAT (WHERE): HOW TO MEND".
+/// An error that the user can correct. what() reads "WHAT (WHERE): HOW TO MEND".
 class Error : public std::runtime_error {
  public:
   Error(ExitCode code, const std::string& what, const std::string& where, const std::string& mend)

@@ -9,25 +9,26 @@ namespace patchlight {
 
 namespace {
 
-using Values = std::vector<double>;
+using Components = std::vector<double>;
 
-/// Of quaternions, the shorter way.
-Values turned(const Values& a, const Values& b, double t) {
-  const auto unit = [](const Values& v) { return Imath::Quatd(v[3], v[0], v[1], v[2]).normalized(); };
+/// Spherical linear interpolation of quaternions along the shorter arc.
+Components interpolate_rotation(const Components& a, const Components& b, double t) {
+  const auto unit = [](const Components& v) { return Imath::Quatd(v[3], v[0], v[1], v[2]).normalized(); };
   const Imath::Quatd q = Imath::slerpShortestArc(unit(a), unit(b), t);
   return {q.v.x, q.v.y, q.v.z, q.r};
 }
 
-Values on_line(const Values& a, const Values& b, double t) {
-  Values value(a.size());
+Components interpolate_linear(const Components& a, const Components& b, double t) {
+  Components value(a.size());
   for (std::size_t k = 0; k < value.size(); ++k) value[k] = a[k] + (b[k] - a[k]) * t;
   return value;
 }
 
-/// `span`: s from one keyframe to the next.
-Values on_spline(const Values& a, const Values& out, const Values& in, const Values& b, double t, double span) {
+/// Cubic Hermite spline. `out` is the tangent at `a`, `in` the tangent at `b`, `span` the time between them in s.
+Components interpolate_spline(const Components& a, const Components& out, const Components& in, const Components& b,
+                              double t, double span) {
   const double t2 = t * t, t3 = t2 * t;
-  Values value(a.size());
+  Components value(a.size());
   for (std::size_t k = 0; k < value.size(); ++k)
     value[k] = (2 * t3 - 3 * t2 + 1) * a[k] + span * (t3 - 2 * t2 + t) * out[k] + (3 * t2 - 2 * t3) * b[k] +
                span * (t3 - t2) * in[k];
@@ -46,8 +47,8 @@ std::vector<double> value_at(const Keyframes& keyframes, double seconds) {
   const double span = keyframes.time(next) - keyframes.time(key), t = (seconds - keyframes.time(key)) / span;
   const auto b = keyframes.value(next, 1);
   if (keyframes.interpolation == Motion::Interpolation::cubic_spline)
-    return on_spline(a, keyframes.value(key, 2), keyframes.value(next, 0), b, t, span);
-  return keyframes.turn ? turned(a, b, t) : on_line(a, b, t);
+    return interpolate_spline(a, keyframes.value(key, 2), keyframes.value(next, 0), b, t, span);
+  return keyframes.turn ? interpolate_rotation(a, b, t) : interpolate_linear(a, b, t);
 }
 
 }  // namespace patchlight

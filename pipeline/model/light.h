@@ -6,18 +6,18 @@
 
 namespace patchlight {
 
-/// A light that no surface is (KHR_lights_punctual): cameras and mirrors do not see it, and without an extent its
-/// shadows are sharp.
+/// A light without a surface (KHR_lights_punctual): invisible to cameras and mirrors. Point lights, spot lights, and
+/// suns of radius 0 cast sharp shadows.
 struct Light {
   enum class Kind : std::int32_t { point = 0, spot = 1, sun = 2 };
 
-  std::string name;  ///< Of the glTF node.
+  std::string name;  ///< Name of the glTF node.
   Kind kind = Kind::point;
-  std::int32_t light_group = 0;     ///< Index into PatchSet::light_groups.
-  Color strength{0.0f};             ///< Radiant intensity, W/sr, of a spot along its axis; of a sun irradiance, W/m2.
-  Vec3d position{0.0};              ///< m; zero for a sun.
-  Vec3d direction{0.0, 0.0, -1.0};  ///< Unit vector along the light of a spot or a sun.
-  double inner = 0.0, outer = 0.0;  ///< Of a spot: half the angles of its cones, rad. A sun has a radius of `outer`.
+  std::int32_t light_group = 0;  ///< Index into PatchSet::light_groups.
+  Color strength{0.0f};          ///< Radiant intensity, W/sr (of a spot: along its axis); of a sun: irradiance, W/m2.
+  Vec3d position{0.0};           ///< m; zero for a sun.
+  Vec3d direction{0.0, 0.0, -1.0};  ///< Unit vector along which a spot or a sun emits.
+  double inner = 0.0, outer = 0.0;  ///< Spot: half angles of its cones, rad. Sun: `outer` is its angular radius.
 };
 
 }  // namespace patchlight

@@ -5,7 +5,7 @@
 
 namespace patchlight {
 
-// Imath leaves vectors uninitialised unless told otherwise: write Vec3d(0.0), also in resize().
+// Default-constructed Imath vectors are uninitialised: write Vec3d(0.0), also in resize().
 using Vec2f = Imath::V2f;
 using Vec3f = Imath::V3f;
 using Vec3d = Imath::V3d;

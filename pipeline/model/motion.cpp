@@ -14,14 +14,14 @@ Matrix4 matrix_at(const Motion& motion, double seconds) {
     return matrix;
   }
   const bool spline = motion.interpolation == Motion::Interpolation::cubic_spline;
-  const auto value_of = [&](std::size_t key, int part) {
+  const auto value_part = [&](std::size_t key, int part) {
     const auto first =
         motion.values.begin() + std::ptrdiff_t(key) * motion.stride() + (spline ? part : 0) * motion.width();
     return std::vector<double>(first, first + motion.width());
   };
   const std::vector<double> value =
       value_at({motion.times.size(), motion.interpolation, motion.kind == Motion::Kind::rotation,
-                [&](std::size_t key) { return motion.times[key]; }, value_of},
+                [&](std::size_t key) { return motion.times[key]; }, value_part},
                seconds);
   const Vec3d vector(value[0], value[1], value[2]);
   if (motion.kind == Motion::Kind::rotation) return rotation_matrix({value[0], value[1], value[2], value[3]});

@@ -5,13 +5,13 @@
 
 namespace patchlight {
 
-/// How an output came to be. Nothing is computed from it, and no comparison looks at it.
+/// How an output was made. For information only: no result depends on it, and comparisons ignore it.
 struct Provenance {
-  std::string job;                    ///< The whole effective job, YAML, without output folder and bench.
-  std::vector<std::string> warnings;  ///< Of its stage.
-  double wall_seconds = 0.0;          ///< Of the stage's process when it wrote this.
-  double cpu_seconds = 0.0;           ///< User and system.
-  std::int64_t peak_bytes = 0;        ///< Largest resident set.
+  std::string job;                    ///< The effective job as YAML, without output folder and bench.
+  std::vector<std::string> warnings;  ///< Warnings of the stage.
+  double wall_seconds = 0.0;          ///< Wall time of the stage's process up to writing the file.
+  double cpu_seconds = 0.0;           ///< User and system time.
+  std::int64_t peak_bytes = 0;        ///< Peak resident set size.
 };
 
 }  // namespace patchlight

@@ -4,16 +4,16 @@
 
 namespace patchlight {
 
-/// Red, green and blue as expressions of a surface point; all three are set, or none.
+/// Expressions for red, green and blue at a surface point. Either all three are set, or none.
 using ColorExpressions = std::array<std::string, 3>;
 
 inline bool is_set(const ColorExpressions& color) {
   return !color[0].empty();
 }
 
-/// Replaces what a material says, point by point.
+/// Replaces a material's reflectance or emission by expressions of the surface point.
 struct Shader {
-  std::string name;              ///< Glob (fnmatch) of the materials or nodes that it is for.
+  std::string name;              ///< Glob pattern (fnmatch) for material or node names.
   ColorExpressions reflectance;  ///< Diffuse.
   ColorExpressions emission;     ///< Radiant exitance, W/m2.
 };

@@ -10,65 +10,71 @@
 
 namespace patchlight {
 
-/// Rows of form factors: who sees whom. They depend on geometry and mirrors alone.
+/// Form factors as a sparse matrix in compressed sparse row (CSR) format; they depend only on geometry and mirrors.
 ///
-/// Every row is the mean of two independent halves: their difference tells how good it is.
+/// Every row is estimated by two sample sets, A and B. Sample set s (0: A, 1: B) of row i is segment k = 2 i + s of the
+/// matrix, columns[starts[k]] to columns[starts[k + 1]]. F_ij is the mean of both sets; their difference estimates its
+/// standard error.
+///
+/// The weight of a column is its entry in `weights` (hemicubes), or, for rows by rays, `hit_weights` of its segment:
+/// one column per ray that hits a lit surface, so that a column may repeat. A segment's weights and mirrored weights
+/// add up to 1 minus the part that escapes, hits an unlit back, or is absorbed by mirrors.
 struct TransportRows {
-  /// Light that reaches a row's patch from `patch` by way of mirrors. A row's sum of these is of its whole.
+  /// An extended form factor: light from `patch` that reaches a row over mirrors.
   struct Mirrored {
     std::int32_t row = 0;
-    std::int32_t sample_set = 0;  ///< 0 or 1.
+    std::int32_t sample_set = 0;  ///< 0: A, 1: B.
     std::int32_t patch = 0;
-    Color weight{0.0f};  ///< Form factor of this one, times what the mirrors reflect.
+    Color weight{0.0f};  ///< Form factor within its sample set, times the reflectance of the mirrors.
   };
 
-  std::vector<std::uint64_t> starts;  ///< [2 rows + 1]: where each row's halves begin in `ends`.
-  std::vector<std::int32_t> columns;  ///< The elements that a row sees; behind them, the environment's cells.
-  std::vector<float> weights;         ///< Form factor of each of `ends` within its half; empty: rows by rays.
-  std::vector<float> hit_weights;     ///< [2 rows], by rays: form factor of each of a half's `ends`.
-  std::vector<Mirrored> mirrored;     ///< By growing row, and half.
-  std::vector<float>
-      visible_fractions;  ///< [2 rows] Part of each patch that is exposed, as each half has it; empty: all.
-  int rays = 0;           ///< Of a row that meets something wherever it looks; 0: not by rays.
+  std::vector<std::uint64_t> starts;  ///< [2 rows + 1] First entry of each segment in `columns`.
+  std::vector<std::int32_t> columns;  ///< Elements (see Elements); larger numbers are cells of the environment.
+  std::vector<float> weights;      ///< [columns] Form factor of each column within its sample set; empty: rows by rays.
+  std::vector<float> hit_weights;  ///< [2 rows] Rows by rays: form factor of every column of a segment; else empty.
+  std::vector<Mirrored> mirrored;  ///< Sorted by row, then by sample set.
+  /// [2 rows] Visible area fraction of each patch, in (0,1], estimated by each sample set; empty: 1 everywhere.
+  std::vector<float> visible_fractions;
+  int rays = 0;  ///< Rays of both sample sets of a row that hits a surface in all directions; 0: rows by hemicubes.
 
   std::int64_t rows() const { return starts.empty() ? 0 : std::int64_t(starts.size() / 2); }
 };
 
-/// The content of transport.h5: form factors of patches to patches, and what the display solution needs, so that other
-/// colours and other lamps need no ray.
+/// The content of transport.h5: form factors between patches, to explicitly sampled emitters, and of the display mesh.
+/// With it, a solve with other colours or other emission casts no rays.
 struct Transport : TransportRows {
-  /// Form factors to an emitter that is sampled apart from the rows.
+  /// Form factors from every patch to an explicitly sampled emitter.
   struct Emitter {
     std::int32_t first_patch = 0;
-    std::int32_t patches = 0;      ///< They emit equally.
-    std::vector<float> factors;    ///< [2 n]: of both halves of each row.
-    std::vector<float> display{};  ///< [2 mesh elements]: of the display mesh's; empty without one.
-    /// [2 n]: as `factors`, what comes by way of mirrors, times what they reflect; empty where rows follow none.
+    std::int32_t patches = 0;      ///< Number of patches, which all have the same emission.
+    std::vector<float> factors;    ///< [2 rows] One per row and sample set.
+    std::vector<float> display{};  ///< [2 mesh elements] For the display mesh; empty without one.
+    /// [2 rows] Extended form factors over mirrors, times their reflectance; empty if photons follow no mirrors.
     std::vector<Color> mirrored{};
-    std::int64_t light = 0;  ///< A number for where a light without extent stands and shines; 0: a surface.
+    std::int64_t light = 0;  ///< Hash of kind, position, direction and cone of a Light; 0: a surface.
   };
 
-  /// See Elements.
+  /// Form factors of the display mesh.
   struct Display {
     DisplayMesh mesh;
-    TransportRows rows;  ///< Of the mesh's gathered vertices, to elements.
+    TransportRows rows;  ///< From the mesh's gathered vertices to elements (see Elements).
   };
 
-  std::vector<Emitter> emitters;  ///< By growing first patch, lights without extent last.
+  std::vector<Emitter> emitters;  ///< Sorted by first patch; lights without a surface last.
   std::optional<Display> display;
-  int sky = 0;  ///< Cells of the environment.
+  int sky = 0;  ///< Number of cells of the environment.
   std::string key;
   Provenance made;
-  bool changed = false;  ///< Since it was read from a file.
+  bool changed = false;  ///< Whether it differs from the file that it was read from.
 };
 
-/// What one of several tasks casts of a Transport: rows of its part of the patches, and of its part of the vertices of
-/// the display mesh, numbered from its first.
+/// A shard's part of a Transport: rows of its patches and of its display mesh vertices, both numbered from the shard's
+/// first.
 struct TransportShard {
   TransportRows rows;
-  std::optional<TransportRows> display_rows;  ///< Absent: no display solution was asked for.
-  std::optional<DisplayMesh> mesh;            ///< Of the first shard alone, though each builds it.
-  std::int64_t cast = 0;                      ///< Rays; those for the mesh count in the first.
+  std::optional<TransportRows> display_rows;  ///< Empty: no display solution is requested.
+  std::optional<DisplayMesh> mesh;            ///< In the first shard only, though every shard builds it.
+  std::int64_t cast = 0;                      ///< Number of rays; the first shard counts those for the mesh.
   std::string key;
   Provenance made;
 };
