@@ -10,16 +10,16 @@
 namespace patchlight {
 
 void use_large_pages() {
-#ifndef __SANITIZE_ADDRESS__  // which has a heap of its own
-  constexpr std::uintptr_t kPage = std::uintptr_t(1) << 21;
+#ifndef __SANITIZE_ADDRESS__  // AddressSanitizer has its own heap
+  constexpr std::uintptr_t kPageBytes = std::uintptr_t(1) << 21;
   mallopt(M_MMAP_MAX, 0);
   mallopt(M_TRIM_THRESHOLD, -1);
-  // A block that is advised, then freed untouched, leaves its addresses to the heap, and the advice with them.
+  // A block that is advised and freed untouched stays in the heap's address range and keeps the advice.
   const std::size_t memory = std::size_t(sysconf(_SC_PHYS_PAGES)) * std::size_t(sysconf(_SC_PAGESIZE));
   void* const block = std::malloc(memory / 2);
   if (!block) return;
-  const std::uintptr_t begin = reinterpret_cast<std::uintptr_t>(block) / kPage * kPage + kPage;
-  madvise(reinterpret_cast<void*>(begin), memory / 2 - kPage, MADV_HUGEPAGE);
+  const std::uintptr_t begin = reinterpret_cast<std::uintptr_t>(block) / kPageBytes * kPageBytes + kPageBytes;
+  madvise(reinterpret_cast<void*>(begin), memory / 2 - kPageBytes, MADV_HUGEPAGE);
   std::free(block);
 #endif
 }

@@ -2,8 +2,8 @@
 
 namespace patchlight {
 
-/// Has the heap of the main thread grow by pages of 2 MiB, where Linux gives them to those who ask, and keeps what is
-/// freed: faults of small pages are half the time of a solve from cached rows. Call it first of all.
+/// Makes the main thread's heap use transparent huge pages of 2 MiB where Linux offers them (madvise), and keep freed
+/// memory: page faults of 4 KiB pages take half the time of a solve from cached rows. Call it before any allocation.
 void use_large_pages();
 
 }  // namespace patchlight
