@@ -6,20 +6,20 @@
 
 namespace patchlight {
 
-/// The patches of each primitive as rows of cells, for finding the patch at (u,v).
+/// Finds the patch at (u,v) of a primitive, by its rows of cells.
 ///
-/// Rows of a quad have equal numbers of cells of equal size; rows of a sphere are rings of equal polar angle, each with
-/// its own number of cells.
+/// Rows of a quad have the same number of cells of equal size. Rows of a sphere are rings of equal polar angle; their
+/// numbers of cells differ.
 class PatchLookup {
  public:
   struct Row {
     std::int32_t first;  ///< Patch at u = 0.
-    std::int32_t cells;
+    std::int32_t cells;  ///< Number of patches.
   };
 
   explicit PatchLookup(const PatchSet& scene);
 
-  /// Rows of primitive `i`, in growing v.
+  /// Number of rows of primitive `i`; rows have growing v.
   int rows(std::int32_t i) const { return int(starts_[i + 1] - starts_[i]); }
   const Row& row(std::int32_t i, int k) const { return rows_[starts_[i] + k]; }
 
@@ -29,6 +29,7 @@ class PatchLookup {
     return at.first + cell(u, at.cells);
   }
 
+  /// The cell of x in [0,1], among `count` equal cells.
   static int cell(float x, int count) {
     const int k = int(x * float(count));
     return k < 0 ? 0 : (k >= count ? count - 1 : k);

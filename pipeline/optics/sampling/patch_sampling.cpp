@@ -7,7 +7,7 @@ namespace patchlight {
 
 namespace {
 
-/// Inverts the distribution whose density runs linearly from a to b over [0,1] (Pharr et al. 2023, section A.5.1).
+/// Inverts the CDF of the density that is linear from a to b over [0,1] (Pharr et al. 2023, section A.5.1).
 double sample_linear(double x, double a, double b) {
   if (a == b) return x;
   return std::min(x * (a + b) / (a + std::sqrt((1 - x) * a * a + x * b * b)), 1.0);
@@ -31,7 +31,7 @@ SurfacePoint point_at(const Primitive& p, double u, double v) {
     const Vec3d out(std::sin(theta) * std::cos(phi), std::cos(theta), -std::sin(theta) * std::sin(phi));
     return {p.sphere_center + out * std::abs(p.sphere_radius), Vec3f(p.sphere_radius < 0 ? -out : out)};
   }
-  // The diagonals' cross product is the normal of quads and of triangles alike.
+  // The cross product of the diagonals is the normal of quads and of triangles.
   const Vec3d normal = (p.corners[2] - p.corners[0]) % (p.corners[3] - p.corners[1]);
   return {position_at(p.corners, u, v), Vec3f(normal.normalized())};
 }

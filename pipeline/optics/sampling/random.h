@@ -5,7 +5,7 @@
 
 namespace patchlight {
 
-/// A random-looking permutation of the 64-bit numbers: splitmix64 (Steele, Lea and Flood 2014).
+/// Hash of a 64-bit number, a bijection: splitmix64 (Steele, Lea and Flood 2014).
 inline std::uint64_t hash64(std::uint64_t x) {
   x += 0x9e3779b97f4a7c15;
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9;
@@ -13,16 +13,17 @@ inline std::uint64_t hash64(std::uint64_t x) {
   return x ^ (x >> 31);
 }
 
-/// The upper bits as a number in [0,1).
+/// The upper 24 bits as a number in [0,1).
 inline float uniform01(std::uint64_t x) {
   return float(x >> 40) * 0x1p-24f;
 }
 
-/// Point k of the two-dimensional Kronecker sequence by the plastic number, shifted by `shift`.
+/// Point k of the two-dimensional Kronecker sequence of the plastic number (R2), with a random shift from `shift`.
 inline Vec2f kronecker2(std::uint64_t k, std::uint64_t shift) {
   return {uniform01(shift + k * 0xc13fa9a902a6328f), uniform01(hash64(shift) + k * 0x91e10da5c79e7b1d)};
 }
 
+/// The bits of x in reverse order.
 inline std::uint32_t reversed_bits(std::uint32_t x) {
   x = (x >> 16) | (x << 16);
   x = (x & 0xff00ff00u) >> 8 | (x & 0x00ff00ffu) << 8;
@@ -31,12 +32,12 @@ inline std::uint32_t reversed_bits(std::uint32_t x) {
   return (x & 0xaaaaaaaau) >> 1 | (x & 0x55555555u) << 1;
 }
 
-/// The bits of k in the opposite order, as a number in [0,1): van der Corput's sequence.
+/// Element k of the van der Corput sequence in base 2, in [0,1).
 inline float radical_inverse(std::uint32_t k) {
   return float(reversed_bits(k) >> 8) * 0x1p-24f;
 }
 
-/// x + shift in [0,1), for both in it.
+/// (x + shift) mod 1, for x and shift in [0,1): a Cranley-Patterson rotation.
 inline float shifted(float x, float shift) {
   const float sum = x + shift;
   return sum - float(sum >= 1.0f);

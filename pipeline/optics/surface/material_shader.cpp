@@ -42,15 +42,15 @@ std::vector<MaterialShader> compile_shaders(const PatchSet& scene) {
 }
 
 Color most_reflectance(const Material& material) {
-  Color most;
-  for (int k = 0; k < 3; ++k) most[k] = std::clamp(1.0f - material.specular[k], 0.0f, kHighestReflectance);
-  return most;
+  Color highest;
+  for (int k = 0; k < 3; ++k) highest[k] = std::clamp(1.0f - material.specular[k], 0.0f, kHighestReflectance);
+  return highest;
 }
 
-Color within_range(const Vec3d& value, const Color& most) {
+Color within_range(const Vec3d& value, const Color& highest) {
   Color result;
   for (int k = 0; k < 3; ++k)
-    result[k] = std::isfinite(value[k]) ? float(std::clamp(value[k], 0.0, double(most[k]))) : 0.0f;
+    result[k] = std::isfinite(value[k]) ? float(std::clamp(value[k], 0.0, double(highest[k]))) : 0.0f;
   return result;
 }
 

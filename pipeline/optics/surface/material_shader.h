@@ -6,26 +6,26 @@
 
 namespace patchlight {
 
-/// What a shader reads at (u,v) of primitive `i`: its u and v are the primitive's, or the mesh's texture coordinates.
+/// Inputs of a shader at (u,v) of primitive `i`. The shader's u and v are texture coordinates, or (u,v) without any.
 ExpressionInputs shader_inputs(const PatchSet& scene, std::int32_t i, double u, double v);
 
-/// A Shader with its expressions compiled. For one thread at a time; every copy gives the same bits.
+/// A Shader with compiled expressions. Not thread-safe; copies give bit-identical results.
 class MaterialShader {
  public:
-  /// Expects expressions that compile, as those of every PatchSet do.
+  /// The expressions must compile, as in every valid PatchSet.
   explicit MaterialShader(const Shader& source);
 
   bool reflects() const { return !reflectance_.empty(); }
   bool emits() const { return !emission_.empty(); }
 
-  /// As the expressions say, in range or not. Zero without expressions.
+  /// Values of the expressions, not limited to the valid range. Zero without expressions.
   Vec3d reflectance(const ExpressionInputs& at) { return evaluate(reflectance_, at); }
   Vec3d emission(const ExpressionInputs& at) { return evaluate(emission_, at); }  ///< W/m2
 
  private:
   static Vec3d evaluate(std::vector<Expression>& color, const ExpressionInputs& at);
 
-  std::vector<Expression> reflectance_;  ///< One for each channel, or one for all.
+  std::vector<Expression> reflectance_;  ///< Three, or one for all channels.
   std::vector<Expression> emission_;
 };
 
@@ -33,15 +33,16 @@ std::vector<MaterialShader> compile_shaders(const PatchSet& scene);
 
 constexpr float kHighestReflectance = 0.99999f;
 
-/// The most that a surface may reflect diffusely beside its metallic part.
+/// Upper limit of the diffuse reflectance: what the specular reflectance leaves.
 Color most_reflectance(const Material& material);
 
 constexpr float kMostEmission = 3e38f;  // W/m2
 
-/// Diffuse reflectance by a shader that reflects, at (u,v) of primitive `i`: in range beside its metallic part.
+/// Diffuse reflectance by a shader with reflectance expressions at (u,v) of primitive `i`, limited by
+/// most_reflectance().
 Color shaded_reflectance(const PatchSet& scene, MaterialShader& shader, std::int32_t i, double u, double v);
 
-/// The value brought into [0, most]; 0 for what is not finite.
-Color within_range(const Vec3d& value, const Color& most);
+/// Clamps every channel to [0, highest]; 0 for NaN and infinities.
+Color within_range(const Vec3d& value, const Color& highest);
 
 }  // namespace patchlight

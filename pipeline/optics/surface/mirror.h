@@ -3,22 +3,21 @@
 
 namespace patchlight {
 
-/// Below it a metal is a perfect mirror.
+/// A metal of lower roughness is a perfect mirror.
 constexpr float kMirrorRoughness = 0.05f;
 
-/// Turns `direction` (unit vector, towards the surface) into one that a metal reflects it to and multiplies
-/// `throughput` by what is reflected. A rough metal takes one of the directions of its GGX lobe, chosen by `at`, a
-/// point of the unit square, among the normals that the ray can see (alpha = roughness^2; Heitz 2018, JCGT 7-4). False:
-/// nothing is reflected.
+/// Reflects `direction` (unit vector, towards the surface) by a metal, and multiplies `throughput` by the reflected
+/// fraction. For a rough metal, the point `at` of the unit square selects one of the visible normals of its GGX
+/// distribution (alpha = roughness^2; Heitz 2018, JCGT 7-4). Returns false if nothing is reflected.
 bool reflect(const MetallicRoughness& metal, const Vec3f& normal, const Vec2f& at, Vec3f& direction, Color& throughput);
 
-/// The GGX lobe that a rough metal reflects a ray by, per sr.
+/// The GGX lobe of a rough metal, per sr.
 struct MetalLobe {
-  float value = 0.0f;    ///< BRDF times the outgoing cosine, but for the metal's reflectance.
-  float density = 0.0f;  ///< With which reflect() takes a direction.
+  float value = 0.0f;    ///< BRDF times the outgoing cosine, for a specular reflectance of 1.
+  float density = 0.0f;  ///< Probability density with which reflect() samples the direction.
 };
 
-/// For a ray along `in`, towards the surface, that leaves along `out`; unit vectors. Zero below the surface.
+/// For reflection from `in`, towards the surface, to `out`; unit vectors. Zero below the surface.
 MetalLobe metal_lobe(float roughness, const Vec3f& normal, const Vec3f& in, const Vec3f& out);
 
 }  // namespace patchlight

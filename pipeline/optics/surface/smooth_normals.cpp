@@ -9,9 +9,9 @@ namespace patchlight {
 
 namespace {
 
-constexpr float kAlike = 0.999999f;  // cosine between normals that are the same
+constexpr float kSameNormal = 0.999999f;  // cosine above which two normals are the same
 
-/// Angle between the edges that meet in a corner.
+/// Interior angle at a corner.
 double corner_angle(const Primitive& p, int k) {
   const int count = p.is_triangle() ? 3 : 4;
   const Vec3d a = p.corners[(k + 1) % count] - p.corners[k], b = p.corners[(k + count - 1) % count] - p.corners[k];
@@ -20,7 +20,7 @@ double corner_angle(const Primitive& p, int k) {
 
 }  // namespace
 
-SmoothNormals::SmoothNormals(const PatchSet& scene) : at_(scene.primitives.size(), -1) {
+SmoothNormals::SmoothNormals(const PatchSet& scene) : corner_index_(scene.primitives.size(), -1) {
   std::int32_t vertices = 0;
   for (const Primitive& p : scene.primitives)
     vertices = std::max(vertices, *std::max_element(p.smooth_vertices.begin(), p.smooth_vertices.end()) + 1);
@@ -30,7 +30,7 @@ SmoothNormals::SmoothNormals(const PatchSet& scene) : at_(scene.primitives.size(
     const Vec3d normal(point_at(p, 0.5, 0.5).normal);
     for (int k = 0; k < (p.is_triangle() ? 3 : 4); ++k) sums[p.smooth_vertices[k]] += normal * corner_angle(p, k);
   }
-  for (std::size_t i = 0; i < at_.size(); ++i) {
+  for (std::size_t i = 0; i < corner_index_.size(); ++i) {
     const Primitive& p = scene.primitives[i];
     if (p.smooth_vertices[0] < 0) continue;
     const Vec3f flat = point_at(p, 0.5, 0.5).normal;
@@ -39,17 +39,17 @@ SmoothNormals::SmoothNormals(const PatchSet& scene) : at_(scene.primitives.size(
     for (int k = 0; k < 4; ++k) {
       const Vec3d& sum = sums[p.smooth_vertices[k]];
       corners[k] = sum.length() > 0 ? Vec3f(sum.normalized()) : flat;
-      curved = curved || (corners[k] ^ flat) < kAlike;
+      curved = curved || (corners[k] ^ flat) < kSameNormal;
     }
     if (!curved) continue;
-    at_[i] = std::int32_t(corners_.size());
+    corner_index_[i] = std::int32_t(corners_.size());
     corners_.push_back(corners);
   }
 }
 
 Vec3f SmoothNormals::operator()(std::int32_t i, float u, float v, const Vec3f& flat) const {
-  if (at_[i] < 0) return flat;
-  const auto& c = corners_[at_[i]];
+  if (corner_index_[i] < 0) return flat;
+  const auto& c = corners_[corner_index_[i]];
   const Vec3f normal = (c[0] * (1 - u) + c[1] * u) * (1 - v) + (c[3] * (1 - u) + c[2] * u) * v;
   const float length = normal.length();
   return length > 0 ? normal / length : flat;

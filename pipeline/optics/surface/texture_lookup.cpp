@@ -10,7 +10,8 @@ namespace patchlight {
 
 namespace {
 
-/// Where texels `from` and after it lie along an axis of `count` texels; `from` is in the first period or just before.
+/// Indices of the texels `from` and `from` + 1 along an axis of `count` texels. `from` is in the first period or just
+/// before it.
 std::array<std::int64_t, 2> texel_pair(std::int64_t from, std::int64_t count, Texture::Wrap wrap) {
   const auto wrapped = [&](std::int64_t k) {
     if (wrap == Texture::Wrap::clamp) return std::clamp<std::int64_t>(k, 0, count - 1);
@@ -21,14 +22,14 @@ std::array<std::int64_t, 2> texel_pair(std::int64_t from, std::int64_t count, Te
   return {wrapped(from), wrapped(from + 1)};
 }
 
-/// A texture coordinate in its wrapping's first period.
+/// A texture coordinate, mapped to the first period of the wrap mode.
 double in_first_period(double x, Texture::Wrap wrap) {
   if (wrap == Texture::Wrap::clamp) return std::clamp(x, -1.0, 2.0);
   return wrap == Texture::Wrap::mirror ? x - 2 * std::floor(0.5 * x) : x - std::floor(x);
 }
 
-/// sRGB from [0, 255] to linear [0, 1] by a table; its error is below 1e-5.
-float linear_of(float encoded) {
+/// sRGB in [0,255] to linear in [0,1], by a table with an error below 1e-5.
+float srgb_to_linear(float srgb) {
   constexpr int kSteps = 1024;
   static const std::vector<float> table = [] {
     std::vector<float> values(kSteps + 2);
@@ -38,28 +39,28 @@ float linear_of(float encoded) {
     }
     return values;
   }();
-  const float x = encoded * (float(kSteps) / 255.0f);
+  const float x = srgb * (float(kSteps) / 255.0f);
   const int k = int(x);
   return table[k] + (table[k + 1] - table[k]) * (x - float(k));
 }
 
-Vec3f encoded(std::int32_t rgb) {
+Vec3f srgb_channels(std::int32_t rgb) {
   return {float(rgb >> 16 & 255), float(rgb >> 8 & 255), float(rgb & 255)};
 }
 
-/// value_of(texel) at a place, bilinear between texels unless the texture says otherwise.
-template <class ValueOf>
-auto value_at(const Texture& texture, const Imath::V2d& at, const ValueOf& value_of) {
-  constexpr double kFarthest = 1e9;  // turns of a texture that still have digits
-  const double middle = texture.nearest ? 0.0 : 0.5;
+/// decode(texel) at texture coordinates, by the texture's filter.
+template <class Decode>
+auto filtered_value(const Texture& texture, const Imath::V2d& at, const Decode& decode) {
+  constexpr double kMaxPeriods = 1e9;  // beyond, a double has no useful fraction
+  const double texel_center = texture.nearest ? 0.0 : 0.5;
   const auto texels = [&](double coordinate, std::int32_t count, Texture::Wrap wrap) {
-    return in_first_period(std::clamp(coordinate, -kFarthest, kFarthest), wrap) * count - middle;
+    return in_first_period(std::clamp(coordinate, -kMaxPeriods, kMaxPeriods), wrap) * count - texel_center;
   };
   const double s = texels(at.x, texture.width, texture.wrap[0]), t = texels(at.y, texture.height, texture.wrap[1]);
   const double left = std::floor(s), top = std::floor(t);
   const auto x = texel_pair(std::int64_t(left), texture.width, texture.wrap[0]);
   const auto y = texel_pair(std::int64_t(top), texture.height, texture.wrap[1]);
-  const auto value = [&](int i, int j) { return value_of(texture.texels[std::size_t(y[j] * texture.width + x[i])]); };
+  const auto value = [&](int i, int j) { return decode(texture.texels[std::size_t(y[j] * texture.width + x[i])]); };
   auto sum = value(0, 0);
   if (!texture.nearest) {
     const auto a = float(s - left), b = float(t - top);
@@ -77,20 +78,20 @@ Imath::V2d texcoord_of(const std::vector<Texcoords>& texcoords, std::int32_t i, 
   return {bilinear(&Vec2f::x), bilinear(&Vec2f::y)};
 }
 
-/// As the finish texture of a primitive has it: roughness and how metallic, both in [0,1].
-Vec2f metallic_roughness_texture(const PatchSet& scene, std::int32_t i, double u, double v) {
+/// The texture's roughness and metalness, both in [0,1].
+Vec2f roughness_metalness(const PatchSet& scene, std::int32_t i, double u, double v) {
   const auto& texcoords =
       scene.metallic_roughness_texcoords.empty() ? scene.texcoords : scene.metallic_roughness_texcoords;
-  return value_at(scene.textures[scene.primitives[i].metallic_roughness_texture], texcoord_of(texcoords, i, u, v),
-                  [](std::int32_t rgb) { return Vec2f(float(rgb >> 8 & 255), float(rgb & 255)); }) /
+  return filtered_value(scene.textures[scene.primitives[i].metallic_roughness_texture], texcoord_of(texcoords, i, u, v),
+                        [](std::int32_t rgb) { return Vec2f(float(rgb >> 8 & 255), float(rgb & 255)); }) /
          255.0f;
 }
 
-/// What tints and metals are multiplied by at a place.
+/// Base colour: texture times vertex colours.
 Color base_color(const PatchSet& scene, std::int32_t i, double u, double v) {
   const Primitive& primitive = scene.primitives[i];
-  const Vec4f own = vertex_color(scene, i, u, v);
-  const Color color(own.x, own.y, own.z);
+  const Vec4f vertex = vertex_color(scene, i, u, v);
+  const Color color(vertex.x, vertex.y, vertex.z);
   if (primitive.texture < 0) return color;
   return texture_color(scene.textures[primitive.texture], texcoord_at(scene, i, u, v)) * color;
 }
@@ -102,8 +103,8 @@ Imath::V2d texcoord_at(const PatchSet& scene, std::int32_t i, double u, double v
 }
 
 Color texture_color(const Texture& texture, const Imath::V2d& at) {
-  const Vec3f color = value_at(texture, at, encoded);
-  return {linear_of(color.x), linear_of(color.y), linear_of(color.z)};
+  const Vec3f color = filtered_value(texture, at, srgb_channels);
+  return {srgb_to_linear(color.x), srgb_to_linear(color.y), srgb_to_linear(color.z)};
 }
 
 Color colored_reflectance(const PatchSet& scene, std::int32_t i, double u, double v) {
@@ -111,24 +112,24 @@ Color colored_reflectance(const PatchSet& scene, std::int32_t i, double u, doubl
   const Material& material = scene.materials[primitive.material];
   Color tint = material.tint;
   if (primitive.metallic_roughness_texture >= 0)
-    tint += material.metal * (1.0f - metallic_roughness_texture(scene, i, u, v).y);
+    tint += material.metal * (1.0f - roughness_metalness(scene, i, u, v).y);
   const Color color = tint * base_color(scene, i, u, v);
-  Color most(kHighestReflectance);
-  if (!has_varied_metal(scene, i)) most = most_reflectance(material);
-  return within_range(Vec3d(color.x, color.y, color.z), most);
+  Color highest(kHighestReflectance);
+  if (!has_varied_metal(scene, i)) highest = most_reflectance(material);
+  return within_range(Vec3d(color.x, color.y, color.z), highest);
 }
 
 MetallicRoughness metallic_roughness_at(const PatchSet& scene, std::int32_t i, double u, double v) {
   const Primitive& primitive = scene.primitives[i];
   const Material& material = scene.materials[primitive.material];
-  MetallicRoughness metallic_roughness{material.specular, material.roughness};
-  if (!has_varied_metal(scene, i)) return metallic_roughness;
-  metallic_roughness.specular = material.metal * base_color(scene, i, u, v);
-  if (primitive.metallic_roughness_texture < 0) return metallic_roughness;
-  const Vec2f texel = metallic_roughness_texture(scene, i, u, v);
-  metallic_roughness.specular *= texel.y;
-  metallic_roughness.roughness = material.roughness_factor * texel.x;
-  return metallic_roughness;
+  MetallicRoughness metal{material.specular, material.roughness};
+  if (!has_varied_metal(scene, i)) return metal;
+  metal.specular = material.metal * base_color(scene, i, u, v);
+  if (primitive.metallic_roughness_texture < 0) return metal;
+  const Vec2f texel = roughness_metalness(scene, i, u, v);
+  metal.specular *= texel.y;
+  metal.roughness = material.roughness_factor * texel.x;
+  return metal;
 }
 
 Color textured_emission(const PatchSet& scene, std::int32_t i, double u, double v) {
@@ -139,7 +140,7 @@ Color textured_emission(const PatchSet& scene, std::int32_t i, double u, double 
 }
 
 float mask_value(const Texture& mask, const Imath::V2d& at) {
-  return value_at(mask, at, [](std::int32_t alpha) { return float(alpha); }) / 255.0f;
+  return filtered_value(mask, at, [](std::int32_t alpha) { return float(alpha); }) / 255.0f;
 }
 
 Vec4f vertex_color(const PatchSet& scene, std::int32_t i, double u, double v) {

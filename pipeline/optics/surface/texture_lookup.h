@@ -3,33 +3,33 @@
 
 namespace patchlight {
 
-/// Texture coordinates of base colour at (u,v) of primitive `i`; (u,v) itself for a scene without any.
+/// Texture coordinates of base colour at (u,v) of primitive `i`; (u,v) if the scene has none.
 Imath::V2d texcoord_at(const PatchSet& scene, std::int32_t i, double u, double v);
 
-/// The linear colour of a texture, bilinear between texels in their sRGB encoding, as path tracers and GPUs of plain
-/// 8-bit images filter.
+/// Linear colour of a texture. Texels are interpolated in their sRGB encoding, like 8-bit images in path tracers and on
+/// GPUs without sRGB formats.
 Color texture_color(const Texture& texture, const Imath::V2d& at);
 
-/// Diffuse reflectance at (u,v) of primitive `i`, which is colored: its material's tint, and what its finish leaves of
-/// its metal, times texture and colours; in range beside its metallic part.
+/// Diffuse reflectance at (u,v) of primitive `i`, for which is_colored() holds: the material's tint and the
+/// non-metallic part of its metal, times base colour; limited by most_reflectance().
 Color colored_reflectance(const PatchSet& scene, std::int32_t i, double u, double v);
 
-/// What a surface reflects as a metal.
+/// Specular reflection of a metal at a surface point.
 struct MetallicRoughness {
-  Color specular{0.0f};  ///< Each in [0,1].
+  Color specular{0.0f};  ///< Reflectance, each in [0,1].
   float roughness = 1.0f;
 };
 
-/// At (u,v) of primitive `i`: its material's, or where textures or colours vary that, as they say there.
+/// Specular reflection at (u,v) of primitive `i`: the material's, varied by textures and vertex colours.
 MetallicRoughness metallic_roughness_at(const PatchSet& scene, std::int32_t i, double u, double v);
 
 /// Radiant exitance at (u,v) of primitive `i`, which has an emission texture, W/m2.
 Color textured_emission(const PatchSet& scene, std::int32_t i, double u, double v);
 
-/// Alpha of a mask in [0,1], bilinear between texels.
+/// Alpha of a mask, in [0,1], by the mask's filter.
 float mask_value(const Texture& mask, const Imath::V2d& at);
 
-/// What the vertices of primitive `i` say at (u,v); ones where they have no colours.
+/// Vertex colour and alpha at (u,v) of primitive `i`; 1 without vertex colours.
 Vec4f vertex_color(const PatchSet& scene, std::int32_t i, double u, double v);
 
 }  // namespace patchlight
