@@ -14,8 +14,8 @@ bool passes_alpha_test(const PatchSet& scene, std::int32_t i, double u, double v
 
 Vec2f covered_point(const PatchSet& scene, const Patch& patch, const PatchSampler& sampler, Vec2f at,
                     std::uint64_t random) {
-  constexpr int kTries = 64;
-  for (int k = 0; k < kTries; ++k) {
+  constexpr int kMaxTries = 64;
+  for (int k = 0; k < kMaxTries; ++k) {
     const Imath::V2d uv = sampler.uv(at.x, at.y);
     if (passes_alpha_test(scene, patch.primitive, uv.x, uv.y)) return at;
     random = hash64(random + 1);

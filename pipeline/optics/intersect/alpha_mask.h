@@ -6,18 +6,18 @@
 
 namespace patchlight {
 
-/// Whether primitive `i`, which has a mask, is there at (u,v): its material's alpha times the mask's, bilinear between
-/// texels, and the vertices' is no less than the cutoff.
+/// Alpha test of primitive `i`, which has a mask, at (u,v): whether the product of the material's, the mask's and the
+/// vertices' alpha is at least the cutoff.
 bool passes_alpha_test(const PatchSet& scene, std::int32_t i, double u, double v);
 
-/// Whether something may be cut out of a patch, and it is no mere point.
+/// Whether a patch has an alpha mask and an area.
 inline bool has_alpha_mask(const PatchSet& scene, const Patch& patch) {
   return scene.primitives[patch.primitive].mask >= 0 && patch.area > 0;
 }
 
-/// A point of the unit square of a patch that has cut-outs where it is there: `at`, or, if that is in a hole, the first
-/// of some others at random that is not. So what is uniform over the square becomes uniform over what is there. Where
-/// that is next to nothing, holes count too.
+/// A point of the unit square of a masked patch that passes the alpha test: `at`, or else the first of up to 64 random
+/// points that does. Maps uniform points of the square to uniform points of the covered area. If no point passes, the
+/// result is in a hole.
 Vec2f covered_point(const PatchSet& scene, const Patch& patch, const PatchSampler& sampler, Vec2f at,
                     std::uint64_t random);
 

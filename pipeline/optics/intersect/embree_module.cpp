@@ -27,13 +27,13 @@ class Tracer : public EmbreeTracer {
 
   void add_quads(const std::vector<std::array<Vec3f, 4>>& corners) override { attach(new_quads(corners), kQuads); }
 
-  void add_filtered_quads(const std::vector<std::array<Vec3f, 4>>& corners, unsigned first, Filter filter) override {
-    first_ = first;
+  void add_filtered_quads(const std::vector<std::array<Vec3f, 4>>& corners, unsigned first, HitFilter filter) override {
+    first_filtered_ = first;
     filter_ = std::move(filter);
     RTCGeometry geometry = new_quads(corners);
     rtcSetGeometryUserData(geometry, this);
-    rtcSetGeometryIntersectFilterFunction(geometry, filter_hits);
-    rtcSetGeometryOccludedFilterFunction(geometry, filter_hits);
+    rtcSetGeometryIntersectFilterFunction(geometry, reject_hits);
+    rtcSetGeometryOccludedFilterFunction(geometry, reject_hits);
     attach(geometry, kQuads);
   }
 
@@ -46,8 +46,8 @@ class Tracer : public EmbreeTracer {
     attach(geometry, kSpheres);
   }
 
-  /// By one thread, so that the tree, and with it who wins between touching surfaces, is always the same. (Saying so to
-  /// the device would bind the whole program to one, as long as the device lives.)
+  /// Builds with one thread, so that the BVH, and with it the order of coincident hits, is deterministic. (The device
+  /// option `threads=1` would limit TBB in the whole program while the device exists.)
   void build() override {
     tbb::task_arena(1).execute([&] { rtcCommitScene(scene_); });
     if (rtcGetDeviceError(device_) == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
@@ -57,28 +57,29 @@ class Tracer : public EmbreeTracer {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     for (int lane = 0; lane < 16; ++lane)
-      if (valid[lane] == 0) leave_out(rays.ray, lane);
+      if (valid[lane] == 0) disable_lane(rays.ray, lane);
     context.flags = coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
     rtcIntersect16(valid.data(), scene_, &context, &rays);
   }
 
-  std::uint32_t occluded(RTCRay16& rays, std::uint32_t wanted) const override {
+  std::uint32_t occluded(RTCRay16& rays, std::uint32_t active) const override {
     alignas(64) std::array<int, 16> valid;
     for (int lane = 0; lane < 16; ++lane) {
-      valid[lane] = -int(wanted >> lane & 1u);
-      if (valid[lane] == 0) leave_out(rays, lane);
+      valid[lane] = -int(active >> lane & 1u);
+      if (valid[lane] == 0) disable_lane(rays, lane);
     }
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     rtcOccluded16(valid.data(), scene_, &context, &rays);
-    std::uint32_t blocked = 0;
-    for (int lane = 0; lane < 16; ++lane) blocked |= std::uint32_t(valid[lane] != 0 && rays.tfar[lane] < 0) << lane;
-    return blocked;
+    std::uint32_t occluded_lanes = 0;
+    for (int lane = 0; lane < 16; ++lane)
+      occluded_lanes |= std::uint32_t(valid[lane] != 0 && rays.tfar[lane] < 0) << lane;
+    return occluded_lanes;
   }
 
  private:
-  /// Where registers hold less than sixteen lanes Embree does not look at `valid`, but at a ray's ends.
-  static void leave_out(RTCRay16& rays, int lane) {
+  /// With registers of fewer than sixteen lanes, Embree ignores `valid` but tests tnear and tfar.
+  static void disable_lane(RTCRay16& rays, int lane) {
     rays.tnear[lane] = std::numeric_limits<float>::infinity();
     rays.tfar[lane] = -std::numeric_limits<float>::infinity();
   }
@@ -98,34 +99,34 @@ class Tracer : public EmbreeTracer {
     return geometry;
   }
 
-  void attach(RTCGeometry geometry, unsigned number) {
+  void attach(RTCGeometry geometry, unsigned geometry_id) {
     rtcCommitGeometry(geometry);
-    rtcAttachGeometryByID(scene_, geometry, number);
+    rtcAttachGeometryByID(scene_, geometry, geometry_id);
     rtcReleaseGeometry(geometry);
   }
 
-  /// Numbers what rays come to, and takes back what they do not meet.
-  static void filter_hits(const RTCFilterFunctionNArguments* arguments) {
-    const auto& self = *static_cast<const Tracer*>(arguments->geometryUserPtr);
+  /// Adds first_filtered_ to primID, and rejects the hits that the filter does not accept.
+  static void reject_hits(const RTCFilterFunctionNArguments* arguments) {
+    const auto& tracer = *static_cast<const Tracer*>(arguments->geometryUserPtr);
     RTCRayN* const rays = arguments->ray;
     RTCHitN* const hits = arguments->hit;
     const unsigned count = arguments->N;
     for (unsigned k = 0; k < count; ++k) {
       if (arguments->valid[k] == 0) continue;
       unsigned& quad = RTCHitN_primID(hits, count, k);
-      quad += self.first_;
+      quad += tracer.first_filtered_;
       const Vec3f origin(RTCRayN_org_x(rays, count, k), RTCRayN_org_y(rays, count, k), RTCRayN_org_z(rays, count, k));
       const Vec3f direction(RTCRayN_dir_x(rays, count, k), RTCRayN_dir_y(rays, count, k),
                             RTCRayN_dir_z(rays, count, k));
       const Vec2f at(RTCHitN_u(hits, count, k), RTCHitN_v(hits, count, k));
-      if (!self.filter_(quad, at, origin, direction, RTCRayN_tfar(rays, count, k))) arguments->valid[k] = 0;
+      if (!tracer.filter_(quad, at, origin, direction, RTCRayN_tfar(rays, count, k))) arguments->valid[k] = 0;
     }
   }
 
   RTCDevice device_;
   RTCScene scene_;
-  unsigned first_ = 0;  ///< Of filtered quads.
-  Filter filter_;
+  unsigned first_filtered_ = 0;  ///< primID of the first filtered quad.
+  HitFilter filter_;
 };
 
 }  // namespace

@@ -1,5 +1,5 @@
 #pragma once
 #include "pipeline/optics/intersect/embree_tracer.h"
 
-/// What the module patchlight-embree is asked for. Null where Embree does not start; the caller owns it.
+/// Entry point of the module patchlight-embree. Null if Embree does not start; the caller owns the result.
 extern "C" patchlight::EmbreeTracer* make_embree_tracer();

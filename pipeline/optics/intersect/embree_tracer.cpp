@@ -6,7 +6,7 @@
 
 namespace patchlight {
 
-std::unique_ptr<EmbreeTracer> EmbreeTracer::start() {
+std::unique_ptr<EmbreeTracer> EmbreeTracer::create() {
   static auto* const make = on_demand<decltype(make_embree_tracer)>("patchlight-embree", "make_embree_tracer");
   std::unique_ptr<EmbreeTracer> tracer(make());
   if (!tracer) throw Error(ExitCode::unavailable, "Embree does not start", "", "check the processor and libembree3");

@@ -2,7 +2,7 @@
 
 #include <immintrin.h>
 
-// Compiled three times: PACKET_WIDTH lanes to a vector register.
+// Compiled for each PACKET_WIDTH, the number of lanes of a vector register.
 #define JOIN_(a, b) a##b
 #define JOIN(a, b) JOIN_(a, b)
 
@@ -22,11 +22,11 @@ inline void store(float* to, const Floats& value) {
   *reinterpret_cast<Floats*>(to) = value;
 }
 
-inline Floats least(const Floats& a, const Floats& b) {
+inline Floats minimum(const Floats& a, const Floats& b) {
   return a < b ? a : b;
 }
 
-inline Floats most(const Floats& a, const Floats& b) {
+inline Floats maximum(const Floats& a, const Floats& b) {
   return a > b ? a : b;
 }
 
@@ -40,48 +40,49 @@ inline bool any(const Ints& mask) {
 #endif
 }
 
-/// What rays have in common for all boxes: the way to the plane where an axis has the value p is p * inverse - start.
+/// Per-ray constants of the slab test: a ray hits the plane at coordinate p of an axis at t = p * inverse -
+/// scaled_origin.
 struct alignas(64) RayInverse {
-  float inverse[3][kLanes], start[3][kLanes];
-  bool mixed = false;              ///< Some rays go one way along an axis, some the other.
-  std::int32_t first[3], last[3];  ///< Of a box's planes, which they meet first and last, if not.
+  float inverse[3][kLanes], scaled_origin[3][kLanes];
+  bool mixed_signs = false;                  ///< Whether the directions differ in sign along some axis.
+  std::int32_t near_plane[3], far_plane[3];  ///< Unless mixed: the planes of a box that rays hit first and last.
 
   explicit RayInverse(const Rays& r) {
-    constexpr float kSteep = 1e30f;  // for one over nothing, so that all stay numbers
+    constexpr float kMaxInverse = 1e30f;  // for direction components near 0, to avoid NaN
     for (int k = 0; k < 3; ++k) {
       bool forwards = false, backwards = false;
       for (int lane = 0; lane < kLanes; lane += kWidth) {
         const Floats d = load(r.direction[k] + lane);
-        const Floats i = (d > 1 / kSteep) | (d < -1 / kSteep) ? 1.0f / d : kSteep - Floats{};
+        const Floats i = (d > 1 / kMaxInverse) | (d < -1 / kMaxInverse) ? 1.0f / d : kMaxInverse - Floats{};
         store(inverse[k] + lane, i);
-        store(start[k] + lane, load(r.origin[k] + lane) * i);
-        const Ints wanted = load(r.near + lane) <= load(r.far + lane);
-        forwards = forwards || any(wanted & (i > 0.0f));
-        backwards = backwards || any(wanted & (i < 0.0f));
+        store(scaled_origin[k] + lane, load(r.origin[k] + lane) * i);
+        const Ints active = load(r.near + lane) <= load(r.far + lane);
+        forwards = forwards || any(active & (i > 0.0f));
+        backwards = backwards || any(active & (i < 0.0f));
       }
-      mixed = mixed || (forwards && backwards);
-      first[k] = backwards ? k + 3 : k;
-      last[k] = backwards ? k : k + 3;
+      mixed_signs = mixed_signs || (forwards && backwards);
+      near_plane[k] = backwards ? k + 3 : k;
+      far_plane[k] = backwards ? k : k + 3;
     }
   }
 };
 
-/// Which lanes of a vector go through a box.
-template <bool kMixed>
-inline Ints entered(const Rays& r, const RayInverse& ray, const Node& n, int lane) {
-  Floats enter = load(r.near + lane), leave = load(r.far + lane);
+/// Slab test of a vector's lanes with a node's box.
+template <bool kMixedSigns>
+inline Ints intersect_box(const Rays& r, const RayInverse& ray, const Node& n, int lane) {
+  Floats entry = load(r.near + lane), exit = load(r.far + lane);
   for (int k = 0; k < 3; ++k) {
-    const Floats inverse = load(ray.inverse[k] + lane), start = load(ray.start[k] + lane);
-    const Floats a = n.planes[kMixed ? k : ray.first[k]] * inverse - start;
-    const Floats b = n.planes[kMixed ? k + 3 : ray.last[k]] * inverse - start;
-    // In this order, what is not a number changes nothing.
-    enter = most(kMixed ? least(a, b) : a, enter);
-    leave = least(kMixed ? most(a, b) : b, leave);
+    const Floats inverse = load(ray.inverse[k] + lane), scaled_origin = load(ray.scaled_origin[k] + lane);
+    const Floats a = n.planes[kMixedSigns ? k : ray.near_plane[k]] * inverse - scaled_origin;
+    const Floats b = n.planes[kMixedSigns ? k + 3 : ray.far_plane[k]] * inverse - scaled_origin;
+    // With this order of operands, NaN is ignored.
+    entry = maximum(kMixedSigns ? minimum(a, b) : a, entry);
+    exit = minimum(kMixedSigns ? maximum(a, b) : b, exit);
   }
-  return enter <= leave;
+  return entry <= exit;
 }
 
-/// The lanes of a vector, kept in registers over the surfaces of a leaf.
+/// A vector's lanes, kept in registers while they are intersected with the primitives of a leaf.
 struct Lanes {
   Floats ox, oy, oz, dx, dy, dz, near, far, s, t;
   Ints surface;
@@ -106,7 +107,7 @@ struct Lanes {
     *reinterpret_cast<Ints*>(r.surface + lane) = surface;
   }
 
-  void intersect(const Facet& f, std::int32_t which) {
+  void intersect(const Facet& f, std::int32_t id) {
     const Floats x = ox - f.corner[0], y = oy - f.corner[1], z = oz - f.corner[2];
     const Floats distance = -(x * f.normal[0] + y * f.normal[1] + z * f.normal[2]) /
                             (dx * f.normal[0] + dy * f.normal[1] + dz * f.normal[2]);
@@ -114,77 +115,78 @@ struct Lanes {
     const Floats px = x + distance * dx, py = y + distance * dy, pz = z + distance * dz;
     const Floats fs = px * f.s[0] + py * f.s[1] + pz * f.s[2];
     const Floats ft = px * f.t[0] + py * f.t[1] + pz * f.t[2];
-    const Floats third = f.third[0] * (1.0f - fs) + f.third[1] * ft;
-    const Floats fourth = f.fourth[0] * (1.0f - ft) + f.fourth[1] * fs;
-    const Ints hit = (fs >= f.rounding[0]) & (ft >= f.rounding[1]) & (third >= f.rounding[2]) &
-                     (fourth >= f.rounding[3]) & (distance > near) & (distance < far);
+    const Floats third = f.third_edge[0] * (1.0f - fs) + f.third_edge[1] * ft;
+    const Floats fourth = f.fourth_edge[0] * (1.0f - ft) + f.fourth_edge[1] * fs;
+    const Ints hit = (fs >= f.tolerance[0]) & (ft >= f.tolerance[1]) & (third >= f.tolerance[2]) &
+                     (fourth >= f.tolerance[3]) & (distance > near) & (distance < far);
     far = hit ? distance : far;
-    s = hit ? f.start + f.sign * fs : s;
-    t = hit ? f.start + f.sign * ft : t;
-    surface = hit ? which - Ints{} : surface;
+    s = hit ? f.offset + f.sign * fs : s;
+    t = hit ? f.offset + f.sign * ft : t;
+    surface = hit ? id - Ints{} : surface;
   }
 
-  void intersect(const Ball& b, std::int32_t which) {
+  void intersect(const Sphere& b, std::int32_t id) {
     const Floats x = b.center[0] - ox, y = b.center[1] - oy, z = b.center[2] - oz;
     const Floats scale = 1.0f / (dx * dx + dy * dy + dz * dz);
-    const Floats middle = (x * dx + y * dy + z * dz) * scale;
-    const Floats off_x = x - middle * dx, off_y = y - middle * dy, off_z = z - middle * dz;
-    const Floats inside = b.radius * b.radius - (off_x * off_x + off_y * off_y + off_z * off_z);
-    Floats half = most(inside, Floats{}) * scale;
-    for (int k = 0; k < kWidth; ++k) half[k] = __builtin_sqrtf(half[k]);
-    const Floats enter = middle - half, leave = middle + half;
-    const Floats distance = enter > near ? enter : leave;
-    const Ints hit = (inside >= 0.0f) & (distance > near) & (distance < far);
+    const Floats t_middle = (x * dx + y * dy + z * dz) * scale;
+    const Floats off_x = x - t_middle * dx, off_y = y - t_middle * dy, off_z = z - t_middle * dz;
+    const Floats discriminant = b.radius * b.radius - (off_x * off_x + off_y * off_y + off_z * off_z);
+    Floats half_chord = maximum(discriminant, Floats{}) * scale;
+    for (int k = 0; k < kWidth; ++k) half_chord[k] = __builtin_sqrtf(half_chord[k]);
+    const Floats entry = t_middle - half_chord, exit = t_middle + half_chord;
+    const Floats distance = entry > near ? entry : exit;
+    const Ints hit = (discriminant >= 0.0f) & (distance > near) & (distance < far);
     far = hit ? distance : far;
-    surface = hit ? which - Ints{} : surface;
+    surface = hit ? id - Ints{} : surface;
   }
 };
 
-std::uint32_t blocked(const Rays& rays) {
+std::uint32_t hit_lanes(const Rays& rays) {
   std::uint32_t bits = 0;
   for (int lane = 0; lane < kLanes; ++lane) bits |= std::uint32_t(rays.surface[lane] >= 0) << lane;
   return bits;
 }
 
-/// Nodes from near to far, as the first lane goes.
-template <bool kMixed>
-void traverse(const Tree& tree, Rays& rays, const RayInverse& ray, std::uint32_t wanted) {
-  std::int32_t stack[kDeepest + 2];
-  int waiting = 0;
-  stack[waiting++] = 0;
-  while (waiting > 0) {
-    const Node& node = tree.nodes[stack[--waiting]];
+/// Traverses the nodes front to back, in the order of the first lane.
+template <bool kMixedSigns>
+void traverse(const Bvh& bvh, Rays& rays, const RayInverse& ray, std::uint32_t occlusion_lanes) {
+  std::int32_t stack[kMaxDepth + 2];
+  int stack_size = 0;
+  stack[stack_size++] = 0;
+  while (stack_size > 0) {
+    const Node& node = bvh.nodes[stack[--stack_size]];
     int lane = 0;
-    while (lane < kLanes && !any(entered<kMixed>(rays, ray, node, lane))) lane += kWidth;
+    while (lane < kLanes && !any(intersect_box<kMixedSigns>(rays, ray, node, lane))) lane += kWidth;
     if (lane == kLanes) continue;
     if (node.count == 0) {
       const bool backwards = rays.direction[node.axis][0] < 0;
-      stack[waiting++] = node.first + !backwards;
-      stack[waiting++] = node.first + backwards;
+      stack[stack_size++] = node.first + !backwards;
+      stack[stack_size++] = node.first + backwards;
       continue;
     }
     do {
       Lanes lanes(rays, lane);
       for (std::int32_t k = node.first; k < node.first + node.count; ++k) {
-        const PrimitiveReference& item = tree.items[k];
-        if (item.surface % 2 == 0)
-          lanes.intersect(tree.facets[item.shape], item.surface);
+        const PrimitiveReference& reference = bvh.references[k];
+        if (reference.surface % 2 == 0)
+          lanes.intersect(bvh.facets[reference.shape], reference.surface);
         else
-          lanes.intersect(tree.balls[item.shape], item.surface);
+          lanes.intersect(bvh.spheres[reference.shape], reference.surface);
       }
       lanes.store_to(rays, lane);
       do lane += kWidth;
-      while (lane < kLanes && !any(entered<kMixed>(rays, ray, node, lane)));
+      while (lane < kLanes && !any(intersect_box<kMixedSigns>(rays, ray, node, lane)));
     } while (lane < kLanes);
-    if (wanted != 0 && (wanted & ~blocked(rays)) == 0) return;
+    if (occlusion_lanes != 0 && (occlusion_lanes & ~hit_lanes(rays)) == 0) return;
   }
 }
 
 }  // namespace
 
-void JOIN(trace_by_, PACKET_WIDTH)(const Tree& tree, Rays& rays, std::uint32_t wanted) {
+void JOIN(trace_width_, PACKET_WIDTH)(const Bvh& bvh, Rays& rays, std::uint32_t occlusion_lanes) {
   const RayInverse inverse(rays);
-  inverse.mixed ? traverse<true>(tree, rays, inverse, wanted) : traverse<false>(tree, rays, inverse, wanted);
+  inverse.mixed_signs ? traverse<true>(bvh, rays, inverse, occlusion_lanes)
+                      : traverse<false>(bvh, rays, inverse, occlusion_lanes);
 }
 
 }  // namespace patchlight::packet

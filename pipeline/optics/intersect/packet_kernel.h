@@ -1,62 +1,66 @@
 #pragma once
 #include <cstdint>
 
-// Plain data alone: what this is for is compiled once for each kind of vector registers.
+// Plain data only: code that includes this header is compiled once for each vector width.
 namespace patchlight::packet {
 
 constexpr int kLanes = 16;
 
-/// A quad or a triangle, inside which s, t, and two more functions of them are no less than minus their rounding.
+/// A quad or a triangle: the points of its plane where four linear functions, s, t, `third_edge` and `fourth_edge`, are
+/// at least their tolerance, a small negative number.
 struct Facet {
-  float corner[3], normal[3], s[3], t[3];  ///< A corner, and the gradients of s and t from it.
-  float third[2], fourth[2];               ///< The other sides: x (1 - s) + y t and x (1 - t) + y s.
-  float rounding[4];
-  float start, sign;  ///< (s,t) are start + sign * those of the facet.
+  float corner[3], normal[3], s[3], t[3];  ///< A corner, the unit normal, and the gradients of s and t.
+  float third_edge[2], fourth_edge[2];     ///< (x,y) of x (1 - s) + y t and of x (1 - t) + y s.
+  float tolerance[4];
+  float offset, sign;  ///< The hit's (s,t) is offset + sign * (s,t) of the facet.
 };
 
-struct Ball {
+struct Sphere {
   float center[3];
   float radius;
 };
 
+/// An entry of a BVH leaf.
 struct PrimitiveReference {
-  std::int32_t surface;  ///< Twice its index, and one more for a sphere.
-  std::int32_t shape;    ///< Which facet or ball.
+  std::int32_t surface;  ///< 2 * index for a quad, 2 * index + 1 for a sphere.
+  std::int32_t shape;    ///< Index of its facet or sphere.
 };
 
+/// A BVH node with its bounding box.
 struct alignas(32) Node {
-  float planes[6];      ///< Of its box: low and then high.
-  std::int32_t first;   ///< Of its items, or the first of two children.
-  std::uint16_t count;  ///< 0: it has children.
-  std::uint16_t axis;   ///< Along which its children stand.
+  float planes[6];      ///< Of its box: minimum x, y, z, then maximum x, y, z.
+  std::int32_t first;   ///< Leaf: first primitive reference; else the first of two children.
+  std::uint16_t count;  ///< Leaf: number of primitive references; else 0.
+  std::uint16_t axis;   ///< Split axis of the children.
 };
 
-constexpr int kDeepest = 48;
+constexpr int kMaxDepth = 48;  ///< Of the BVH.
 
-/// A tree of boxes about surfaces.
-struct Tree {
+/// A bounding volume hierarchy.
+struct Bvh {
   const Node* nodes;
-  const PrimitiveReference* items;
+  const PrimitiveReference* references;
   const Facet* facets;
-  const Ball* balls;
+  const Sphere* spheres;
 };
 
-/// Rays, each array aligned to 64 bytes, and what they meet.
+/// Rays and their hits. Every array is aligned to 64 bytes.
 struct Rays {
   const float *origin[3], *direction[3], *near;
   float* far;
   float *s, *t;
-  alignas(64) std::int32_t surface[kLanes];  ///< -1: nothing.
+  alignas(64) std::int32_t surface[kLanes];  ///< See PrimitiveReference; -1: no hit.
 };
 
-/// Finds the nearest surface in each lane's way, or, if `wanted` is not 0, goes on until there is any in all of those.
-using Trace = void (*)(const Tree& tree, Rays& rays, std::uint32_t wanted);
+/// Finds the closest hit of each lane; or, if `occlusion_lanes` is not 0, stops as soon as all these lanes have any
+/// hit.
+using TraceFunction = void (*)(const Bvh& bvh, Rays& rays, std::uint32_t occlusion_lanes);
 
-/// For the widest registers of this processor.
-Trace fastest();
+/// The kernel for the widest vector registers of this processor.
+TraceFunction fastest_trace();
 
-void trace_by_4(const Tree& tree, Rays& rays, std::uint32_t wanted);
-void trace_by_8(const Tree& tree, Rays& rays, std::uint32_t wanted);
-void trace_by_16(const Tree& tree, Rays& rays, std::uint32_t wanted);
+void trace_width_4(const Bvh& bvh, Rays& rays, std::uint32_t occlusion_lanes);
+void trace_width_8(const Bvh& bvh, Rays& rays, std::uint32_t occlusion_lanes);
+void trace_width_16(const Bvh& bvh, Rays& rays, std::uint32_t occlusion_lanes);
 
 }  // namespace patchlight::packet

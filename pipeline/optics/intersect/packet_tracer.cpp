@@ -9,8 +9,8 @@ namespace {
 
 using packet::kLanes;
 
-// From here to minus here, nothing is met, whatever else a lane holds.
-constexpr float kEndless = std::numeric_limits<float>::infinity();
+// A lane from +infinity to -infinity hits nothing, whatever else it holds.
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 packet::Rays rays_of(const RTCRay16& r, const float* near, float* far, float* s, float* t) {
   packet::Rays rays{{r.org_x, r.org_y, r.org_z}, {r.dir_x, r.dir_y, r.dir_z}, near, far, s, t, {}};
@@ -20,18 +20,19 @@ packet::Rays rays_of(const RTCRay16& r, const float* near, float* far, float* s,
 
 }  // namespace
 
-packet::Trace packet::fastest() {
-  if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma")) return trace_by_4;
-  return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") ? trace_by_16 : trace_by_8;
+packet::TraceFunction packet::fastest_trace() {
+  if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma")) return trace_width_4;
+  return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") ? trace_width_16 : trace_width_8;
 }
 
-void PacketTracer::trace(packet::Rays& rays, std::uint32_t wanted) const {
-  if (!nodes_.empty()) trace_({nodes_.data(), items_.data(), facets_.data(), balls_.data()}, rays, wanted);
+void PacketTracer::trace(packet::Rays& rays, std::uint32_t occlusion_lanes) const {
+  if (!nodes_.empty())
+    trace_({nodes_.data(), references_.data(), facets_.data(), spheres_.data()}, rays, occlusion_lanes);
 }
 
-void PacketTracer::intersect(RTCRayHit16& to, std::uint32_t wanted) const {
+void PacketTracer::intersect(RTCRayHit16& to, std::uint32_t active) const {
   for (int lane = 0; lane < kLanes; ++lane)
-    if (!(wanted >> lane & 1u)) to.ray.tnear[lane] = kEndless, to.ray.tfar[lane] = -kEndless;
+    if (!(active >> lane & 1u)) to.ray.tnear[lane] = kInfinity, to.ray.tfar[lane] = -kInfinity;
   packet::Rays rays = rays_of(to.ray, to.ray.tnear, to.ray.tfar, to.hit.u, to.hit.v);
   trace(rays, 0);
   for (int lane = 0; lane < kLanes; ++lane) {
@@ -41,19 +42,19 @@ void PacketTracer::intersect(RTCRayHit16& to, std::uint32_t wanted) const {
   }
 }
 
-std::uint32_t PacketTracer::occluded(const RTCRay16& from, std::uint32_t wanted) const {
-  if (wanted == 0) return 0;
+std::uint32_t PacketTracer::occluded(const RTCRay16& from, std::uint32_t active) const {
+  if (active == 0) return 0;
   alignas(64) std::array<float, kLanes> near, far, s{}, t{};
   for (int lane = 0; lane < kLanes; ++lane) {
-    const bool asked = wanted >> lane & 1u;
-    near[lane] = asked ? from.tnear[lane] : kEndless;
-    far[lane] = asked ? from.tfar[lane] : -kEndless;
+    const bool is_active = active >> lane & 1u;
+    near[lane] = is_active ? from.tnear[lane] : kInfinity;
+    far[lane] = is_active ? from.tfar[lane] : -kInfinity;
   }
   packet::Rays rays = rays_of(from, near.data(), far.data(), s.data(), t.data());
-  trace(rays, wanted);
-  std::uint32_t blocked = 0;
-  for (int lane = 0; lane < kLanes; ++lane) blocked |= std::uint32_t(rays.surface[lane] >= 0) << lane;
-  return blocked & wanted;
+  trace(rays, active);
+  std::uint32_t occluded_lanes = 0;
+  for (int lane = 0; lane < kLanes; ++lane) occluded_lanes |= std::uint32_t(rays.surface[lane] >= 0) << lane;
+  return occluded_lanes & active;
 }
 
 }  // namespace patchlight

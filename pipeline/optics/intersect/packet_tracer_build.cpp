@@ -13,7 +13,7 @@ namespace patchlight {
 
 namespace {
 
-constexpr float kBox = 1.0f;  // cost of a box over that of a surface, measured
+constexpr float kBoxCost = 1.0f;  // measured cost of a box test, relative to a primitive test
 
 using packet::PrimitiveReference;
 
@@ -26,70 +26,71 @@ float half_area(const Imath::Box3f& box) {
   return size.x * size.y + size.y * size.z + size.z * size.x;
 }
 
-/// Makes a tree by the surface area heuristic (MacDonald and Booth 1990), exactly: every place between two items, along
-/// every axis. Items are sorted once along each and stay so, whatever node they go to.
-class TreeBuilder {
+/// Builds a BVH by the surface area heuristic (MacDonald and Booth 1990), testing every split along every axis.
+/// References are sorted once along each axis; partitioning keeps their order.
+class BvhBuilder {
  public:
-  TreeBuilder(const std::vector<Imath::Box3f>& boxes, std::vector<PrimitiveReference>& items,
-              std::vector<packet::Node>& nodes)
+  BvhBuilder(const std::vector<Imath::Box3f>& boxes, std::vector<PrimitiveReference>& references,
+             std::vector<packet::Node>& nodes)
       : boxes_(boxes),
-        items_(items),
+        references_(references),
         nodes_(nodes),
-        above_(items.size()),
-        goes_left_(items.size()),
-        right_(items.size()) {
+        right_half_area_(references.size()),
+        goes_left_(references.size()),
+        right_order_(references.size()) {
     for (int axis = 0; axis < 3; ++axis) {
       const auto key = [&](std::int32_t k) {
-        return std::pair(boxes[k].min[axis] + boxes[k].max[axis], items[k].surface);
+        return std::pair(boxes[k].min[axis] + boxes[k].max[axis], references[k].surface);
       };
-      orders_[axis].resize(items.size());
+      orders_[axis].resize(references.size());
       std::iota(orders_[axis].begin(), orders_[axis].end(), 0);
       std::sort(orders_[axis].begin(), orders_[axis].end(),
                 [&](std::int32_t a, std::int32_t b) { return key(a) < key(b); });
     }
   }
 
-  /// Sets the nodes, and puts the items in the order of their leaves.
+  /// Builds the nodes, and sorts the references by leaf.
   void build() {
     nodes_.resize(1);
-    split(0, 0, std::int32_t(items_.size()), 0);
+    split(0, 0, std::int32_t(references_.size()), 0);
     std::vector<PrimitiveReference> sorted;
-    sorted.reserve(items_.size());
-    for (const std::int32_t k : orders_[0]) sorted.push_back(items_[k]);
-    items_ = std::move(sorted);
+    sorted.reserve(references_.size());
+    for (const std::int32_t k : orders_[0]) sorted.push_back(references_[k]);
+    references_ = std::move(sorted);
   }
 
  private:
-  void split(std::int32_t at, std::int32_t begin, std::int32_t end, int depth) {
+  void split(std::int32_t node_index, std::int32_t begin, std::int32_t end, int depth) {
     const std::int32_t count = end - begin;
-    Imath::Box3f all;
-    for (std::int32_t k = begin; k < end; ++k) all.extendBy(boxes_[orders_[0][k]]);
-    float best = float(count) - 2 * kBox;  // of not splitting, over the cost of a surface
+    Imath::Box3f node_bounds;
+    for (std::int32_t k = begin; k < end; ++k) node_bounds.extendBy(boxes_[orders_[0][k]]);
+    float best = float(count) - 2 * kBoxCost;  // cost of a leaf, less that of a split's two boxes
     int axis = -1;
     std::int32_t left = 0;
-    for (int k = 0; k < 3 && depth < packet::kDeepest; ++k) {
+    for (int k = 0; k < 3 && depth < packet::kMaxDepth; ++k) {
       const std::int32_t* order = orders_[k].data() + begin;
-      Imath::Box3f sum;
+      Imath::Box3f bounds;
       for (std::int32_t i = count; i-- > 1;) {
-        sum.extendBy(boxes_[order[i]]);
-        above_[i] = half_area(sum);
+        bounds.extendBy(boxes_[order[i]]);
+        right_half_area_[i] = half_area(bounds);
       }
-      sum.makeEmpty();
+      bounds.makeEmpty();
       for (std::int32_t i = 1; i < count; ++i) {
-        sum.extendBy(boxes_[order[i - 1]]);
-        const float cost = (half_area(sum) * float(i) + above_[i] * float(count - i)) / half_area(all);
+        bounds.extendBy(boxes_[order[i - 1]]);
+        const float cost =
+            (half_area(bounds) * float(i) + right_half_area_[i] * float(count - i)) / half_area(node_bounds);
         if (cost < best) best = cost, axis = k, left = i;
       }
     }
-    packet::Node& node = nodes_[at];
+    packet::Node& node = nodes_[node_index];
     for (int k = 0; k < 3; ++k) {
-      node.planes[k] = all.min[k];
-      node.planes[k + 3] = all.max[k];
+      node.planes[k] = node_bounds.min[k];
+      node.planes[k + 3] = node_bounds.max[k];
     }
     node.first = begin;
     node.count = std::uint16_t(count);
     if (axis < 0) return;
-    part(axis, begin, begin + left, end);
+    partition(axis, begin, begin + left, end);
     const auto child = std::int32_t(nodes_.size());
     node.first = child;
     node.count = 0;
@@ -99,8 +100,8 @@ class TreeBuilder {
     split(child + 1, begin + left, end, depth + 1);
   }
 
-  /// Puts the items that come before `middle` along one axis before the others along the other axes too.
-  void part(int axis, std::int32_t begin, std::int32_t middle, std::int32_t end) {
+  /// Partitions the other axes' orders like `axis`, whose references before `middle` belong to the left child.
+  void partition(int axis, std::int32_t begin, std::int32_t middle, std::int32_t end) {
     for (std::int32_t k = begin; k < end; ++k) goes_left_[orders_[axis][k]] = k < middle;
     for (int other = 0; other < 3; ++other) {
       if (other == axis) continue;
@@ -110,34 +111,34 @@ class TreeBuilder {
         if (goes_left_[order[k]] != 0)
           order[left++] = order[k];
         else
-          right_[right++] = order[k];
-      std::copy_n(right_.data(), right, order + left);
+          right_order_[right++] = order[k];
+      std::copy_n(right_order_.data(), right, order + left);
     }
   }
 
   const std::vector<Imath::Box3f>& boxes_;
-  std::vector<PrimitiveReference>& items_;
+  std::vector<PrimitiveReference>& references_;
   std::vector<packet::Node>& nodes_;
-  std::array<std::vector<std::int32_t>, 3> orders_;  ///< Of items along each axis, node by node.
-  std::vector<float> above_;                         ///< Half the surface of what comes from an item on.
-  std::vector<std::uint8_t> goes_left_;              ///< By item.
-  std::vector<std::int32_t> right_;
+  std::array<std::vector<std::int32_t>, 3> orders_;  ///< References of each node, sorted along each axis.
+  std::vector<float> right_half_area_;               ///< Half the surface area of the bounds from each reference on.
+  std::vector<std::uint8_t> goes_left_;              ///< [references]
+  std::vector<std::int32_t> right_order_;
 };
 
 }  // namespace
 
 bool PacketTracer::add_quad(const std::array<Vec3d, 4>& c, double precision, std::int32_t index) {
   const Vec3d e1 = c[1] - c[0], e3 = c[3] - c[0];
-  const bool plane = c[2] == c[3] || std::abs((c[2] - c[0]) ^ (e1 % e3).normalized()) <= precision;
-  const Vec2f shape = plane ? quad_shape(c) : Vec2f(0, 1);
+  const bool planar = c[2] == c[3] || std::abs((c[2] - c[0]) ^ (e1 % e3).normalized()) <= precision;
+  const Vec2f shape = planar ? quad_shape(c) : Vec2f(0, 1);
   add_facet(c[0], e1, e3, shape, precision, false);
-  if (!plane) add_facet(c[2], c[3] - c[2], c[1] - c[2], {0, 1}, precision, true);
+  if (!planar) add_facet(c[2], c[3] - c[2], c[1] - c[2], {0, 1}, precision, true);
   Imath::Box3d box;
   for (const Vec3d& corner : c) box.extendBy(corner);
   box.min -= Vec3d(precision);
   box.max += Vec3d(precision);
-  for (std::size_t k = facets_.size() - (plane ? 1 : 2); k < facets_.size(); ++k) add_reference(2 * index, k, box);
-  return plane;
+  for (std::size_t k = facets_.size() - (planar ? 1 : 2); k < facets_.size(); ++k) add_reference(2 * index, k, box);
+  return planar;
 }
 
 void PacketTracer::add_facet(const Vec3d& corner, const Vec3d& along_s, const Vec3d& along_t, const Vec2f& shape,
@@ -150,41 +151,41 @@ void PacketTracer::add_facet(const Vec3d& corner, const Vec3d& along_s, const Ve
   copy_to(f.normal, normal.normalized());
   copy_to(f.s, s);
   copy_to(f.t, t);
-  f.third[0] = shape.y, f.third[1] = shape.x - 1.0f;
-  f.fourth[0] = shape.x, f.fourth[1] = shape.y - 1.0f;
-  const std::array<Vec3d, 4> gradients{s, t, t * double(f.third[1]) - s * double(f.third[0]),
-                                       s * double(f.fourth[1]) - t * double(f.fourth[0])};
-  for (int k = 0; k < 4; ++k) f.rounding[k] = -float(precision * gradients[k].length());
+  f.third_edge[0] = shape.y, f.third_edge[1] = shape.x - 1.0f;
+  f.fourth_edge[0] = shape.x, f.fourth_edge[1] = shape.y - 1.0f;
+  const std::array<Vec3d, 4> gradients{s, t, t * double(f.third_edge[1]) - s * double(f.third_edge[0]),
+                                       s * double(f.fourth_edge[1]) - t * double(f.fourth_edge[0])};
+  for (int k = 0; k < 4; ++k) f.tolerance[k] = -float(precision * gradients[k].length());
   f.sign = 1.0f;
-  if (second) f.start = 1.0f, f.sign = -1.0f;
+  if (second) f.offset = 1.0f, f.sign = -1.0f;
   facets_.push_back(f);
 }
 
 void PacketTracer::add_sphere(const Vec3d& center, double radius, std::int32_t index) {
-  packet::Ball ball{{}, float(radius)};
-  copy_to(ball.center, center);
-  balls_.push_back(ball);
+  packet::Sphere sphere{{}, float(radius)};
+  copy_to(sphere.center, center);
+  spheres_.push_back(sphere);
   const Vec3d reach(radius * (1 + 1e-6));
-  add_reference(2 * index + 1, balls_.size() - 1, {center - reach, center + reach});
+  add_reference(2 * index + 1, spheres_.size() - 1, {center - reach, center + reach});
 }
 
 void PacketTracer::add_reference(std::int32_t surface, std::size_t shape, const Imath::Box3d& box) {
-  items_.push_back({surface, std::int32_t(shape)});
+  references_.push_back({surface, std::int32_t(shape)});
   boxes_.emplace_back(Vec3f(box.min), Vec3f(box.max));
 }
 
 void PacketTracer::build() {
-  if (items_.empty()) return;
-  TreeBuilder(boxes_, items_, nodes_).build();
+  if (references_.empty()) return;
+  BvhBuilder(boxes_, references_, nodes_).build();
   boxes_ = {};
-  std::vector<packet::Facet> in_order;  // of their leaves, so that what is met together lies together
-  in_order.reserve(facets_.size());
-  for (PrimitiveReference& item : items_) {
-    if (item.surface % 2 != 0) continue;
-    in_order.push_back(facets_[item.shape]);
-    item.shape = std::int32_t(in_order.size()) - 1;
+  std::vector<packet::Facet> leaf_order;  // facets of one leaf are contiguous in memory
+  leaf_order.reserve(facets_.size());
+  for (PrimitiveReference& reference : references_) {
+    if (reference.surface % 2 != 0) continue;
+    leaf_order.push_back(facets_[reference.shape]);
+    reference.shape = std::int32_t(leaf_order.size()) - 1;
   }
-  facets_ = std::move(in_order);
+  facets_ = std::move(leaf_order);
 }
 
 }  // namespace patchlight

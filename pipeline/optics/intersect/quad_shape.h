@@ -9,8 +9,8 @@ namespace patchlight {
 /// parallelogram, (0, 1) for a triangle.
 Vec2f quad_shape(const std::array<Vec3d, 4>& corners);
 
-/// (u,v) of the point (s, t) in the frame of a quad's edges, for the quad's shape (a, b): the solution of
-/// s = u (1 + v (a - 1)), t = v (1 + u (b - 1)), each in [0,1].
+/// (u,v), each in [0,1], of the point (s, t) in the frame of the edges at corner 0, for a quad of shape (a, b): solves
+/// s = u (1 + v (a - 1)), t = v (1 + u (b - 1)).
 Vec2f inverse_bilinear(float a, float b, float s, float t);
 
 }  // namespace patchlight

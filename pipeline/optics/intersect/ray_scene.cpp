@@ -13,17 +13,18 @@ namespace patchlight {
 
 namespace {
 
-// Intersection points of planes are good to about 8 units in the last place; of spheres, where two squares nearly
-// cancel, to about 32.
+// Intersection points with planes are accurate to about 8 units in the last place; with spheres, because of
+// cancellation, to about 32.
 constexpr float kPlaneOffset = 0x1p-20f;
 constexpr float kSphereOffset = 0x1p-18f;
 
-// How far surfaces reach beyond their edges, in the scene's size, so that no ray slips between neighbours.
-constexpr double kOverlap = 0x1p-21;
+// Overlap of surfaces beyond their edges, relative to the scene's size, so that no ray passes between neighbours.
+constexpr double kEdgeOverlap = 0x1p-21;
 
-static_assert(2 * RayScene::kFew <= 0xffff, "a leaf may hold all surfaces, and a bent quad is two");
+static_assert(2 * RayScene::kMaxPacketPrimitives <= 0xffff,
+              "a leaf may hold all primitives, and a bent quad is two facets");
 
-float largest(const Vec3f& v) {
+float max_component(const Vec3f& v) {
   return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
 }
 
@@ -40,10 +41,10 @@ Imath::Box3d bounds_of(const PatchSet& scene) {
   return bounds;
 }
 
-std::uint32_t wanted_lanes(const RayPacket& packet) {
-  std::uint32_t wanted = 0;
-  for (int lane = 0; lane < RayPacket::kSize; ++lane) wanted |= std::uint32_t(packet.valid[lane] != 0) << lane;
-  return wanted;
+std::uint32_t active_lanes(const RayPacket& packet) {
+  std::uint32_t active = 0;
+  for (int lane = 0; lane < RayPacket::kSize; ++lane) active |= std::uint32_t(packet.valid[lane] != 0) << lane;
+  return active;
 }
 
 }  // namespace
@@ -91,25 +92,25 @@ void RayPacket::set_shadow(int lane, const Vec3f& origin, const Vec3f& direction
   rays.ray.tfar[lane] = distance;
 }
 
-RayScene::RayScene(const PatchSet& scene, std::size_t few) {
+RayScene::RayScene(const PatchSet& scene, std::size_t max_packet_primitives) {
   const Imath::Box3d bounds = bounds_of(scene);
   origin_ = bounds.center();
   offsets_.resize(scene.primitives.size());
   const auto masked =
       std::count_if(scene.primitives.begin(), scene.primitives.end(), [](const Primitive& p) { return p.mask >= 0; });
-  if (scene.primitives.size() - std::size_t(masked) <= few)
-    few_.emplace();
+  if (scene.primitives.size() - std::size_t(masked) <= max_packet_primitives)
+    packet_tracer_.emplace();
   else
-    many_ = EmbreeTracer::start();
+    embree_ = EmbreeTracer::create();
   if (masked > 0) {
-    masked_ = EmbreeTracer::start();
-    patches_ = &scene;
+    masked_embree_ = EmbreeTracer::create();
+    scene_ = &scene;
   }
-  add_quads(scene, largest(Vec3f(bounds.max - origin_)));
+  add_quads(scene, max_component(Vec3f(bounds.max - origin_)));
   add_spheres(scene);
-  if (few_) few_->build();
-  if (many_) many_->build();
-  if (masked_) masked_->build();
+  if (packet_tracer_) packet_tracer_->build();
+  if (embree_) embree_->build();
+  if (masked_embree_) masked_embree_->build();
 }
 
 void RayScene::add_quads(const PatchSet& scene, float extent) {
@@ -124,7 +125,7 @@ void RayScene::add_quads(const PatchSet& scene, float extent) {
     for (int k = 0; k < 4; ++k) {
       local[k] = to_local(p.corners[k]);
       exact[k] = Vec3d(local[k]);
-      size = std::max(size, largest(local[k]));
+      size = std::max(size, max_component(local[k]));
     }
     offsets_[i] = std::max(size * kPlaneOffset, std::numeric_limits<float>::min());
     const Vec3d normal = ((exact[2] - exact[0]) % (exact[3] - exact[1])).normalized();
@@ -137,75 +138,77 @@ void RayScene::add_quads(const PatchSet& scene, float extent) {
       masked_corners.push_back(local);
       continue;
     }
-    const bool plane = few_ && few_->add_quad(exact, extent * kOverlap, std::int32_t(quads_.size()));
+    const bool plane =
+        packet_tracer_ && packet_tracer_->add_quad(exact, extent * kEdgeOverlap, std::int32_t(quads_.size()));
     quads_.push_back({std::int32_t(i), p.back, shape.x, shape.y, Vec3f(normal), !plane});
-    if (!few_) corners.push_back(local);
+    if (!packet_tracer_) corners.push_back(local);
   }
-  if (!corners.empty()) many_->add_quads(corners);
+  if (!corners.empty()) embree_->add_quads(corners);
   if (masked.empty()) return;
-  masked_->add_filtered_quads(masked_corners, unsigned(quads_.size()),
-                              [this](auto&&... hit) { return is_hit(hit...); });
+  masked_embree_->add_filtered_quads(masked_corners, unsigned(quads_.size()),
+                                     [this](auto&&... hit) { return accepts_hit(hit...); });
   quads_.insert(quads_.end(), masked.begin(), masked.end());
 }
 
 void RayScene::add_spheres(const PatchSet& scene) {
-  std::vector<std::array<float, 4>> balls;
+  std::vector<std::array<float, 4>> spheres;
   for (std::size_t i = 0; i < scene.primitives.size(); ++i) {
     const Primitive& p = scene.primitives[i];
     if (p.shape != Primitive::Shape::sphere) continue;
     const Vec3f center = to_local(p.sphere_center);
     const float radius = float(std::abs(p.sphere_radius));
-    offsets_[i] = (largest(center) + radius) * kSphereOffset;
+    offsets_[i] = (max_component(center) + radius) * kSphereOffset;
     if (p.back >= 0 && p.back < std::int32_t(i)) continue;
-    if (few_)
-      few_->add_sphere(Vec3d(center), double(radius), std::int32_t(spheres_.size()));
+    if (packet_tracer_)
+      packet_tracer_->add_sphere(Vec3d(center), double(radius), std::int32_t(spheres_.size()));
     else
-      balls.push_back({center.x, center.y, center.z, radius});
+      spheres.push_back({center.x, center.y, center.z, radius});
     const bool outside = p.sphere_radius > 0;
     spheres_.push_back({outside ? std::int32_t(i) : p.back, outside ? p.back : std::int32_t(i), center});
   }
-  if (!balls.empty()) many_->add_spheres(balls);
+  if (!spheres.empty()) embree_->add_spheres(spheres);
 }
 
 void RayScene::intersect(RayPacket& packet, bool coherent) const {
-  if (few_)
-    few_->intersect(packet.rays, wanted_lanes(packet));
+  if (packet_tracer_)
+    packet_tracer_->intersect(packet.rays, active_lanes(packet));
   else
-    many_->intersect(packet.valid, packet.rays, coherent);
-  if (masked_) masked_->intersect(packet.valid, packet.rays, coherent);
+    embree_->intersect(packet.valid, packet.rays, coherent);
+  if (masked_embree_) masked_embree_->intersect(packet.valid, packet.rays, coherent);
 }
 
 std::uint32_t RayScene::occluded(RayPacket& packet) const {
-  const std::uint32_t wanted = wanted_lanes(packet);
-  const std::uint32_t blocked =
-      few_ ? few_->occluded(packet.rays.ray, wanted) : many_->occluded(packet.rays.ray, wanted);
-  return masked_ ? blocked | masked_->occluded(packet.rays.ray, wanted & ~blocked) : blocked;
+  const std::uint32_t active = active_lanes(packet);
+  const std::uint32_t occluded_lanes =
+      packet_tracer_ ? packet_tracer_->occluded(packet.rays.ray, active) : embree_->occluded(packet.rays.ray, active);
+  return masked_embree_ ? occluded_lanes | masked_embree_->occluded(packet.rays.ray, active & ~occluded_lanes)
+                        : occluded_lanes;
 }
 
-inline SurfaceHit RayScene::hit_on(unsigned geometry, unsigned index, float s, float t, const Vec3f& origin,
-                                   const Vec3f& direction, float distance) const {
+inline SurfaceHit RayScene::surface_hit(unsigned geometry, unsigned index, float s, float t, const Vec3f& origin,
+                                        const Vec3f& direction, float distance) const {
   SurfaceHit result;
   result.t = distance;
   if (geometry == EmbreeTracer::kSpheres) {
     const Sphere& sphere = spheres_[index];
     const Vec3f out = origin + direction * distance - sphere.center;
-    const bool outer = (out ^ direction) < 0;
-    const std::int32_t seen = outer ? sphere.outside : sphere.inside;
-    result.front = seen >= 0;
-    result.primitive = seen >= 0 ? seen : (outer ? sphere.inside : sphere.outside);
+    const bool from_outside = (out ^ direction) < 0;
+    const std::int32_t side = from_outside ? sphere.outside : sphere.inside;
+    result.front = side >= 0;
+    result.primitive = side >= 0 ? side : (from_outside ? sphere.inside : sphere.outside);
     const Vec2f uv = sphere_uv(out);
     result.u = uv.x;
     result.v = uv.y;
     return result;
   }
   const Quad& quad = quads_[index];
-  const bool outer = (quad.normal ^ direction) < 0;
-  result.front = outer || quad.back >= 0;
-  result.primitive = outer || quad.back < 0 ? quad.front : quad.back;
+  const bool from_front = (quad.normal ^ direction) < 0;
+  result.front = from_front || quad.back >= 0;
+  result.primitive = from_front || quad.back < 0 ? quad.front : quad.back;
   result.u = s;
   result.v = t;
   if (quad.a != 1.0f || quad.b != 1.0f) {
-    if (quad.two_triangles && s + t > 1.0f) {  // of the triangle (2,3,1)
+    if (quad.two_triangles && s + t > 1.0f) {  // triangle (2,3,1)
       const float p = 1.0f - s, q = 1.0f - t;
       s = quad.a - p * quad.a + q * (1.0f - quad.a);
       t = quad.b + p * (1.0f - quad.b) - q * quad.b;
@@ -217,29 +220,29 @@ inline SurfaceHit RayScene::hit_on(unsigned geometry, unsigned index, float s, f
     result.u = std::clamp(result.u, 0.0f, 1.0f);
     result.v = std::clamp(result.v, 0.0f, 1.0f);
   }
-  if (!outer && quad.back >= 0) result.u = 1.0f - result.u;
+  if (!from_front && quad.back >= 0) result.u = 1.0f - result.u;
   return result;
 }
 
 SurfaceHit RayScene::hit(const RayPacket& packet, int lane) const {
   const auto& h = packet.rays.hit;
   if (packet.valid[lane] == 0 || h.geomID[lane] == RTC_INVALID_GEOMETRY_ID) return {};
-  return hit_on(h.geomID[lane], h.primID[lane], h.u[lane], h.v[lane], packet.origin(lane), packet.direction(lane),
-                packet.rays.ray.tfar[lane]);
+  return surface_hit(h.geomID[lane], h.primID[lane], h.u[lane], h.v[lane], packet.origin(lane), packet.direction(lane),
+                     packet.rays.ray.tfar[lane]);
 }
 
-/// Whether a masked quad is there where a ray comes to it.
-bool RayScene::is_hit(unsigned quad, const Vec2f& at, const Vec3f& origin, const Vec3f& direction,
-                      float distance) const {
-  const SurfaceHit hit = hit_on(EmbreeTracer::kQuads, quad, at.x, at.y, origin, direction, distance);
-  return passes_alpha_test(*patches_, hit.primitive, hit.u, hit.v);
+/// Hit filter of masked quads: the alpha test.
+bool RayScene::accepts_hit(unsigned quad, const Vec2f& at, const Vec3f& origin, const Vec3f& direction,
+                           float distance) const {
+  const SurfaceHit hit = surface_hit(EmbreeTracer::kQuads, quad, at.x, at.y, origin, direction, distance);
+  return passes_alpha_test(*scene_, hit.primitive, hit.u, hit.v);
 }
 
 Vec2f sphere_uv(const Vec3f& direction) {
   const float turn = std::atan2(-direction.z, direction.x) * float(0.5 / kPi);
   const float u = turn < 0.0f ? turn + 1.0f : turn;
-  const float across = std::sqrt(direction.x * direction.x + direction.z * direction.z);
-  return {std::min(u, 1.0f), std::atan2(across, direction.y) * float(1.0 / kPi)};
+  const float horizontal = std::sqrt(direction.x * direction.x + direction.z * direction.z);
+  return {std::min(u, 1.0f), std::atan2(horizontal, direction.y) * float(1.0 / kPi)};
 }
 
 }  // namespace patchlight
