@@ -11,14 +11,14 @@ namespace patchlight {
 namespace {
 
 constexpr int kMaxExplicit = 64;
-constexpr double kNearest = 1e-6;  ///< m; nothing is lit from nearer by a light without extent.
+constexpr double kMinDistance = 1e-6;  ///< m; a point light does not light closer points.
 
-bool lit_outside(const Primitive& p) {
+bool is_lit_outside(const Primitive& p) {
   return p.shape == Primitive::Shape::quad || p.sphere_radius > 0;
 }
 
-/// Of a ball in a direction of this cosine to the normal; `ratio`: the squared sine of its angular radius.
-double ball_form_factor(double cosine, double ratio) {
+/// Form factor of a sphere, whose centre has this cosine to the normal; `ratio`: squared sine of its angular radius.
+double spherical_form_factor(double cosine, double ratio) {
   if (cosine * cosine >= ratio) return ratio * std::max(cosine, 0.0);
   const double sine = std::sqrt(1 - cosine * cosine);
   const double x = std::sqrt(1 / ratio - 1), y = -x * cosine / sine;
@@ -26,14 +26,14 @@ double ball_form_factor(double cosine, double ratio) {
   return std::max(0.0, ((cosine * std::acos(std::clamp(y, -1.0, 1.0)) - x * z) * ratio + std::atan(z / x)) / kPi);
 }
 
-using Four = double __attribute__((vector_size(32)));
+using Double4 = double __attribute__((vector_size(32)));
 
-void load(const double* from, Four& to) {
+void load(const double* from, Double4& to) {
   std::memcpy(&to, from, sizeof to);
 }
 
-/// A polygon of up to five corners as a point sees it: the corners from there, axis by axis.
-struct Outline {
+/// A polygon of up to five corners, clipped at the horizon of a point: vectors from the point, axis by axis.
+struct ClippedPolygon {
   std::array<std::array<double, 9>, 3> to;
   int corners = 0;
 
@@ -42,11 +42,11 @@ struct Outline {
     ++corners;
   }
 
-  /// Lambert's sum over the edges, once all corners are there: of the angle that each takes times what its plane's
-  /// normal has of `normal`. Four edges at a time: behind the last corner comes the first, as often as that takes.
+  /// Lambert's sum over the edges, once all corners are added: the angle that an edge subtends times the cosine between
+  /// `normal` and the normal of the plane through edge and point. Four edges at a time, padded with the first corner.
   double close_and_sum(const Vec3d& normal) {
-    // Interpolates acos(1 - x) / sqrt(1 - (1 - x)^2) on [0,1] at Chebyshev's points, to 5e-13.
-    constexpr std::array<double, 16> kTerms{
+    // Interpolates acos(1 - x) / sqrt(1 - (1 - x)^2) on [0,1] at Chebyshev points, with an error below 5e-13.
+    constexpr std::array<double, 16> kCoefficients{
         0.9999999999997928,    0.3333333334397937,  0.133333324325321,     0.05714315719271317,
         0.02539160042472899,   0.01159875513248074, 0.00495368818253234,   0.004242649723516475,
         -0.004661532338675777, 0.01449384212534609, -0.02385020820726609,  0.03011002097323368,
@@ -56,21 +56,21 @@ struct Outline {
     while (corners % 4 != 1);
     double all = 0;
     for (int first = 0; first < edges; first += 4) {
-      Four ax, ay, az, bx, by, bz;
+      Double4 ax, ay, az, bx, by, bz;
       load(&to[0][first], ax), load(&to[1][first], ay), load(&to[2][first], az);
       load(&to[0][first + 1], bx), load(&to[1][first + 1], by), load(&to[2][first + 1], bz);
-      const Four squared = (ax * ax + ay * ay + az * az) * (bx * bx + by * by + bz * bz);
-      Four lengths;
+      const Double4 squared = (ax * ax + ay * ay + az * az) * (bx * bx + by * by + bz * bz);
+      Double4 lengths;
       for (int k = 0; k < 4; ++k) lengths[k] = std::sqrt(squared[k]);
-      const Four inverse = 1.0 / lengths;
-      const Four cosine = (ax * bx + ay * by + az * bz) * inverse;
-      const Four part =
+      const Double4 inverse = 1.0 / lengths;
+      const Double4 cosine = (ax * bx + ay * by + az * bz) * inverse;
+      const Double4 part =
           ((by * az - bz * ay) * normal.x + (bz * ax - bx * az) * normal.y + (bx * ay - by * ax) * normal.z) * inverse;
-      const Four off = 1.0 - (cosine < 0.0 ? -cosine : cosine);
-      Four ratio = kTerms.back() - Four{};  // of the angle to its sine
-      for (std::size_t i = kTerms.size() - 1; i-- > 0;) ratio = ratio * off + kTerms[i];
+      const Double4 off = 1.0 - (cosine < 0.0 ? -cosine : cosine);
+      Double4 ratio = kCoefficients.back() - Double4{};  // angle over sine
+      for (std::size_t i = kCoefficients.size() - 1; i-- > 0;) ratio = ratio * off + kCoefficients[i];
       for (int k = 0; k < 4; ++k) {
-        if (cosine[k] < 0) {  // beyond a right angle
+        if (cosine[k] < 0) {  // obtuse angle
           const double sine = (Vec3d(ax[k], ay[k], az[k]) % Vec3d(bx[k], by[k], bz[k])).length() * inverse[k];
           ratio[k] = sine > 0 ? kPi / sine - ratio[k] : 0.0;
         }
@@ -87,29 +87,29 @@ std::vector<Emitter> explicit_emitters(const PatchSet& scene) {
   struct Candidate {
     std::int32_t first = 0, end = 0;
     double area = 0.0;
-    bool even = true;
+    bool uniform = true;
   };
   std::vector<Candidate> candidates;
   for (std::int32_t i = 0; i < std::int32_t(scene.patches.size()); ++i) {
     const Patch& patch = scene.patches[i];
     const Primitive& primitive = scene.primitives[patch.primitive];
-    if (primitive.light_group < 0 || !lit_outside(primitive) || primitive.mask >= 0) continue;
+    if (primitive.light_group < 0 || !is_lit_outside(primitive) || primitive.mask >= 0) continue;
     const bool begins = candidates.empty() || scene.patches[candidates.back().first].primitive != patch.primitive;
     if (begins) candidates.push_back({i, i, 0.0, true});
     Candidate& last = candidates.back();
     last.end = i + 1;
     last.area += patch.area;
-    last.even = last.even && patch.emission == scene.patches[last.first].emission;
+    last.uniform = last.uniform && patch.emission == scene.patches[last.first].emission;
   }
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& a, const Candidate& b) { return a.area > b.area; });
   std::vector<Emitter> emitters;
   for (const Candidate& c : candidates) {
     const std::int32_t primitive = scene.patches[c.first].primitive;
-    const int pieces = c.even ? 1 : c.end - c.first;
-    const bool plane = scene.primitives[primitive].shape == Primitive::Shape::quad;
-    if ((!plane && !c.even) || int(emitters.size()) + pieces > kMaxExplicit) continue;
-    if (c.even)
+    const int pieces = c.uniform ? 1 : c.end - c.first;
+    const bool is_quad = scene.primitives[primitive].shape == Primitive::Shape::quad;
+    if ((!is_quad && !c.uniform) || int(emitters.size()) + pieces > kMaxExplicit) continue;
+    if (c.uniform)
       emitters.push_back({primitive, c.first, c.end - c.first, c.area});
     else
       for (std::int32_t i = c.first; i < c.end; ++i) emitters.push_back({primitive, i, 1, scene.patches[i].area});
@@ -129,7 +129,7 @@ DirectLight::DirectLight(const PatchSet& scene, const RayScene& ray_scene, const
   }
   const Primitive& p = scene.primitives[emitter.primitive];
   kind_ = p.shape == Primitive::Shape::sphere ? Kind::sphere : Kind::polygon;
-  gap_ = 2.0 * ray_scene.offset(emitter.primitive);
+  end_offset_ = 2.0 * ray_scene.offset(emitter.primitive);
   if (kind_ == Kind::sphere) {
     center_ = p.sphere_center;
     radius_ = p.sphere_radius;
@@ -139,7 +139,7 @@ DirectLight::DirectLight(const PatchSet& scene, const RayScene& ray_scene, const
   const Patch& last = scene.patches[emitter.first_patch + emitter.patches - 1];
   const auto corner = [&](double u, double v) {
     const Vec3d at = point_at(p, u, v).position;
-    if (count_ == 0 || (at != corners_[count_ - 1] && at != corners_[0])) corners_[count_++] = at;
+    if (corner_count_ == 0 || (at != corners_[corner_count_ - 1] && at != corners_[0])) corners_[corner_count_++] = at;
   };
   corner(first.u0, first.v0);
   corner(last.u1, first.v0);
@@ -147,14 +147,14 @@ DirectLight::DirectLight(const PatchSet& scene, const RayScene& ray_scene, const
   corner(first.u0, last.v1);
   normal_ = ((p.corners[2] - p.corners[0]) % (p.corners[3] - p.corners[1])).normalized();
   center_ = Vec3d(0.0);
-  for (int k = 0; k < count_; ++k) center_ += corners_[k] / double(count_);
+  for (int k = 0; k < corner_count_; ++k) center_ += corners_[k] / double(corner_count_);
   radius_ = 0.0;
-  for (int k = 0; k < count_; ++k) radius_ = std::max(radius_, (corners_[k] - center_).length());
-  for (int k = 1; k < count_; ++k) sides_[k - 1] = corners_[k] - corners_[0];
-  for (int k = 2; k < count_; ++k) {
+  for (int k = 0; k < corner_count_; ++k) radius_ = std::max(radius_, (corners_[k] - center_).length());
+  for (int k = 1; k < corner_count_; ++k) edges_[k - 1] = corners_[k] - corners_[0];
+  for (int k = 2; k < corner_count_; ++k) {
     const double before = area_;
-    area_ += 0.5 * ((sides_[k - 2] % sides_[k - 1]) ^ normal_);
-    if (k > 2) first_share_ = before / area_;
+    area_ += 0.5 * ((edges_[k - 2] % edges_[k - 1]) ^ normal_);
+    if (k > 2) first_triangle_part_ = before / area_;
   }
 }
 
@@ -164,8 +164,8 @@ DirectLight::DirectLight(const Light& light) : kind_(Kind::point), center_(light
     radius_ = std::sin(light.outer);
   }
   if (light.kind != Light::Kind::spot) return;
-  least_cosine_ = std::cos(light.outer);
-  per_cosine_ = 1 / std::max(0.001, std::cos(light.inner) - least_cosine_);
+  cos_outer_ = std::cos(light.outer);
+  inverse_cos_range_ = 1 / std::max(0.001, std::cos(light.inner) - cos_outer_);
 }
 
 double DirectLight::form_factor(const Vec3d& point, const Vec3f& normal) const {
@@ -175,34 +175,34 @@ double DirectLight::form_factor(const Vec3d& point, const Vec3f& normal) const {
     case Kind::sphere:
       return sphere_form_factor(point, Vec3d(normal));
     case Kind::disk:
-      return ball_form_factor(towards(point) ^ Vec3d(normal), radius_ * radius_) / (radius_ * radius_);
+      return spherical_form_factor(center_direction(point) ^ Vec3d(normal), radius_ * radius_) / (radius_ * radius_);
     default:
-      return perpendicular_factor(point) * std::max(0.0, towards(point) ^ Vec3d(normal));
+      return perpendicular_factor(point) * std::max(0.0, center_direction(point) ^ Vec3d(normal));
   }
 }
 
-/// The middle of a light that no surface is; a unit vector.
-Vec3d DirectLight::towards(const Vec3d& point) const {
-  return is_far() ? -normal_ : (center_ - point).normalized();
+/// Unit vector towards the centre of a Light.
+Vec3d DirectLight::center_direction(const Vec3d& point) const {
+  return is_infinite() ? -normal_ : (center_ - point).normalized();
 }
 
 double DirectLight::perpendicular_factor(const Vec3d& point) const {
-  if (is_far()) return 1.0;
+  if (is_infinite()) return 1.0;
   const Vec3d from = point - center_;
   const double squared = from.length2();
-  if (squared < kNearest * kNearest) return 0.0;
-  const double part = std::clamp(((from ^ normal_) / std::sqrt(squared) - least_cosine_) * per_cosine_, 0.0, 1.0);
+  if (squared < kMinDistance * kMinDistance) return 0.0;
+  const double part = std::clamp(((from ^ normal_) / std::sqrt(squared) - cos_outer_) * inverse_cos_range_, 0.0, 1.0);
   return part * part / squared;
 }
 
 bool DirectLight::is_behind(std::span<const Vec3d> points, const Vec3f& normal) const {
   const Vec3d up(normal);
-  if (is_far()) return (normal_ ^ up) >= radius_;
+  if (is_infinite()) return (normal_ ^ up) >= radius_;
   if (kind_ != Kind::polygon) return ((center_ - points[0]) ^ up) <= -radius_;
   const auto lit = [&](const Vec3d& point) { return ((point - center_) ^ normal_) > 0; };
   if (std::none_of(points.begin(), points.end(), lit)) return true;
   const auto above = [&](const Vec3d& corner) { return ((corner - points[0]) ^ up) > 0; };
-  return std::none_of(corners_.begin(), corners_.begin() + count_, above);
+  return std::none_of(corners_.begin(), corners_.begin() + corner_count_, above);
 }
 
 double DirectLight::polygon_form_factor(const Vec3d& point, const Vec3d& normal) const {
@@ -210,21 +210,21 @@ double DirectLight::polygon_form_factor(const Vec3d& point, const Vec3d& normal)
   std::array<Vec3d, 5> to;
   std::array<double, 5> height;
   int above = 0;
-  for (int k = 0; k < count_; ++k) {
+  for (int k = 0; k < corner_count_; ++k) {
     to[k] = corners_[k] - point;
     height[k] = to[k] ^ normal;
     above += height[k] > 0;
   }
   if (above == 0) return 0.0;
-  to[count_] = to[0];
-  height[count_] = height[0];
-  Outline outline;
-  for (int k = 0; k < count_; ++k) {
-    if (height[k] > 0) outline.add(to[k]);
-    if (above < count_ && (height[k] > 0) != (height[k + 1] > 0))
-      outline.add(to[k] + (to[k + 1] - to[k]) * (height[k] / (height[k] - height[k + 1])));
+  to[corner_count_] = to[0];
+  height[corner_count_] = height[0];
+  ClippedPolygon clipped;
+  for (int k = 0; k < corner_count_; ++k) {
+    if (height[k] > 0) clipped.add(to[k]);
+    if (above < corner_count_ && (height[k] > 0) != (height[k + 1] > 0))
+      clipped.add(to[k] + (to[k + 1] - to[k]) * (height[k] / (height[k] - height[k + 1])));
   }
-  return std::max(0.0, outline.close_and_sum(normal) / (2 * kPi));
+  return std::max(0.0, clipped.close_and_sum(normal) / (2 * kPi));
 }
 
 double DirectLight::sphere_form_factor(const Vec3d& point, const Vec3d& normal) const {
@@ -232,7 +232,7 @@ double DirectLight::sphere_form_factor(const Vec3d& point, const Vec3d& normal) 
   const double squared = to.length2();
   if (squared <= radius_ * radius_) return 0.0;
   const double ratio = radius_ * radius_ / squared;
-  return ball_form_factor(std::clamp((to ^ normal) / std::sqrt(squared), -1.0, 1.0), ratio);
+  return spherical_form_factor(std::clamp((to ^ normal) / std::sqrt(squared), -1.0, 1.0), ratio);
 }
 
 }  // namespace patchlight

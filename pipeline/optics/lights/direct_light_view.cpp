@@ -8,12 +8,12 @@ namespace patchlight {
 
 namespace {
 
-constexpr double kLeastSolidAngle = 1e-3;  ///< sr; below it spherical triangles lose their precision.
-constexpr double kShort = 1e-5;            ///< Part of the way to a light without extent that its rays end before it.
+constexpr double kMinSolidAngle = 1e-3;   ///< sr; smaller spherical triangles are imprecise.
+constexpr double kPointEndOffset = 1e-5;  ///< Relative distance from a point light at which shadow rays end.
 
-/// A direction about an axis, uniform in the solid angle of a cone whose edge has a cosine of 1 - most.
-Vec3d in_cone(const Vec3d& axis, double most, double x, double y) {
-  const double off = y * most, sine = std::sqrt(off * (2 - off)), turn = 2 * kPi * x;
+/// A direction in a cone about an axis, uniform in solid angle; `one_minus_cos`: 1 - cosine of its half angle.
+Vec3d sample_cone(const Vec3d& axis, double one_minus_cos, double x, double y) {
+  const double off = y * one_minus_cos, sine = std::sqrt(off * (2 - off)), turn = 2 * kPi * x;
   Vec3f tangent, bitangent;
   orthonormal_frame(Vec3f(axis), tangent, bitangent);
   return (axis * (1 - off) + (Vec3d(tangent) * std::cos(turn) + Vec3d(bitangent) * std::sin(turn)) * sine).normalized();
@@ -21,7 +21,7 @@ Vec3d in_cone(const Vec3d& axis, double most, double x, double y) {
 
 }  // namespace
 
-/// A spherical triangle (Arvo 1995): its corners as unit vectors, the angle at the first, and its area.
+/// A spherical triangle (Arvo 1995) from directions to its corners.
 DirectLight::View::Triangle::Triangle(const Vec3d& p, const Vec3d& q, const Vec3d& r)
     : a(p.normalized()), b(q.normalized()), c(r.normalized()) {
   const Vec3d ab = (a % b).normalized(), bc = (b % c).normalized(), ca = (c % a).normalized();
@@ -30,7 +30,7 @@ DirectLight::View::Triangle::Triangle(const Vec3d& p, const Vec3d& q, const Vec3
   area = std::max(0.0, angle + between(ab, bc) + between(bc, ca) - kPi);
   sine = std::sin(angle);
   cosine = std::cos(angle);
-  toward_c = (c - a * (c ^ a)).normalized();
+  tangent = (c - a * (c ^ a)).normalized();
 }
 
 Vec3d DirectLight::View::Triangle::direction(double x, double y) const {
@@ -38,7 +38,7 @@ Vec3d DirectLight::View::Triangle::direction(double x, double y) const {
   const double k1 = t - cosine, k2 = s + sine * (a ^ b);
   const double below = (k2 * s + k1 * t) * sine;
   const double q = below != 0 ? std::clamp(((k2 * t - k1 * s) * cosine - k2) / below, -1.0, 1.0) : 1.0;
-  const Vec3d edge = a * q + toward_c * std::sqrt(1 - q * q);
+  const Vec3d edge = a * q + tangent * std::sqrt(1 - q * q);
   const double along = edge ^ b, z = 1 - y * (1 - along);
   return b * z + (edge - b * along).normalized() * std::sqrt(std::max(0.0, 1 - z * z));
 }
@@ -51,28 +51,28 @@ DirectLight::View DirectLight::view(const Vec3d& point, const Vec3f& normal, dou
   if (kind_ != Kind::polygon) return view;
   view.height_ = (point - center_) ^ normal_;
   if (view.height_ <= 0) return view;
-  view.to_first_ = corners_[0] - point;
-  view.short_ = float(std::max(0.0, 1 - gap_ / view.height_));
+  view.to_corner_ = corners_[0] - point;
+  view.end_scale_ = float(std::max(0.0, 1 - end_offset_ / view.height_));
   if ((point - center_).length2() >= far * far * radius_ * radius_) return view;
   double all = 0;
-  for (int k = 0; k + 2 < count_; ++k) {
-    view.halves_[k] = View::Triangle(corners_[0] - point, corners_[k + 1] - point, corners_[k + 2] - point);
-    all += view.halves_[k].area;
+  for (int k = 0; k + 2 < corner_count_; ++k) {
+    view.triangles_[k] = View::Triangle(corners_[0] - point, corners_[k + 1] - point, corners_[k + 2] - point);
+    all += view.triangles_[k].area;
   }
-  if (all > kLeastSolidAngle) view.solid_angle_ = all;
+  if (all > kMinSolidAngle) view.solid_angle_ = all;
   return view;
 }
 
 DirectLight::Sample DirectLight::View::sample(float x, float y) const {
   switch (light_->kind_) {
     case Kind::polygon:
-      return of_polygon(x, y);
+      return sample_polygon(x, y);
     case Kind::sphere:
-      return of_sphere(x, y);
+      return sample_sphere(x, y);
     case Kind::disk:
-      return of_disk(x, y);
+      return sample_disk(x, y);
     default:
-      return of_point();
+      return sample_point();
   }
 }
 
@@ -90,30 +90,31 @@ double DirectLight::View::density(const Vec3f& direction) const {
   return distance * distance / (light_->area_ * slope);
 }
 
-DirectLight::Sample DirectLight::View::of_polygon(double x, double y) const {
+DirectLight::Sample DirectLight::View::sample_polygon(double x, double y) const {
   if (height_ <= 0) return {};
   Vec3f direction;
-  float distance = 0, size = 0;  // sr, of all of it, as if it were as large everywhere as there
+  float distance = 0, size = 0;  // sr; inverse of the density
   if (solid_angle_ > 0) {
-    const double share = halves_[0].area / solid_angle_;
-    direction = Vec3f(x < share || light_->count_ == 3 ? halves_[0].direction(std::min(x / share, 1.0), y)
-                                                       : halves_[1].direction((x - share) / (1 - share), y));
+    const double first_part = triangles_[0].area / solid_angle_;
+    direction = Vec3f(x < first_part || light_->corner_count_ == 3
+                          ? triangles_[0].direction(std::min(x / first_part, 1.0), y)
+                          : triangles_[1].direction((x - first_part) / (1 - first_part), y));
     const double slope = -(Vec3d(direction) ^ light_->normal_);
     if (slope <= 0) return {};
     distance = float(height_ / slope);
     size = float(solid_angle_);
   } else {
-    const double share = light_->first_share_;
-    const int k = x < share ? 0 : 1;
-    double s = k == 0 ? x / share : (x - share) / (1 - share), t = y;
-    if (t > s) {  // Heitz 2019: the unit square onto a triangle
+    const double first_part = light_->first_triangle_part_;
+    const int k = x < first_part ? 0 : 1;
+    double s = k == 0 ? x / first_part : (x - first_part) / (1 - first_part), t = y;
+    if (t > s) {  // Heitz 2019: maps the unit square to a triangle
       s *= 0.5;
       t -= s;
     } else {
       t *= 0.5;
       s -= t;
     }
-    direction = Vec3f(to_first_ + light_->sides_[k] * s + light_->sides_[k + 1] * t);
+    direction = Vec3f(to_corner_ + light_->edges_[k] * s + light_->edges_[k + 1] * t);
     const float squared = direction.length2(), inverse = 1 / std::sqrt(squared);
     direction *= inverse;
     distance = squared * inverse;
@@ -121,36 +122,38 @@ DirectLight::Sample DirectLight::View::of_polygon(double x, double y) const {
   }
   const float cosine = direction ^ normal_;
   if (!(cosine > 0)) return {};
-  return {direction, distance * short_, cosine * size * float(1 / kPi)};
+  return {direction, distance * end_scale_, cosine * size * float(1 / kPi)};
 }
 
-DirectLight::Sample DirectLight::View::of_sphere(double x, double y) const {
+DirectLight::Sample DirectLight::View::sample_sphere(double x, double y) const {
   const Vec3d to = light_->center_ - point_;
   const double radius = light_->radius_, squared = to.length2(), r2 = radius * radius;
   if (squared <= r2) return {};
-  const double sine2 = r2 / squared, most = sine2 / (1 + std::sqrt(1 - sine2));  // 1 - cosine, without cancellation
-  const Vec3d direction = in_cone(to / std::sqrt(squared), most, x, y);
+  const double sine2 = r2 / squared;
+  const double one_minus_cos = sine2 / (1 + std::sqrt(1 - sine2));  // without cancellation
+  const Vec3d direction = sample_cone(to / std::sqrt(squared), one_minus_cos, x, y);
   const double cosine = direction ^ Vec3d(normal_);
   if (cosine <= 0) return {};
   const double half = to ^ direction, inside = r2 - (to - direction * half).length2();
   const double chord = std::sqrt(std::max(inside, 0.0));
   const double slope = std::max(chord / radius, 1e-3);
-  return {Vec3f(direction), float(std::max(0.0, half - chord - light_->gap_ / slope)), float(2 * cosine * most)};
+  return {Vec3f(direction), float(std::max(0.0, half - chord - light_->end_offset_ / slope)),
+          float(2 * cosine * one_minus_cos)};
 }
 
-DirectLight::Sample DirectLight::View::of_disk(double x, double y) const {
-  const double sine2 = light_->radius_ * light_->radius_, most = sine2 / (1 + std::sqrt(1 - sine2));
-  const Vec3d direction = in_cone(light_->towards(point_), most, x, y);
+DirectLight::Sample DirectLight::View::sample_disk(double x, double y) const {
+  const double sine2 = light_->radius_ * light_->radius_, one_minus_cos = sine2 / (1 + std::sqrt(1 - sine2));
+  const Vec3d direction = sample_cone(light_->center_direction(point_), one_minus_cos, x, y);
   const double cosine = direction ^ Vec3d(normal_);
   if (cosine <= 0) return {};
-  return {Vec3f(direction), std::numeric_limits<float>::infinity(), float(2 * cosine * most / sine2)};
+  return {Vec3f(direction), std::numeric_limits<float>::infinity(), float(2 * cosine * one_minus_cos / sine2)};
 }
 
-DirectLight::Sample DirectLight::View::of_point() const {
-  const Vec3d direction = light_->towards(point_);
+DirectLight::Sample DirectLight::View::sample_point() const {
+  const Vec3d direction = light_->center_direction(point_);
   const double weight = light_->perpendicular_factor(point_) * (direction ^ Vec3d(normal_));
   if (!(weight > 0)) return {};
-  return {Vec3f(direction), float(light_->distance(point_) * (1 - kShort)), float(weight)};
+  return {Vec3f(direction), float(light_->distance(point_) * (1 - kPointEndOffset)), float(weight)};
 }
 
 }  // namespace patchlight

@@ -12,11 +12,11 @@ void ShadowRays::add(const Vec3d& start, const DirectLight::Sample& sample, Ligh
 void ShadowRays::cast() {
   if (lanes_ == 0) return;
   for (int lane = lanes_; lane < RayPacket::kSize; ++lane) packet_.valid[lane] = 0;
-  const std::uint32_t blocked = scene_.occluded(packet_);
+  const std::uint32_t occluded_lanes = scene_.occluded(packet_);
   for (int lane = 0; lane < lanes_; ++lane) {
-    const bool seen = !(blocked >> lane & 1u);
-    ++(seen ? sums_[lane]->visible : sums_[lane]->hidden);
-    (seen ? sums_[lane]->seen : sums_[lane]->missed) += weights_[lane];
+    const bool visible = !(occluded_lanes >> lane & 1u);
+    ++(visible ? sums_[lane]->visible : sums_[lane]->hidden);
+    (visible ? sums_[lane]->seen : sums_[lane]->missed) += weights_[lane];
   }
   lanes_ = 0;
 }

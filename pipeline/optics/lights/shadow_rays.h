@@ -5,21 +5,21 @@
 
 namespace patchlight {
 
-/// What samples of an emitter say of how much of it is seen.
+/// Shadow ray statistics of one emitter.
 struct LightSamples {
-  int count = 0;
-  int visible = 0;
-  int hidden = 0;       ///< Neither for what lies behind the emitter or below the horizon.
-  double seen = 0.0;    ///< Weights of what is visible.
-  double missed = 0.0;  ///< Weights of what is hidden.
+  int count = 0;        ///< All samples.
+  int visible = 0;      ///< Samples that reach the emitter.
+  int hidden = 0;       ///< Occluded samples. Samples of weight 0 are neither visible nor hidden.
+  double seen = 0.0;    ///< Sum of the weights of visible samples.
+  double missed = 0.0;  ///< Sum of the weights of occluded samples.
 
-  /// Two estimates of the form factor: the better one of little that is seen, and, from the closed form `whole`, the
-  /// better one of little that is hidden.
+  /// Two estimates of the form factor. from_seen() has less noise if little is visible; from_hidden(), which subtracts
+  /// from the unoccluded form factor `whole`, if little is hidden.
   double from_seen() const { return seen / count; }
   double from_hidden(double whole) const { return whole - missed / count; }
 };
 
-/// How many samples, from places around, see an emitter.
+/// Numbers of samples from neighbouring points that reach an emitter, or are occluded.
 struct Visibility {
   int visible = 0, hidden = 0;
 
@@ -28,20 +28,20 @@ struct Visibility {
     hidden += samples.hidden;
   }
   bool partial() const { return visible > 0 && hidden > 0; }
-  /// In [0,1]; all of it where nobody looked.
+  /// Visible fraction, in [0,1]; 1 without samples.
   float part_seen() const { return visible + hidden > 0 ? float(visible) / float(visible + hidden) : 1.0f; }
   bool mostly_seen() const { return visible >= hidden; }
 };
 
-/// Shadow rays from anywhere, cast as soon as they fill a packet. What add() is given must live until then.
+/// Collects shadow rays and casts them in full packets. The sums passed to add() must outlive the next cast().
 class ShadowRays {
  public:
   explicit ShadowRays(const RayScene& scene) : scene_(scene) {}
 
-  /// Casts a ray for `sample`, seen from `start`, and counts it in `sums`.
+  /// Adds a shadow ray from `start` for `sample`; its cast updates `sums`.
   void add(const Vec3d& start, const DirectLight::Sample& sample, LightSamples& sums);
 
-  /// Casts what is left.
+  /// Casts the remaining rays.
   void cast();
 
  private:

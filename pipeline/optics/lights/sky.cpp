@@ -7,21 +7,22 @@ namespace patchlight {
 
 namespace {
 
-/// Part of a full turn from -X by way of -Z, in [0,1): how the columns of an image run.
+/// Azimuth in full turns from -X over -Z, in [0,1): the horizontal coordinate of an equirectangular image.
 double azimuth(const Vec3f& d) {
   const double part = 0.5 + std::atan2(double(d.z), double(d.x)) / (2 * kPi);
   return part < 1 ? part : 0.0;
 }
 
-double wrapped(double part) {
-  return part - std::floor(part);
+/// x mod 1.
+double fraction(double x) {
+  return x - std::floor(x);
 }
 
 }  // namespace
 
 Vec2f texel_at(const Environment& sky, const Vec3f& d) {
   const double height = std::atan2(double(d.y), std::hypot(double(d.x), double(d.z)));
-  return {float(wrapped(azimuth(d) + sky.turn) * sky.width), float((0.5 - height / kPi) * sky.height)};
+  return {float(fraction(azimuth(d) + sky.turn) * sky.width), float((0.5 - height / kPi) * sky.height)};
 }
 
 Vec3d direction_at(const Environment& sky, double x, double y) {
@@ -44,8 +45,8 @@ Color sky_radiance(const Environment& sky, const Vec3f& direction) {
 }
 
 Color clipped(const Environment& sky, const Color& radiance) {
-  const float most = std::max({radiance.x, radiance.y, radiance.z});
-  return sky.clip > 0 && most > sky.clip ? radiance * (sky.clip / most) : radiance;
+  const float max_channel = std::max({radiance.x, radiance.y, radiance.z});
+  return sky.clip > 0 && max_channel > sky.clip ? radiance * (sky.clip / max_channel) : radiance;
 }
 
 Color clipped_radiance(const Environment& sky, const Vec3f& direction) {

@@ -3,23 +3,23 @@
 
 namespace patchlight {
 
-// Directions are of any length, in the world, away from what sees them.
+// Directions are in world space, away from the viewer, of any length.
 
-/// Which texel shows what lies in a direction: columns and rows, not rounded, of which a texel's own middle has halves.
-/// The middle of the image lies along +X, as Blender has it, but for the turn.
+/// Image coordinates of a direction, in texels; centres of texels are at half-integers. Without rotation, the image's
+/// centre is along +X, as in Blender.
 Vec2f texel_at(const Environment& sky, const Vec3f& direction);
 
-/// The direction of such a place.
+/// The direction of image coordinates; inverse of texel_at().
 Vec3d direction_at(const Environment& sky, double x, double y);
 
-/// Radiance as cameras and mirrors see it, bilinear between texels, W/m2/sr.
+/// Radiance with suns, as cameras and mirrors see it, bilinear between texels, W/m2/sr.
 Color sky_radiance(const Environment& sky, const Vec3f& direction);
 
-/// The same without suns.
+/// Radiance without suns: the largest channel is limited to Environment::clip.
 Color clipped_radiance(const Environment& sky, const Vec3f& direction);
 Color clipped(const Environment& sky, const Color& radiance);
 
-/// The cell that a direction lies in.
+/// The environment cell of a direction.
 std::int32_t sky_cell(const Environment& sky, const Vec3f& direction);
 
 }  // namespace patchlight

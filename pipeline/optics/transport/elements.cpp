@@ -15,7 +15,7 @@ Elements::Elements(const PatchSet& scene, const RayScene& ray_scene, const Displ
       lookup_(scene),
       mesh_(&mesh),
       first_sky_(std::int32_t(scene.patches.size()) + mesh.elements),
-      cut_(mesh.cells.size(), -1) {
+      cut_leaf_index_(mesh.cells.size(), -1) {
   struct Cell {
     std::int32_t index, primitive;
     float u0, v0, u1, v1;
@@ -33,17 +33,18 @@ Elements::Elements(const PatchSet& scene, const RayScene& ray_scene, const Displ
       cells.push_back({of.children + k, cell.primitive, k % 2 ? u : cell.u0, k / 2 ? v : cell.v0, k % 2 ? cell.u1 : u,
                        k / 2 ? cell.v1 : v});
     if (of.children >= 0 || !of.cut) continue;
-    cut_[cell.index] = std::int32_t(cut.size());
+    cut_leaf_index_[cell.index] = std::int32_t(cut.size());
     cut.push_back(cell);
   }
-  nearest_.resize(cut.size());
+  nearest_corners_.resize(cut.size());
   tbb::parallel_for(std::size_t(0), cut.size(), [&](std::size_t at) {
     _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree wants denormals flushed
     const Cell& cell = cut[at];
-    for (int first = 0; first < kAcross * kAcross; first += 4) {
+    for (int first = 0; first < kLeafGrid * kLeafGrid; first += 4) {
       std::array<Vec2f, 4> inside, places;
       for (int k = 0; k < 4; ++k) {
-        inside[k] = (Vec2f(float((first + k) % kAcross), float((first + k) / kAcross)) + Vec2f(0.5f)) / float(kAcross);
+        inside[k] =
+            (Vec2f(float((first + k) % kLeafGrid), float((first + k) / kLeafGrid)) + Vec2f(0.5f)) / float(kLeafGrid);
         places[k] = Vec2f(cell.u0 + inside[k].x * (cell.u1 - cell.u0), cell.v0 + inside[k].y * (cell.v1 - cell.v0));
       }
       const std::uint32_t seen = seen_corners(scene, ray_scene, mesh, mesh.cells[cell.index], cell.primitive, places);
@@ -54,7 +55,7 @@ Elements::Elements(const PatchSet& scene, const RayScene& ray_scene, const Displ
           const bool hidden = mesh.vertices[mesh.cells[cell.index].corners[corner]].hidden;
           const float near = (corner % 2 ? x : 1 - x) * (corner / 2 ? y : 1 - y) +
                              float(seen >> (4 * k + corner) & 1u) - (hidden ? 2.0f : 0.0f);
-          if (near > most) nearest_[at][first + k] = std::uint8_t(corner);
+          if (near > most) nearest_corners_[at][first + k] = std::uint8_t(corner);
           most = std::max(most, near);
         }
       }
@@ -64,7 +65,7 @@ Elements::Elements(const PatchSet& scene, const RayScene& ray_scene, const Displ
 
 std::uint32_t seen_corners(const PatchSet& scene, const RayScene& ray_scene, const DisplayMesh& mesh,
                            const DisplayMesh::Cell& leaf, std::int32_t i, std::span<const Vec2f> places) {
-  constexpr float kLift = 0.02f;  // of the way to a corner, so as to look across what is not quite even
+  constexpr float kLift = 0.02f;  // of the distance to a corner, to ignore small bumps
   const Primitive& primitive = scene.primitives[i];
   std::array<Vec3d, 4> corners;
   std::uint32_t hidden = 0;

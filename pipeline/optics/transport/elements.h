@@ -13,10 +13,9 @@
 
 namespace patchlight {
 
-/// What rays may end on, by number: the patches, and behind them what stands for those that a display mesh cuts: its
-/// leaves, and of leaves that something stands on, the corner that is nearest among those which a place sees, to an
-/// eighth of the leaf. A hidden corner stands for nothing that another could: what rays end on is not covered. Behind
-/// all these, the cells of the environment.
+/// Numbers of the elements that rays end on: first the patches; then the display mesh's elements, which replace
+/// subdivided patches: one per leaf, and four per cut leaf, one for each corner; last the cells of the environment. A
+/// hit on a cut leaf belongs to the nearest corner that is visible from it, on an 8 x 8 grid; hidden corners come last.
 class Elements {
  public:
   explicit Elements(const PatchSet& scene)
@@ -32,45 +31,46 @@ class Elements {
     return place.leaf->cut ? first + nearest_corner(place) : first;
   }
 
-  /// What a ray in this direction ends on that meets nothing; -1 without an environment.
+  /// The element of a ray in this direction that hits no surface; -1 without an environment.
   std::int32_t sky(const Vec3f& direction) const {
     return scene_.environment ? first_sky_ + sky_cell(*scene_.environment, direction) : -1;
   }
 
  private:
-  static constexpr int kAcross = 8;
-  using Nearest = std::array<std::uint8_t, kAcross * kAcross>;  ///< Corners, of the parts of a leaf.
+  static constexpr int kLeafGrid = 8;
+  using Nearest = std::array<std::uint8_t, kLeafGrid * kLeafGrid>;  ///< Corner of each grid cell of a leaf.
 
   int nearest_corner(const DisplayMesh::Place& place) const {
-    const int x = std::min(int(place.u * kAcross), kAcross - 1), y = std::min(int(place.v * kAcross), kAcross - 1);
-    return nearest_[cut_[place.leaf - mesh_->cells.data()]][y * kAcross + x];
+    const int x = std::min(int(place.u * kLeafGrid), kLeafGrid - 1),
+              y = std::min(int(place.v * kLeafGrid), kLeafGrid - 1);
+    return nearest_corners_[cut_leaf_index_[place.leaf - mesh_->cells.data()]][y * kLeafGrid + x];
   }
 
   const PatchSet& scene_;
   const PatchLookup lookup_;
   const DisplayMesh* const mesh_ = nullptr;
   const std::int32_t first_sky_;
-  std::vector<std::int32_t> cut_;  ///< [cells]: of leaves that something stands on, their place in `nearest_`.
-  std::vector<Nearest> nearest_;
+  std::vector<std::int32_t> cut_leaf_index_;  ///< [cells] Index into `nearest_corners_`; -1: not a cut leaf.
+  std::vector<Nearest> nearest_corners_;
 };
 
-/// Which corners of a leaf see places in it, up to four (u,v) of primitive `i`: four bits for each, the first lowest.
-/// Corners that are hidden see none.
+/// Visibility between up to four points (u,v) of primitive `i`, in a leaf, and the leaf's corners: four bits per point,
+/// the first point lowest. Hidden corners count as invisible.
 std::uint32_t seen_corners(const PatchSet& scene, const RayScene& ray_scene, const DisplayMesh& mesh,
                            const DisplayMesh::Cell& leaf, std::int32_t i, std::span<const Vec2f> places);
 
-/// The part of a patch with these (u,v) on its primitive, as a patch of its own.
+/// The part of a patch in this (u,v) range of its primitive, as a patch.
 Patch part_of(const PatchSet& scene, const Patch& patch, float u0, float v0, float u1, float v1);
 
 /// The quarters of a patch, in rows of growing u.
 std::array<Patch, 4> quarters(const PatchSet& scene, const Patch& patch);
 
-/// Calls act(element, part) for the elements of one patch's leaves as patches of their own, with the patch's colours;
-/// corners are of no size.
+/// Calls act(element, part) for each element of a patch's leaves, as a patch with the same colours. Elements of cut
+/// leaves are corners without area.
 void for_each_leaf(const PatchSet& scene, const DisplayMesh& mesh, std::size_t patch,
                    const std::function<void(std::int32_t, const Patch&)>& act);
 
-/// All elements of leaves as patches of their own. Shape: [mesh.elements].
+/// All elements of leaves as patches. Shape: [mesh.elements].
 std::vector<Patch> leaf_patches(const PatchSet& scene, const DisplayMesh& mesh);
 
 }  // namespace patchlight

@@ -10,17 +10,17 @@ namespace patchlight {
 
 bool go_on(const PatchSet& scene, const RayScene& ray_scene, const SurfaceHit& hit, std::uint64_t random, int lane,
            RayPacket& packet, Color& throughput) {
-  constexpr float kSurelyKept = 0.25f;  // throughput from which Russian roulette ends no ray
+  constexpr float kRouletteThreshold = 0.25f;  // throughput below which Russian roulette is played
   const Primitive& primitive = scene.primitives[hit.primitive];
   const SurfacePoint point = point_at(primitive, hit.u, hit.v);
   Vec3f direction = packet.direction(lane);
   const Vec2f at(uniform01(random), uniform01(hash64(random)));
   const MetallicRoughness metal = metallic_roughness_at(scene, hit.primitive, hit.u, hit.v);
   if (!reflect(metal, point.normal, at, direction, throughput)) return false;
-  const float most = std::max({throughput.x, throughput.y, throughput.z});
-  if (most < kSurelyKept) {
-    if (uniform01(hash64(~random)) * kSurelyKept >= most) return false;
-    throughput *= kSurelyKept / most;
+  const float max_channel = std::max({throughput.x, throughput.y, throughput.z});
+  if (max_channel < kRouletteThreshold) {
+    if (uniform01(hash64(~random)) * kRouletteThreshold >= max_channel) return false;
+    throughput *= kRouletteThreshold / max_channel;
   }
   packet.set(lane, ray_scene.to_local(point.position) + point.normal * ray_scene.offset(hit.primitive), direction);
   return true;

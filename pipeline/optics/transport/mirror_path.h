@@ -5,10 +5,10 @@
 
 namespace patchlight {
 
-constexpr int kMostMirrors = 256;  ///< On one ray's way.
+constexpr int kMostMirrors = 256;  ///< Largest number of mirror reflections of a ray.
 
-/// Sends a lane's ray on from the metal that it has met, by what it reflects and by Russian roulette; `random` chooses.
-/// False: it ends there.
+/// Reflects a lane's ray at the metal that it hit, with Russian roulette; `random` seeds both. Multiplies `throughput`
+/// by the reflected fraction. Returns false if the ray ends.
 bool go_on(const PatchSet& scene, const RayScene& ray_scene, const SurfaceHit& hit, std::uint64_t random, int lane,
            RayPacket& packet, Color& throughput);
 
