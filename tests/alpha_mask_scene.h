@@ -3,14 +3,14 @@
 
 namespace patchlight::test {
 
-/// A mask of `count` x `count` squares, every other of which is a hole: half of it.
+/// A checkerboard mask of `count` x `count` texels; half of them are holes.
 inline Texture checkers(int count) {
   Texture mask{count, count, {}, true, {}};
   for (int k = 0; k < count * count; ++k) mask.texels.push_back((k % count + k / count) % 2 == 0 ? 255 : 0);
   return mask;
 }
 
-/// Cuts a mask out of a primitive, both sides of it; the mask lies along its (u,v). `coverage`: of each of its patches.
+/// Applies a mask to one side of a surface, along its (u,v). `coverage`: that of each of the primitive's patches.
 inline void alpha_masked(PatchSet& scene, int primitive, const Texture& mask, float coverage) {
   scene.materials.push_back(scene.materials[std::size_t(scene.primitives[std::size_t(primitive)].material)]);
   scene.materials.back().alpha_cutoff = 0.5f;
@@ -22,7 +22,7 @@ inline void alpha_masked(PatchSet& scene, int primitive, const Texture& mask, fl
     if (patch.primitive == primitive) patch.coverage = coverage;
 }
 
-/// Makes two quads, one the other turned over along u, the two sides of one surface.
+/// Makes two quads, whose u are mirrored, the two sides of one surface.
 inline void make_sides(PatchSet& scene, int front, int back) {
   scene.primitives[std::size_t(front)].back = back;
   scene.primitives[std::size_t(back)].back = front;

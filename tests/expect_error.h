@@ -3,7 +3,7 @@
 
 #include "pipeline/model/error.h"
 
-/// Expects `statement` to throw an Error of `exit_code` whose message holds `text`.
+/// Expects `statement` to throw an Error of `exit_code` whose message contains `text`.
 #define EXPECT_ERROR(statement, exit_code, text)                        \
   try {                                                                 \
     statement;                                                          \

@@ -7,7 +7,7 @@
 
 namespace patchlight::test {
 
-/// Builds small PatchSets for the tests of stages after the import.
+/// Builds small PatchSets for tests of the stages after the import.
 class PatchScene {
  public:
   PatchScene() {
@@ -25,7 +25,7 @@ class PatchScene {
     int material = 0;
   };
 
-  /// Corners counter-clockwise from the lit side, cut into nu x nv patches. Returns the primitive's index.
+  /// A quad of nu x nv patches; corners run counter-clockwise as seen from the lit side. Returns the primitive's index.
   int quad(const std::array<Vec3d, 4>& corners, int nu, int nv, const Surface& surface) {
     Primitive p;
     p.corners = corners;
@@ -36,7 +36,7 @@ class PatchScene {
     return index;
   }
 
-  /// Rings of equal polar angle with `around` patches each. A negative radius is lit inside.
+  /// A sphere of rings of equal polar angle with `around` patches each; a negative radius is lit inside.
   int sphere(const Vec3d& center, double radius, int rings, int around, const Surface& surface) {
     Primitive p;
     p.shape = Primitive::Shape::sphere;
@@ -97,7 +97,7 @@ class PatchScene {
   PatchSet scene_;
 };
 
-/// A light that shines down, twice as much red as green.
+/// A light that emits downwards, twice as much red as green.
 inline Light light_at(const Vec3d& position, Light::Kind kind = Light::Kind::point) {
   Light light;
   light.kind = kind;

@@ -10,13 +10,13 @@
 
 namespace patchlight::test {
 
-/// A folder of the test's own, gone with it.
+/// A folder for the running test, removed by the destructor.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
     const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
     std::string name = std::string(info->test_suite_name()) + "." + info->name();
-    std::replace(name.begin(), name.end(), '/', '_');  // of parametrised tests
+    std::replace(name.begin(), name.end(), '/', '_');  // in names of parametrised tests
     path_ = std::filesystem::temp_directory_path() / ("patchlight." + std::to_string(::getpid()) + "." + name);
     std::filesystem::create_directories(path_);
   }

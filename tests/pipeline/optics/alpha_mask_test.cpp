@@ -11,19 +11,19 @@ namespace {
 
 using test::PatchScene;
 
-/// A unit square at each height, lit upwards, with u along x and v against z.
+/// A unit square at each height, lit from above, with u along +x and v along -z.
 PatchScene squares(const std::vector<double>& heights) {
   PatchScene builder;
   for (const double y : heights) builder.quad({{{0, y, 1}, {1, y, 1}, {1, y, 0}, {0, y, 0}}}, 1, 1, {});
   return builder;
 }
 
-/// Left half a hole, right half there; bilinear between, the border of alpha of one half is in the middle.
+/// A mask whose left half is a hole: alpha, bilinear between two texels, is 0.5 in the middle.
 Texture right_half() {
   return {2, 1, {Texture::Wrap::clamp, Texture::Wrap::clamp}, false, {0, 255}};
 }
 
-/// The primitive that a ray straight down, or up, meets at x; -1: none.
+/// The primitive that a vertical ray at (x,z) hits; -1: none.
 std::int32_t hit_primitive(const RayScene& rays, double x, double z, bool down) {
   RayPacket packet;
   packet.clear();
@@ -32,30 +32,30 @@ std::int32_t hit_primitive(const RayScene& rays, double x, double z, bool down) 
   return rays.hit(packet, 3).primitive;
 }
 
-bool in_the_way(const RayScene& rays, double x, bool down, float distance) {
+bool is_occluded(const RayScene& rays, double x, bool down, float distance) {
   RayPacket packet;
   packet.clear();
   packet.set_shadow(7, rays.to_local({x, down ? 9.0 : -9.0, 0.5}), Vec3f(0, down ? -1.0f : 1.0f, 0), distance);
   return rays.occluded(packet) == 1u << 7;
 }
 
-TEST(AlphaMasks, RaysOfEveryKindPassWhereTheMaskIsBelowTheCutoff) {
+TEST(AlphaMasks, RaysPassWhereTheMaskIsBelowTheCutoff) {
   PatchSet scene = squares({3, 2, 1, 0}).get();
   for (const int masked : {0, 1}) test::alpha_masked(scene, masked, right_half(), 0.5f);
-  scene.materials[std::size_t(scene.primitives[1].material)].alpha_cutoff = 0.25f;  // from u = 0.375 on
-  for (const std::size_t few : {std::size_t(0), RayScene::kFew}) {
-    const RayScene rays(scene, few);
+  scene.materials[std::size_t(scene.primitives[1].material)].alpha_cutoff = 0.25f;  // passes from u = 0.375 on
+  for (const std::size_t max_packet_primitives : {std::size_t(0), RayScene::kMaxPacketPrimitives}) {
+    const RayScene rays(scene, max_packet_primitives);
     for (const auto& [x, first] : {std::pair(0.2, 2), {0.37, 2}, {0.38, 1}, {0.49, 1}, {0.51, 0}, {0.9, 0}}) {
       EXPECT_EQ(hit_primitive(rays, x, 0.5, true), first) << x;
       EXPECT_EQ(hit_primitive(rays, x, 0.5, false), 3) << x;
-      EXPECT_EQ(in_the_way(rays, x, true, 6.5f), first == 0) << x;
-      EXPECT_EQ(in_the_way(rays, x, true, 7.5f), first <= 1) << x;
-      EXPECT_TRUE(in_the_way(rays, x, true, 8.5f)) << x;
+      EXPECT_EQ(is_occluded(rays, x, true, 6.5f), first == 0) << x;
+      EXPECT_EQ(is_occluded(rays, x, true, 7.5f), first <= 1) << x;
+      EXPECT_TRUE(is_occluded(rays, x, true, 8.5f)) << x;
     }
   }
 }
 
-TEST(AlphaMasks, APacketsRaysGoTheirOwnWays) {
+TEST(AlphaMasks, LanesOfAPacketAreTestedIndividually) {
   PatchSet scene = squares({1, 0}).get();
   test::alpha_masked(scene, 0, test::checkers(16), 0.5f);
   const RayScene rays(scene);
@@ -84,24 +84,24 @@ TEST(AlphaMasks, BothSidesHaveTheSameHoles) {
   }
 }
 
-TEST(AlphaMasks, AlphaOfTextureFactorAndVerticesMultiply) {
+TEST(AlphaMasks, AlphaOfTextureMaterialAndVerticesIsMultiplied) {
   PatchSet scene = squares({0}).get();
   test::alpha_masked(scene, 0, {1, 1, {}, false, {204}}, 0.5f);  // 0.8
   Material& material = scene.materials[1];
   material.alpha = 0.9f;
-  scene.colors = {{Vec4f(1, 1, 1, 0), Vec4f(1), Vec4f(1), Vec4f(1, 1, 1, 0)}};  // grows with u
+  scene.colors = {{Vec4f(1, 1, 1, 0), Vec4f(1), Vec4f(1), Vec4f(1, 1, 1, 0)}};  // alpha = u
   EXPECT_FALSE(passes_alpha_test(scene, 0, 0.5 / 0.72 - 1e-4, 0.3));
   EXPECT_TRUE(passes_alpha_test(scene, 0, 0.5 / 0.72 + 1e-4, 0.3));
   material.alpha_cutoff = 0.72f + 1e-5f;
   EXPECT_FALSE(passes_alpha_test(scene, 0, 1, 0.3));
 }
 
-TEST(AlphaMasks, PointsThatAreMovedOutOfHolesSpreadEvenlyOverWhatIsThere) {
+TEST(AlphaMasks, CoveredPointsAreUniformOverTheCoveredArea) {
   PatchSet scene = squares({0}).get();
   Texture quarter{4, 1, {}, true, {0, 0, 255, 0}};
   test::alpha_masked(scene, 0, quarter, 0.25f);
   const PatchSampler sampler(scene.primitives[0], scene.patches[0]);
-  std::array<int, 8> counts{};  // in eighths of what is there
+  std::array<int, 8> counts{};  // in eighths of the covered area
   constexpr int kPoints = 8000;
   for (int k = 0; k < kPoints; ++k) {
     const Vec2f at =
@@ -111,10 +111,10 @@ TEST(AlphaMasks, PointsThatAreMovedOutOfHolesSpreadEvenlyOverWhatIsThere) {
   }
   double chi_square = 0;
   for (const int count : counts) chi_square += (count - 1000) * (count - 1000) / 1000.0;
-  EXPECT_LT(chi_square, 24.3);  // 7 degrees of freedom, one in a thousand
+  EXPECT_LT(chi_square, 24.3);  // 7 degrees of freedom, p = 0.001
 }
 
-TEST(AlphaMasks, WhereNothingIsLeftTheWholePatchStandsForIt) {
+TEST(AlphaMasks, CoveredPointIsAnyPointOfAnEmptyPatch) {
   PatchSet scene = squares({0}).get();
   test::alpha_masked(scene, 0, {1, 1, {}, true, {0}}, 1.0f / 1024);
   const PatchSampler sampler(scene.primitives[0], scene.patches[0]);

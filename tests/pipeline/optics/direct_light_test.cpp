@@ -19,7 +19,7 @@ DirectLight light_of(const PatchSet& scene) {
   return DirectLight(scene, rays, explicit_emitters(scene).at(0));
 }
 
-/// Mean weight of many samples against the closed form, each sample at the end of its own ray.
+/// Compares the mean weight of many samples with the closed form.
 void expect_samples_to_agree(const DirectLight& light, const Vec3d& point, const Vec3f& normal, double tolerance) {
   constexpr int kSide = 256;
   double sum = 0;
@@ -49,7 +49,7 @@ TEST(DirectLight, OfAParallelSquareBelowItsCorner) {
   EXPECT_EQ(light.form_factor({0, 2, 0}, {0, -1, 0}), 0) << "the unlit side";
 }
 
-TEST(DirectLight, IsCutAtTheHorizon) {
+TEST(DirectLight, IsClippedAtTheHorizon) {
   PatchScene whole, upper;
   whole.quad({{{-1, 1, 1}, {1, 1, 1}, {1, -1, 1}, {-1, -1, 1}}}, 1, 1, {0.0f, 1.0f});
   upper.quad({{{-1, 1, 1}, {1, 1, 1}, {1, 0, 1}, {-1, 0, 1}}}, 1, 1, {0.0f, 1.0f});
@@ -59,7 +59,7 @@ TEST(DirectLight, IsCutAtTheHorizon) {
   EXPECT_NEAR(cut, light_of(upper.get()).form_factor(point, {0, 1, 0}), 1e-12);
 }
 
-TEST(DirectLight, IsTheSumOfItsPartsHoweverTheHorizonCutsThem) {
+TEST(DirectLight, IsTheSumOfItsPartsForAnyHorizon) {
   constexpr int kParts = 3;
   PatchScene builder;
   builder.quad(kSquareAbove, 1, 1, {0.0f, 1.0f});
@@ -99,13 +99,13 @@ TEST(DirectLight, OfASphereAtAnyHeightOfTheHorizon) {
   EXPECT_EQ(light.form_factor({0, 0, 0}, {0, -1, 0}), 0);
 }
 
-TEST(DirectLight, SamplesMeanTheFormFactorNearAndFar) {
+TEST(DirectLight, SamplesAverageToTheFormFactorNearAndFar) {
   const std::vector<std::array<Vec3d, 4>> shapes{
       kSquareAbove,
       {{{0, 1, 0}, {2, 1, 0}, {0.7, 1, 1}, {0.7, 1, 1}}},          // triangle
       {{{0, 1, 0}, {1, 1, 0}, {1.7, 1, 1.3}, {-0.2, 1, 0.8}}},     // general
-      {{{0, 1, 0}, {1e-3, 1, 0}, {1e-3, 1, 1e-3}, {0, 1, 1e-3}}},  // a point of light
-      {{{-50, 1, -50}, {50, 1, -50}, {50, 1, 50}, {-50, 1, 50}}},  // the sky
+      {{{0, 1, 0}, {1e-3, 1, 0}, {1e-3, 1, 1e-3}, {0, 1, 1e-3}}},  // tiny
+      {{{-50, 1, -50}, {50, 1, -50}, {50, 1, 50}, {-50, 1, 50}}},  // huge
   };
   for (const auto& shape : shapes) {
     PatchScene builder;
@@ -117,7 +117,7 @@ TEST(DirectLight, SamplesMeanTheFormFactorNearAndFar) {
   }
 }
 
-TEST(DirectLight, DoesNotDependOnWhereTheSceneStands) {
+TEST(DirectLight, IsTranslationInvariant) {
   const Vec3d far(1e4, -1e4, 1e4);
   std::array<Vec3d, 4> moved = kSquareAbove;
   for (Vec3d& corner : moved) corner += far;
@@ -137,7 +137,7 @@ Light light_at(const Vec3d& position, Light::Kind kind = Light::Kind::point) {
   return light;
 }
 
-TEST(DirectLight, OfAPointFallsWithTheSquareOfTheDistance) {
+TEST(DirectLight, OfAPointFollowsTheInverseSquareLaw) {
   const DirectLight light(light_at({3, 4, 0}));
   EXPECT_NEAR(light.form_factor({0, 0, 0}, {0, 1, 0}), 0.8 / 25, 1e-12);
   EXPECT_NEAR(light.form_factor({0, 0, 0}, {1, 0, 0}), 0.6 / 25, 1e-12);
@@ -181,7 +181,7 @@ TEST(DirectLight, OfASunDependsOnTheNormalAlone) {
   EXPECT_EQ(light.form_factor({0, 0, 0}, {0.6f, -0.8f, 0}), 0);
 }
 
-TEST(DirectLight, OfASunWithARadiusIsThatOfItsDisk) {
+TEST(DirectLight, OfASunWithARadiusIsTheMeanOverItsDisk) {
   Light sun = light_at({0, 0, 0}, Light::Kind::sun);
   sun.direction = Vec3d(0.6, -0.8, 0);
   sun.outer = 0.2;
@@ -192,7 +192,7 @@ TEST(DirectLight, OfASunWithARadiusIsThatOfItsDisk) {
   EXPECT_EQ(light.form_factor({0, 0, 0}, {0.6f, -0.8f, 0}), 0);
 }
 
-TEST(ExplicitEmitters, HoldEveryLightBehindTheSurfaces) {
+TEST(ExplicitEmitters, ListEveryLightAfterTheSurfaces) {
   PatchScene builder;
   builder.quad(kSquareAbove, 2, 2, {0.5f, 1.0f});
   builder.get().lights.assign(100, light_at({0, 5, 0}));
@@ -203,7 +203,7 @@ TEST(ExplicitEmitters, HoldEveryLightBehindTheSurfaces) {
   EXPECT_EQ(emitters[100].patches, 0);
 }
 
-TEST(ExplicitEmitters, AreWholeWhereTheyEmitAlikeAndPatchByPatchWhereNot) {
+TEST(ExplicitEmitters, ArePrimitivesOfUniformEmissionOrElsePatches) {
   PatchScene builder;
   builder.quad(kSquareAbove, 2, 2, {0.5f, 1.0f});
   builder.quad({{{0, 0, 0}, {0, 0, 1}, {1, 0, 1}, {1, 0, 0}}}, 2, 1, {0.5f, 1.0f});
@@ -222,7 +222,7 @@ TEST(ExplicitEmitters, AreWholeWhereTheyEmitAlikeAndPatchByPatchWhereNot) {
   EXPECT_EQ(emitters[3].patches, 12);
 }
 
-TEST(ExplicitEmitters, AreTheLargestOfTooMany) {
+TEST(ExplicitEmitters, AreTheLargestPrimitives) {
   PatchScene builder;
   for (int i = 0; i < 100; ++i) {
     const double size = i == 70 ? 0.5 : 0.1;
@@ -234,7 +234,7 @@ TEST(ExplicitEmitters, AreTheLargestOfTooMany) {
   EXPECT_TRUE(std::any_of(emitters.begin(), emitters.end(), [](const Emitter& e) { return e.primitive == 70; }));
 }
 
-TEST(DirectLight, TellsTheDensityOfItsSamples) {
+TEST(DirectLight, KnowsTheDensityOfItsSamples) {
   PatchScene builder;
   builder.quad({{{0, 0, 2}, {0, 1, 2}, {2, 1, 2}, {1, 0, 2}}}, 1, 1, {0.0f, 1.0f});
   builder.sphere({-3, 0, 1}, 0.5, 2, 4, {0.0f, 1.0f});

@@ -12,13 +12,13 @@ namespace {
 
 const Vec3f kNormal = Vec3f(1, 2, -2) / 3.0f;
 
-/// Towards the surface, at the cosine `mu`.
+/// A direction towards the surface with cosine `mu`.
 Vec3f incoming(float mu) {
   const Vec3f across = (kNormal % Vec3f(1, 0, 0)).normalized();
   return across * std::sqrt(1 - mu * mu) - kNormal * mu;
 }
 
-TEST(Mirror, PerfectOnesReflectAtTheSameAngle) {
+TEST(Mirror, PerfectMirrorsReflectAtTheSameAngle) {
   Vec3f direction = incoming(0.6f);
   const Vec3f before = direction;
   Color throughput(0.5f);
@@ -29,9 +29,9 @@ TEST(Mirror, PerfectOnesReflectAtTheSameAngle) {
   EXPECT_EQ(throughput.z, 0);
 }
 
-TEST(Mirror, RoughOnesReflectWhatTheirMicrofacetsLeave) {
+TEST(Mirror, RoughMetalsHaveTheAlbedoOfTheirMicrofacets) {
   struct Case {
-    float roughness, mu, albedo;  // the last by integrating D G2 / (4 cos cos) over the hemisphere
+    float roughness, mu, albedo;  // albedo: integral of D G2 / (4 cos cos) over the hemisphere
   };
   for (const Case& c : {Case{1.0f, 0.999f, 0.3065f}, Case{1.0f, 0.7f, 0.3792f}, Case{0.5f, 0.999f, 0.9119f}}) {
     double sum = 0;
@@ -49,7 +49,7 @@ TEST(Mirror, RoughOnesReflectWhatTheirMicrofacetsLeave) {
   }
 }
 
-TEST(Mirror, SmoothOnesStayNearThePerfectDirection) {
+TEST(Mirror, SmoothMetalsReflectNearThePerfectDirection) {
   Vec3f perfect = incoming(0.5f);
   perfect -= kNormal * (2.0f * (kNormal ^ perfect));
   for (std::uint64_t k = 0; k < 100; ++k) {
@@ -60,7 +60,7 @@ TEST(Mirror, SmoothOnesStayNearThePerfectDirection) {
   }
 }
 
-TEST(Mirror, LobesAreWhatReflectTakesDirectionsBy) {
+TEST(Mirror, LobeIsTheDensityOfReflect) {
   for (const float roughness : {0.3f, 0.8f})
     for (const float mu : {0.95f, 0.3f}) {
       const Vec3f in = incoming(mu);
@@ -69,33 +69,33 @@ TEST(Mirror, LobesAreWhatReflectTakesDirectionsBy) {
       orthonormal_frame(kNormal, tangent, bitangent);
       // Integrals over the hemisphere, and over a part of it.
       double all = 0, value = 0, part = 0;
-      constexpr int kFine = 400;
-      for (int i = 0; i < kFine; ++i)
-        for (int j = 0; j < kFine; ++j) {
-          const double z = (i + 0.5) / kFine, turn = 2 * kPi * (j + 0.5) / kFine, r = std::sqrt(1 - z * z);
+      constexpr int kGrid = 400;
+      for (int i = 0; i < kGrid; ++i)
+        for (int j = 0; j < kGrid; ++j) {
+          const double z = (i + 0.5) / kGrid, turn = 2 * kPi * (j + 0.5) / kGrid, r = std::sqrt(1 - z * z);
           const Vec3f out =
               tangent * float(r * std::cos(turn)) + bitangent * float(r * std::sin(turn)) + kNormal * float(z);
           const MetalLobe lobe = metal_lobe(roughness, kNormal, in, out);
-          const double solid_angle = 2 * kPi / (kFine * kFine);
+          const double solid_angle = 2 * kPi / (kGrid * kGrid);
           all += lobe.density * solid_angle;
           value += lobe.value * solid_angle;
           if ((out ^ tangent) > 0.3f) part += lobe.density * solid_angle;
         }
-      double taken = 0, kept = 0, in_part = 0;
+      double reflected = 0, sampled_value = 0, sampled_part = 0;
       constexpr int kSamples = 200000;
       for (std::uint64_t k = 0; k < kSamples; ++k) {
         Vec3f out = in;
         Color throughput(1.0f);
         if (!reflect(metal, kNormal, kronecker2(k, 1), out, throughput)) continue;
-        taken += 1.0 / kSamples;
-        kept += throughput.x / kSamples;
-        if ((out ^ tangent) > 0.3f) in_part += 1.0 / kSamples;
+        reflected += 1.0 / kSamples;
+        sampled_value += throughput.x / kSamples;
+        if ((out ^ tangent) > 0.3f) sampled_part += 1.0 / kSamples;
         const MetalLobe lobe = metal_lobe(roughness, kNormal, in, out);
         ASSERT_NEAR(lobe.value / lobe.density, throughput.x, 1e-4);
       }
-      EXPECT_NEAR(all, taken, 0.005) << roughness << " " << mu;
-      EXPECT_NEAR(value, kept, 0.005) << roughness << " " << mu;
-      EXPECT_NEAR(part, in_part, 0.005) << roughness << " " << mu;
+      EXPECT_NEAR(all, reflected, 0.005) << roughness << " " << mu;
+      EXPECT_NEAR(value, sampled_value, 0.005) << roughness << " " << mu;
+      EXPECT_NEAR(part, sampled_part, 0.005) << roughness << " " << mu;
     }
 }
 

@@ -13,8 +13,8 @@ namespace {
 
 using test::PatchScene;
 
-/// Quads of all shapes, one of them bent, triangles, and spheres, at random places in a room.
-PatchSet clutter(int count, double size) {
+/// Quads of all shapes, some of them bent, triangles and spheres at random positions in a room.
+PatchSet random_scene(int count, double size) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> unit(-1, 1);
   const auto vector = [&](double scale) { return Vec3d(unit(random), unit(random), unit(random)) * scale; };
@@ -42,20 +42,20 @@ RayPacket random_packet(std::mt19937& random, double spread) {
   return packet;
 }
 
-TEST(PacketTracer, MeetsWhatEmbreeMeets) {
+TEST(PacketTracer, FindsTheSameHitsAsEmbree) {
   for (const auto& [count, size] : {std::pair(5, 1.0), {60, 0.5}, {2000, 0.1}}) {
-    const PatchSet scene = clutter(count, size);
-    const RayScene few(scene), embree(scene, 0);
+    const PatchSet scene = random_scene(count, size);
+    const RayScene packets(scene), embree(scene, 0);
     std::mt19937 random(1);
     int differ = 0, rays = 0;
     for (int k = 0; k < 2000; ++k) {
       RayPacket a = random_packet(random, k % 2 ? 0.1 : 2.0), b = a;
-      few.intersect(a, true);
+      packets.intersect(a, true);
       embree.intersect(b, true);
       for (int lane = 0; lane < RayPacket::kSize; ++lane, ++rays) {
-        const SurfaceHit one = few.hit(a, lane), other = embree.hit(b, lane);
+        const SurfaceHit one = packets.hit(a, lane), other = embree.hit(b, lane);
         if (one.primitive != other.primitive) {
-          ++differ;  // on an edge, to the last places
+          ++differ;  // hits on an edge may differ by rounding
           continue;
         }
         EXPECT_EQ(one.front, other.front);
@@ -68,9 +68,9 @@ TEST(PacketTracer, MeetsWhatEmbreeMeets) {
   }
 }
 
-TEST(PacketTracer, SeesTheSameShadowsAsEmbree) {
-  const PatchSet scene = clutter(300, 0.3);
-  const RayScene few(scene), embree(scene, 0);
+TEST(PacketTracer, FindsTheSameOcclusionAsEmbree) {
+  const PatchSet scene = random_scene(300, 0.3);
+  const RayScene packets(scene), embree(scene, 0);
   std::mt19937 random(2);
   int differ = 0;
   for (int k = 0; k < 2000; ++k) {
@@ -78,14 +78,14 @@ TEST(PacketTracer, SeesTheSameShadowsAsEmbree) {
     for (int lane = 0; lane < RayPacket::kSize; ++lane) a.rays.ray.tfar[lane] = 0.1f * float(lane + 1);
     a.valid[k % 16] = 0;
     RayPacket b = a;
-    const std::uint32_t blocked = few.occluded(a);
-    EXPECT_EQ(blocked >> k % 16 & 1u, 0u) << "a lane that nobody asked for";
-    differ += std::popcount(blocked ^ embree.occluded(b));
+    const std::uint32_t occluded = packets.occluded(a);
+    EXPECT_EQ(occluded >> k % 16 & 1u, 0u) << "an inactive lane";
+    differ += std::popcount(occluded ^ embree.occluded(b));
   }
   EXPECT_LT(differ, 8);
 }
 
-TEST(PacketTracer, LetsNoRayThroughBetweenNeighbours) {
+TEST(PacketTracer, IsWatertightBetweenNeighbours) {
   for (const double scale : {1e-3, 1.0, 1e3}) {
     PatchScene builder;
     builder.room(scale, 1, {});
@@ -95,7 +95,7 @@ TEST(PacketTracer, LetsNoRayThroughBetweenNeighbours) {
     for (int k = 0; k < 4000; ++k) {
       RayPacket packet;
       packet.clear();
-      for (int lane = 0; lane < RayPacket::kSize; ++lane) {  // at edges and corners, exactly
+      for (int lane = 0; lane < RayPacket::kSize; ++lane) {  // exactly at edges and corners
         Vec3f to(unit(random), unit(random), unit(random));
         to[k % 3] = k % 2 ? 1.0f : -1.0f;
         to[(k + 1) % 3] = k % 4 < 2 ? 1.0f : -1.0f;
@@ -109,8 +109,8 @@ TEST(PacketTracer, LetsNoRayThroughBetweenNeighbours) {
   }
 }
 
-TEST(PacketTracer, LeavesOutLanesWhateverTheyHold) {
-  const PatchSet scene = clutter(60, 0.5);
+TEST(PacketTracer, IgnoresTheContentOfInactiveLanes) {
+  const PatchSet scene = random_scene(60, 0.5);
   const RayScene rays(scene);
   std::mt19937 random(4);
   const float values[] = {
@@ -137,7 +137,7 @@ TEST(PacketTracer, LeavesOutLanesWhateverTheyHold) {
   }
 }
 
-TEST(PacketTracer, TakesAnEmptyScene) {
+TEST(PacketTracer, HandlesAnEmptyScene) {
   const RayScene rays{PatchSet{}};
   RayPacket packet;
   packet.clear();

@@ -28,7 +28,7 @@ TEST(PatchSampling, IsUniformOverATrapezoid) {
   test::PatchScene builder;
   builder.quad({{{0, 0, 0}, {2, 0, 0}, {1, 1, 0}, {0, 1, 0}}}, 1, 1, {});
   const Vec3d centroid = sampled_centroid(builder.get().primitives[0], builder.get().patches[0]);
-  EXPECT_LT((centroid - Vec3d(7.0 / 9, 4.0 / 9, 0)).length(), 1e-4);  // of a trapezoid by its two triangles
+  EXPECT_LT((centroid - Vec3d(7.0 / 9, 4.0 / 9, 0)).length(), 1e-4);  // centroid of a trapezoid
 }
 
 TEST(PatchSampling, IsUniformOverASphere) {
@@ -49,7 +49,7 @@ TEST(PatchSampling, SphereAzimuthStartsAtXAndGrowsTowardsMinusZ) {
   EXPECT_LT((point_at(sphere, 0, 0.5).normal - Vec3f(-1, 0, 0)).length(), 1e-6f);
 }
 
-TEST(PatchSampling, CosineDirectionsHaveTheirMeanAtTwoThirds) {
+TEST(PatchSampling, CosineDirectionsHaveAMeanCosineOfTwoThirds) {
   double sum = 0;
   constexpr int kSide = 512;
   for (int j = 0; j < kSide; ++j)

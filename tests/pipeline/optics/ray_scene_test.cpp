@@ -20,7 +20,7 @@ SurfaceHit cast(const RayScene& rays, const Vec3d& from, const Vec3d& to) {
   return rays.hit(packet, 5);
 }
 
-/// Rays from one side to known (u,v): the hit must say (u,v) of the same point.
+/// Casts rays to known (u,v): the hit's (u,v) must be those of the same point.
 void expect_uv(const PatchSet& scene, double tolerance) {
   const RayScene rays(scene);
   std::mt19937 random(1);
@@ -86,7 +86,7 @@ TEST(RayScene, ResolvesTheSideOfATwoSidedSurface) {
   EXPECT_NEAR(back.u, 0.9, 1e-6);
 }
 
-TEST(PatchLookup, FindsThePatchThatHoldsUv) {
+TEST(PatchLookup, FindsThePatchThatContainsUv) {
   PatchScene builder;
   builder.quad({{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}, 7, 5, {});
   builder.sphere({0, 0, 0}, 1, 9, 11, {});
@@ -100,12 +100,12 @@ TEST(PatchLookup, FindsThePatchThatHoldsUv) {
   EXPECT_EQ(lookup.patch(0, 0.0f, 0.0f), 0);
 }
 
-TEST(RayScene, DoesNotMeetTheBentQuadThatARayLeaves) {
-  for (const std::size_t few : {RayScene::kFew, std::size_t(0)})
+TEST(RayScene, OffsetAvoidsSelfIntersectionOfABentQuad) {
+  for (const std::size_t max_packet_primitives : {RayScene::kMaxPacketPrimitives, std::size_t(0)})
     for (const double bend : {-1e-3, 1e-3}) {
       test::PatchScene builder;
       builder.quad({{{0, 0, 0}, {1, 0, bend}, {1, 1, 0}, {0, 1, bend}}}, 1, 1, {});
-      const RayScene ray_scene(builder.get(), few);
+      const RayScene ray_scene(builder.get(), max_packet_primitives);
       EXPECT_LT(ray_scene.offset(0), 1e-3f);
       RayPacket packet;
       for (int k = 0; k < 100; ++k) {

@@ -7,7 +7,7 @@
 namespace patchlight {
 namespace {
 
-/// Columns and rows tell themselves apart.
+/// Texels hold their column and row.
 Environment sky_of(int width, int height) {
   Environment sky;
   sky.width = width;
@@ -17,7 +17,7 @@ Environment sky_of(int width, int height) {
   return sky;
 }
 
-TEST(Sky, LiesAsBlenderHasIt) {
+TEST(Sky, IsOrientedAsInBlender) {
   const Environment sky = sky_of(8, 4);
   // Cycles: u = 1/2 - atan2(y, x) / 2 pi with Z up; Blender's x, y, z are glTF's x, -z, y.
   EXPECT_NEAR(texel_at(sky, {1, 0, 0}).x, 4, 1e-5) << "the middle";
@@ -28,9 +28,9 @@ TEST(Sky, LiesAsBlenderHasIt) {
   EXPECT_NEAR(texel_at(sky, {0, -1, 0}).y, 4, 1e-5);
 }
 
-TEST(Sky, TurnsCounterClockwiseFromAbove) {
+TEST(Sky, RotatesCounterClockwiseFromAbove) {
   Environment sky = sky_of(8, 4);
-  sky.turn = 0.25;  // what lay along +X lies along -Z
+  sky.turn = 0.25;  // the image centre moves from +X to -Z
   EXPECT_NEAR(texel_at(sky, {0, 0, -1}).x, 4, 1e-5);
 }
 
@@ -56,14 +56,14 @@ TEST(Sky, IsClippedByItsLargestChannel) {
   EXPECT_EQ(clipped_radiance(sky, {0, 1, 0}), Color(2.0f, 1.0f, 0.0f));
 }
 
-TEST(Sky, CellsAreOfEqualSolidAngle) {
+TEST(Sky, CellsHaveEqualSolidAngle) {
   Environment sky = sky_of(1, 1);
   sky.rows = 3;
   sky.cells.resize(18);
   std::vector<int> counts(sky.cells.size());
   constexpr int kSide = 300;
   for (int j = 0; j < kSide; ++j)
-    for (int i = 0; i < kSide; ++i) {  // even over the sphere
+    for (int i = 0; i < kSide; ++i) {  // uniform over the sphere
       const double y = 1 - 2 * (j + 0.5) / kSide, turn = 2 * kPi * (i + 0.5) / kSide, r = std::sqrt(1 - y * y);
       ++counts.at(sky_cell(sky, Vec3f(float(r * std::cos(turn)), float(y), float(r * std::sin(turn))) * 3.0f));
     }

@@ -11,7 +11,7 @@ namespace {
 
 using test::PatchScene;
 
-/// The sides of a prism of eight, from y = 0 to 1, lit outside.
+/// The sides of an octagonal prism from y = 0 to 1, lit outside.
 PatchScene prism(bool smooth) {
   PatchScene builder;
   const auto corner = [](int k, double y) { return Vec3d(std::cos(k * kPi / 4), y, std::sin(k * kPi / 4)); };
@@ -24,7 +24,7 @@ PatchScene prism(bool smooth) {
   return builder;
 }
 
-TEST(SmoothNormals, RunRadiallyAboutACylinder) {
+TEST(SmoothNormals, AreRadialOnACylinder) {
   PatchScene builder = prism(true);
   const PatchSet& scene = builder.get();
   const SmoothNormals normals(scene);

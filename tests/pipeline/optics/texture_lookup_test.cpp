@@ -19,7 +19,7 @@ Texture two_texels() {
   return {2, 1, {Texture::Wrap::repeat, Texture::Wrap::repeat}, false, {0x0028ff, 0xc82800}};
 }
 
-TEST(TextureLookup, FindsTexelsAtTheirMiddles) {
+TEST(TextureLookup, ReturnsTexelsAtTheirCenters) {
   const Color left = texture_color(two_texels(), {0.25, 0.5}), right = texture_color(two_texels(), {0.75, 0.5});
   EXPECT_NEAR(left.x, 0, 1e-5);
   EXPECT_NEAR(left.y, linear(40), 1e-5);
@@ -28,7 +28,7 @@ TEST(TextureLookup, FindsTexelsAtTheirMiddles) {
   EXPECT_NEAR(right.z, 0, 1e-5);
 }
 
-TEST(TextureLookup, MixesTexelsInTheirEncoding) {
+TEST(TextureLookup, InterpolatesInSrgbEncoding) {
   EXPECT_NEAR(texture_color(two_texels(), {0.5, 0.5}).x, linear(100), 1e-5);
   EXPECT_NEAR(texture_color(two_texels(), {0.375, 0.5}).x, linear(50), 1e-5);
   Texture nearest = two_texels();
@@ -37,7 +37,7 @@ TEST(TextureLookup, MixesTexelsInTheirEncoding) {
   EXPECT_NEAR(texture_color(nearest, {0.51, 0.5}).x, linear(200), 1e-5);
 }
 
-TEST(TextureLookup, WrapsAsTheSamplerSays) {
+TEST(TextureLookup, FollowsTheWrapMode) {
   Texture texture = two_texels();
   EXPECT_NEAR(texture_color(texture, {-0.25, 7.3}).x, linear(200), 1e-5);
   EXPECT_NEAR(texture_color(texture, {0.0, 0.5}).x, linear(100), 1e-5);
@@ -56,7 +56,7 @@ TEST(TextureLookup, FirstRowIsTheTop) {
   EXPECT_NEAR(texture_color(column, {0.5, 0.9}).y, 0, 1e-5);
 }
 
-TEST(TextureLookup, ReflectanceIsTintedAndLeavesTheMetallicPart) {
+TEST(TextureLookup, ReflectanceIsTintedAndLimitedByTheSpecularPart) {
   test::PatchScene builder;
   builder.quad({{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}, 1, 1, {});
   PatchSet& scene = builder.get();
