@@ -12,16 +12,16 @@ namespace patchlight {
 
 namespace {
 
-constexpr int kBlock = 8;
-constexpr double kWorst = 0.001;     // share of the pixels that relmse leaves out
-constexpr double kEmitter = 0.9;     // what is brighter than this share of the brightest is left out of the bias
-constexpr double kSoftening = 0.01;  // of the mean, so that black does not divide
+constexpr int kBlockSize = 8;
+constexpr double kTrimmedFraction = 0.001;  // fraction of the worst pixels that relmse ignores
+constexpr double kEmitterThreshold = 0.9;   // the bias ignores pixels above this fraction of the brightest
+constexpr double kSoftening = 0.01;         // relative to the mean, to avoid division by zero
 
-double channel(const Color& pixel, int k) {
+double finite_channel(const Color& pixel, int k) {
   return std::isfinite(pixel[k]) ? double(pixel[k]) : 0.0;
 }
 
-/// A channel that is black in both is right, not undefined.
+/// a / b; 0 if a is 0, so that a channel that is black in both images has no error.
 double quotient(double a, double b) {
   return a == 0 ? 0 : a / b;
 }
@@ -29,20 +29,20 @@ double quotient(double a, double b) {
 Vec3d mean_of(const Image& image) {
   Vec3d sum(0.0);
   for (const Color& pixel : image.pixels)
-    for (int k = 0; k < 3; ++k) sum[k] += channel(pixel, k);
+    for (int k = 0; k < 3; ++k) sum[k] += finite_channel(pixel, k);
   return sum / double(image.pixels.size());
 }
 
-/// Means of the 8 x 8 blocks that fit.
+/// Means of all whole 8 x 8 blocks.
 std::vector<Vec3d> blocks_of(const Image& image) {
   std::vector<Vec3d> blocks;
-  for (int top = 0; top + kBlock <= image.height; top += kBlock)
-    for (int left = 0; left + kBlock <= image.width; left += kBlock) {
+  for (int top = 0; top + kBlockSize <= image.height; top += kBlockSize)
+    for (int left = 0; left + kBlockSize <= image.width; left += kBlockSize) {
       Vec3d sum(0.0);
-      for (int y = top; y < top + kBlock; ++y)
-        for (int x = left; x < left + kBlock; ++x)
-          for (int k = 0; k < 3; ++k) sum[k] += channel(image.pixels[std::size_t(y) * image.width + x], k);
-      blocks.push_back(sum / double(kBlock * kBlock));
+      for (int y = top; y < top + kBlockSize; ++y)
+        for (int x = left; x < left + kBlockSize; ++x)
+          for (int k = 0; k < 3; ++k) sum[k] += finite_channel(image.pixels[std::size_t(y) * image.width + x], k);
+      blocks.push_back(sum / double(kBlockSize * kBlockSize));
     }
   return blocks;
 }
@@ -66,13 +66,13 @@ double trimmed_relmse(const Image& frame, const Image& reference, const Vec3d& m
   for (std::size_t i = 0; i < frame.pixels.size(); ++i) {
     double sum = 0;
     for (int k = 0; k < 3; ++k) {
-      const double r = channel(reference.pixels[i], k), d = channel(frame.pixels[i], k) - r;
+      const double r = finite_channel(reference.pixels[i], k), d = finite_channel(frame.pixels[i], k) - r;
       sum += quotient(d * d, r * r + kSoftening * mean[k] * mean[k]);
     }
     errors.push_back(sum / 3);
   }
   std::sort(errors.begin(), errors.end());
-  errors.resize(std::size_t(std::ceil(double(errors.size()) * (1 - kWorst))));
+  errors.resize(std::size_t(std::ceil(double(errors.size()) * (1 - kTrimmedFraction))));
   double sum = 0;
   for (const double e : errors) sum += e;
   return sum / double(errors.size());
@@ -86,14 +86,14 @@ double bias_of(const Image& frame, const Image& reference) {
     const Color& r = reference.pixels[i];
     double a = 0, b = 0;
     for (int k = 0; k < 3; ++k) {
-      a += channel(frame.pixels[i], k);
-      b += channel(r, k);
+      a += finite_channel(frame.pixels[i], k);
+      b += finite_channel(r, k);
     }
-    const bool counts = double(std::max({r.x, r.y, r.z})) < kEmitter * double(brightest);
+    const bool included = double(std::max({r.x, r.y, r.z})) < kEmitterThreshold * double(brightest);
     frame_all += a;
     reference_all += b;
-    frame_sum += counts ? a : 0;
-    reference_sum += counts ? b : 0;
+    frame_sum += included ? a : 0;
+    reference_sum += included ? b : 0;
   }
   return reference_sum > 0 ? frame_sum / reference_sum - 1 : quotient(frame_all - reference_all, reference_all);
 }
@@ -105,7 +105,7 @@ Image box_reduced(const Image& image, int height) {
   if (k < 1 || k * height != image.height || image.width % k != 0)
     throw Error(ExitCode::bad_data,
                 fmt::format("{} x {} pixels do not average down to {} rows", image.width, image.height, height),
-                "image error", "make one picture's sides a whole multiple of the other's: trace.resolution");
+                "image error", "make one image's sides a whole multiple of the other's: trace.resolution");
   if (k == 1) return image;
   Image result{image.width / k, height, {}, image.metadata};
   for (int y = 0; y < height; ++y)
@@ -126,7 +126,7 @@ ImageError image_error(const Image& frame, const Image& reference) {
     throw Error(
         ExitCode::bad_data,
         fmt::format("{} x {} pixels against {} x {}", frame.width, frame.height, reference.width, reference.height),
-        "image error", "give both pictures the same shape: trace.resolution");
+        "image error", "give both images the same aspect ratio: trace.resolution");
   const Vec3d mean = mean_of(b);
   ImageError error;
   compare_blocks(a, b, mean, error);

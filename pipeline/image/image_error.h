@@ -3,21 +3,22 @@
 
 namespace patchlight {
 
-/// How far a frame is from a reference. All are relative; m is the mean of the reference R in a channel.
+/// Relative errors of a frame I against a reference R. m is the mean of R in a channel.
 struct ImageError {
-  double block =
-      0;  ///< Mean over 8 x 8 blocks and channels of |mean I - mean R| / (mean R + 0.01 m): noise evened out.
+  /// Mean over 8 x 8 blocks and channels of |mean I - mean R| / (mean R + 0.01 m): insensitive to noise.
+  double block = 0;
   double blockrms = 0;  ///< Root of the mean over blocks and channels of (mean I - mean R)^2 / (mean R^2 + (0.1 m)^2).
   double relmse = 0;    ///< Mean of (I - R)^2 / (R^2 + (0.1 m)^2) without the worst 0.1% of pixels.
-  double bias = 0;      ///< mean I / mean R - 1 where R is below 0.9 of its largest value; everywhere if it nowhere is.
+  double bias = 0;      ///< mean I / mean R - 1 over pixels where R < 0.9 max R; over all pixels if there are none.
 };
 
-/// The image scaled down to `height` rows by averaging whole boxes of pixels.
-/// Throws: Error (bad_data) unless both sides are whole multiples.
+/// The image, scaled down to `height` rows with a box filter.
+/// Throws: Error (bad_data) unless both sides are divisible.
 Image box_reduced(const Image& image, int height);
 
-/// Compares two frames of one shape; the larger is box-averaged down to the smaller. NaN and infinities in the frame
-/// count as 0. Blocks are NaN if the frame is smaller than one. Throws: Error (bad_data) for sizes that do not divide.
+/// Compares two images of the same aspect ratio; the larger is scaled down to the smaller with a box filter. NaN and
+/// infinities count as 0. Block errors are NaN if the images are smaller than a block.
+/// Throws: Error (bad_data) if one size is no multiple of the other.
 ImageError image_error(const Image& frame, const Image& reference);
 
 }  // namespace patchlight

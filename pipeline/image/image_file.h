@@ -12,11 +12,11 @@
 
 namespace patchlight {
 
-/// Channels of an EXR beside R, G and B.
+/// Channels of an EXR besides R, G and B.
 struct ImageLayer {
   std::string name;
-  std::string channels;  ///< A letter each, after the name and a dot: RGB, XYZ, or one of one value.
-  /// [height * width]: three values each, one, or a number.
+  std::string channels;  ///< RGB, XYZ or a single letter; an EXR channel is named `name`, a dot and its letter.
+  /// [height * width] Colours or vectors, floats, or integers.
   std::variant<std::vector<Color>, std::vector<float>, std::vector<std::uint32_t>> values;
 };
 
@@ -29,30 +29,31 @@ struct Image {
   std::vector<ImageLayer> layers{};
 };
 
-/// How an EXR is stored. Layers that are not colours are whole floats, and numbers whole numbers, in any case.
+/// How an EXR is stored. Layers other than colours are always 32-bit floats or integers.
 struct ExrFormat {
-  std::string pixel_type = "half";  ///< half or float.
+  std::string pixel_type = "half";  ///< Of colours: half or float.
   std::string compression = "zip";  ///< One of kExrCompressions.
 };
 
-/// Writes an EXR of one part, channels R, G, B and those of the layers, with `metadata` as header attributes. Atomic;
-/// until it is whole it stands in `temporary_folder`, or beside `file`. Throws: Error (cannot_create, io_error).
+/// Writes a single-part EXR with channels R, G, B and those of the layers, and `metadata` as header attributes. Atomic:
+/// writes a temporary file in `temporary_folder` (by default next to `file`) and renames it.
+/// Throws: Error (cannot_create, io_error).
 void write_exr(const std::filesystem::path& file, const Image& image,
                const std::filesystem::path& temporary_folder = {}, const ExrFormat& format = {});
 
-/// Writes 8-bit PNG of display-ready values in [0,1], in the same way.
+/// Writes display-encoded values in [0,1] as 8-bit PNG, in the same way.
 /// Throws: Error (cannot_create, io_error).
 void write_png(const std::filesystem::path& file, const Image& image,
                const std::filesystem::path& temporary_folder = {});
 
-/// Reads channels R, G, B of an EXR, by name, with the header's text attributes.
+/// Reads channels R, G and B of an EXR, and the header's text attributes.
 /// Throws: Error (missing_input, bad_data).
 Image read_exr(const std::filesystem::path& file);
 
-/// The same with all layers of the kinds that write_exr() writes, by growing name.
+/// The same, with all layers of the kinds that write_exr() writes, sorted by name.
 Image read_exr_layers(const std::filesystem::path& file);
 
-/// The same without pixels and values, and without the memory for them.
+/// The same, without pixels and values.
 Image read_exr_header(const std::filesystem::path& file);
 
 }  // namespace patchlight

@@ -7,7 +7,7 @@ namespace patchlight {
 
 namespace {
 
-/// The first of some usual fonts that is installed; empty if none is.
+/// The first installed font of a list of common ones; empty if none is installed.
 const std::string& font() {
   static const std::string found = [] {
     for (const char* name : {"DejaVuSans", "LiberationSans-Regular", "NotoSans-Regular", "FreeSans", "DroidSans"})

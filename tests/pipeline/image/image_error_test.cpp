@@ -22,7 +22,7 @@ TEST(ImageError, IsZeroForTheReferenceItself) {
   EXPECT_EQ(error.bias, 0);
 }
 
-TEST(ImageError, OfAUniformExcessIsTheExcessOverTheSoftenedReference) {
+TEST(ImageError, OfAUniformDifferenceIsRelativeToTheSoftenedReference) {
   const ImageError error = image_error(filled(16, 8, Color(1.5f)), filled(16, 8, Color(1.0f)));
   EXPECT_NEAR(error.block, 0.5 / 1.01, 1e-12);
   EXPECT_NEAR(error.blockrms, std::sqrt(0.25 / 1.01), 1e-12);
@@ -30,8 +30,8 @@ TEST(ImageError, OfAUniformExcessIsTheExcessOverTheSoftenedReference) {
   EXPECT_NEAR(error.bias, 0.5, 1e-12);
 }
 
-TEST(ImageError, WeighsBlocksByTheirOwnReference) {
-  // A left block of 1 that is right, and a right block of 3 that is 1 too dark; the mean is 2.
+TEST(ImageError, IsRelativeToEachBlocksReference) {
+  // The left block, 1, is correct; the right block, 3, is 1 too dark; the mean is 2.
   Image reference = filled(16, 8, Color(1.0f)), frame = reference;
   for (int y = 0; y < 8; ++y)
     for (int x = 8; x < 16; ++x) {
@@ -42,10 +42,10 @@ TEST(ImageError, WeighsBlocksByTheirOwnReference) {
   EXPECT_NEAR(error.block, 1 / 3.02 / 2, 1e-12);
   EXPECT_NEAR(error.blockrms, std::sqrt(1 / 9.04 / 2), 1e-12);
   EXPECT_NEAR(error.relmse, 1 / 9.04 / 2, 1e-12);
-  EXPECT_NEAR(error.bias, 0, 1e-12);  // of the pixels below 2.7 alone
+  EXPECT_NEAR(error.bias, 0, 1e-12);  // only pixels below 2.7
 }
 
-TEST(ImageError, EvensOutNoiseInBlocksButNotInPixels) {
+TEST(ImageError, AveragesNoiseInBlocksButNotInPixels) {
   Image frame = filled(8, 8, Color(1.0f));
   for (std::size_t i = 0; i < 64; ++i) frame.pixels[i] = Color(i % 2 == 0 ? 0.5f : 1.5f);
   const ImageError error = image_error(frame, filled(8, 8, Color(1.0f)));
@@ -53,13 +53,13 @@ TEST(ImageError, EvensOutNoiseInBlocksButNotInPixels) {
   EXPECT_NEAR(error.relmse, 0.25 / 1.01, 1e-12);
 }
 
-TEST(ImageError, LeavesTheWorstThousandthOutOfRelmse) {
+TEST(ImageError, RelmseIgnoresTheWorstThousandth) {
   Image frame = filled(40, 50, Color(1.0f));
   frame.pixels[7] = frame.pixels[8] = Color(1000.0f);
   EXPECT_EQ(image_error(frame, filled(40, 50, Color(1.0f))).relmse, 0);
 }
 
-TEST(ImageError, AveragesTheLargerPictureDown) {
+TEST(ImageError, ScalesTheLargerImageDown) {
   Image large = filled(32, 16, Color(1.0f));
   for (std::size_t i = 0; i < large.pixels.size(); i += 2) large.pixels[i] = Color(3.0f);
   EXPECT_EQ(image_error(filled(16, 8, Color(2.0f)), large).block, 0);
@@ -68,13 +68,13 @@ TEST(ImageError, AveragesTheLargerPictureDown) {
   EXPECT_ERROR(image_error(filled(8, 8, Color(1.0f)), large), ExitCode::bad_data, "trace.resolution");
 }
 
-TEST(ImageError, CountsWhatIsNotFiniteAsBlack) {
+TEST(ImageError, CountsNonFiniteValuesAsBlack) {
   Image frame = filled(8, 8, Color(1.0f));
   frame.pixels[0] = Color(std::numeric_limits<float>::quiet_NaN());
   EXPECT_NEAR(image_error(frame, filled(8, 8, Color(1.0f))).block, 1.0 / 64 / 1.01, 1e-9);
 }
 
-TEST(ImageError, OfAChannelThatIsBlackInBothIsZero) {
+TEST(ImageError, IsZeroForAChannelThatIsBlackInBoth) {
   EXPECT_EQ(image_error(filled(8, 8, {1, 1, 0}), filled(8, 8, {1, 1, 0})).relmse, 0);
 }
 

@@ -24,7 +24,7 @@ Image with_layers() {
   return image;
 }
 
-TEST(ImageFile, KeepsLayersAndNumbersByEveryLosslessCompression) {
+TEST(ImageFile, KeepsLayersByEveryLosslessCompression) {
   const test::TemporaryFolder folder;
   const Image image = with_layers();
   for (const char* compression : {"none", "rle", "zips", "zip", "piz"}) {
@@ -41,7 +41,7 @@ TEST(ImageFile, KeepsLayersAndNumbersByEveryLosslessCompression) {
   }
 }
 
-TEST(ImageFile, HalvesAreForLightAloneAndNumbersAreExactByAnyCompression) {
+TEST(ImageFile, StoresOnlyColorsAsHalfAndIntegersExactly) {
   const test::TemporaryFolder folder;
   const Image image = with_layers();
   for (const std::string compression : kExrCompressions) {
@@ -53,11 +53,11 @@ TEST(ImageFile, HalvesAreForLightAloneAndNumbersAreExactByAnyCompression) {
     if (compression != "zip") continue;
     for (std::size_t i = 0; i < image.pixels.size(); ++i)
       EXPECT_NEAR(read.pixels[i].x, image.pixels[i].x, image.pixels[i].x * 0x1p-11);
-    EXPECT_EQ(read.layers[2].values, image.layers[2].values) << "vectors are whole floats";
+    EXPECT_EQ(read.layers[2].values, image.layers[2].values) << "vectors are 32-bit floats";
   }
 }
 
-TEST(ImageFile, LayersDoNotDisturbThoseWhoReadTheBeauty) {
+TEST(ImageFile, LayersDoNotChangeTheMainImage) {
   const test::TemporaryFolder folder;
   Image image = with_layers();
   write_exr(folder / "with.exr", image);
