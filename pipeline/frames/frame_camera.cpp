@@ -15,21 +15,21 @@ Camera FrameCamera::at(int frame, const Job& job) const {
   if (!moves()) return camera;
   const std::optional<Matrix4> to_world = to_world_at(*of_scene, frame / job.trace.fps);
   if (!to_world)
-    throw Error(ExitCode::bad_data, fmt::format("camera `{}` makes no picture at frame {}", name, frame),
-                job.scene.filename().string(), "its transform is flat then: leave the frame out of trace.frames");
+    throw Error(ExitCode::bad_data, fmt::format("camera `{}` has a degenerate transform at frame {}", name, frame),
+                job.scene.filename().string(), "leave the frame out of trace.frames, or mend the animation");
   camera.to_world = *to_world;
   return camera;
 }
 
 std::vector<FrameCamera> frame_cameras(const Job& job, const PatchSet& scene) {
   std::vector<FrameCamera> cameras;
-  auto own = job.cameras;
+  auto added = job.cameras;
   for (const Camera& camera : scene.cameras) {
     const auto found = job.cameras.find(camera.name);
     cameras.push_back({camera.name, &camera, found == job.cameras.end() ? nullptr : &found->second});
-    own.erase(camera.name);
+    added.erase(camera.name);
   }
-  for (const auto& [name, unused] : own) cameras.push_back({name, nullptr, &job.cameras.at(name)});
+  for (const auto& [name, unused] : added) cameras.push_back({name, nullptr, &job.cameras.at(name)});
   return cameras;
 }
 

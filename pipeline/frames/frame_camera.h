@@ -7,21 +7,20 @@
 
 namespace patchlight {
 
-/// A camera that frames may be seen by: one of the scene, or one of the job's own.
+/// A camera of the scene or of the job.
 struct FrameCamera {
   std::string name;
-  const Camera* of_scene = nullptr;
-  const CameraConfig* of_job = nullptr;  ///< Null: it is the scene's.
+  const Camera* of_scene = nullptr;      ///< Null: not in the scene.
+  const CameraConfig* of_job = nullptr;  ///< Null: the scene's camera is used.
 
   bool moves() const { return of_job ? of_job->turntable != 0 : !of_scene->motion.empty(); }
 
-  /// As it stands at a frame. Of the scene's, frame f shows what is f / fps seconds from the start of the animation, as
-  /// Blender writes it; a turntable begins with frame 1.
-  /// Throws: Error (bad_data) where its transform makes no picture.
+  /// The camera at a frame. In a scene, frame f is f / fps seconds after the start of the animation, as exported by
+  /// Blender; a turntable starts at frame 1. Throws: Error (bad_data) if the transform is degenerate.
   Camera at(int frame, const Job& job) const;
 };
 
-/// The scene's cameras, those of which the job has one by the same name replaced, and then the job's others.
+/// The scene's cameras, replaced by the job's cameras of the same name, followed by the job's other cameras.
 std::vector<FrameCamera> frame_cameras(const Job& job, const PatchSet& scene);
 
 }  // namespace patchlight

@@ -7,7 +7,7 @@
 
 namespace patchlight {
 
-/// Whether a frame's EXR and PNG are whole, carry the key, and hold `layers`.
+/// Whether a frame's EXR and PNG are undamaged, have the key, and contain `layers`.
 bool is_fresh(const Frame& frame, const std::string& frame_key, const std::vector<ImageLayer>& layers);
 
 }  // namespace patchlight

@@ -11,9 +11,9 @@ namespace patchlight {
 
 namespace {
 
-constexpr std::size_t kLongestGroup = 240;  // of the 255 bytes of a channel's name
+constexpr std::size_t kMaxGroupNameBytes = 240;  // a channel name has at most 255 bytes
 
-constexpr std::array<std::string_view, 4> kLightByItsWay{"direct", "indirect", "specular", "emission"};
+constexpr std::array<std::string_view, 4> kLightPathLayers{"direct", "indirect", "specular", "emission"};
 
 }  // namespace
 
@@ -29,10 +29,10 @@ std::vector<ImageLayer> frame_layers(const TraceConfig& config, const PatchSet& 
       layers.push_back({name, "XYZ", colors});
     else if (name == "light_groups")
       for (const std::string& group : scene.light_groups) {
-        if (group.size() > kLongestGroup)
+        if (group.size() > kMaxGroupNameBytes)
           throw Error(ExitCode::bad_config,
                       "the light group `" + group.substr(0, 40) + "...` has a name too long for an EXR", "trace.layers",
-                      "leave out `light_groups`, or name it anew in the scene");
+                      "leave out `light_groups`, or rename the group in the scene");
         layers.push_back({kLightGroupLayer + group, "RGB", colors});
       }
     else
@@ -48,7 +48,7 @@ std::vector<ImageLayer> relit_layers(const TraceConfig& config, const PatchSet& 
 }
 
 bool holds_light_by_its_way(const std::string& layer) {
-  return std::find(kLightByItsWay.begin(), kLightByItsWay.end(), layer) != kLightByItsWay.end();
+  return std::find(kLightPathLayers.begin(), kLightPathLayers.end(), layer) != kLightPathLayers.end();
 }
 
 bool are_alike(const ImageLayer& a, const ImageLayer& b) {
@@ -57,7 +57,8 @@ bool are_alike(const ImageLayer& a, const ImageLayer& b) {
 
 std::string lacking_layer(const Image& image, const std::vector<ImageLayer>& wanted) {
   for (const ImageLayer& layer : wanted)
-    if (std::none_of(image.layers.begin(), image.layers.end(), [&](const auto& one) { return are_alike(one, layer); }))
+    if (std::none_of(image.layers.begin(), image.layers.end(),
+                     [&](const auto& present) { return are_alike(present, layer); }))
       return layer.name;
   return "";
 }

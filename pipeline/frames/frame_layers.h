@@ -9,19 +9,20 @@
 namespace patchlight {
 
 /// The layers of a frame that `config` asks for, in its order, without values.
-/// Throws: Error (bad_config) for a light group whose name no channel can have.
+/// Throws: Error (bad_config) for a light group whose name is too long for a channel.
 std::vector<ImageLayer> frame_layers(const TraceConfig& config, const PatchSet& scene);
 
-/// Those of them that a relit frame has too.
+/// The layers that a relit frame has too: all except layers by light path.
 std::vector<ImageLayer> relit_layers(const TraceConfig& config, const PatchSet& scene);
 
-/// Whether a layer holds light by the way that it came, of all groups together, so that no sum of single ones makes it.
+/// Whether a layer holds light of one kind of path (direct, indirect, ...) from all groups. It cannot be computed from
+/// the layers of light groups.
 bool holds_light_by_its_way(const std::string& layer);
 
-/// Whether two layers have the same name, channels and kind of values.
+/// Whether two layers have the same name, channels and value type.
 bool are_alike(const ImageLayer& a, const ImageLayer& b);
 
-/// The name of the first of `wanted` that an image lacks; empty: it has all.
+/// Name of the first of the `wanted` layers that is missing in an image; empty: none.
 std::string lacking_layer(const Image& image, const std::vector<ImageLayer>& wanted);
 
 }  // namespace patchlight

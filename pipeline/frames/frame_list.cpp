@@ -15,35 +15,35 @@ namespace patchlight {
 
 namespace {
 
-constexpr std::size_t kLongestFileName = 255;
-constexpr std::size_t kLongestSuffix = 12;  // .1000000.exr
+constexpr std::size_t kMaxFileNameBytes = 255;
+constexpr std::size_t kMaxSuffixBytes = 12;  // .1000000.exr
 
-/// One `_` for each character other than letters, digits, `.`, `_` and `-`; in UTF-8 a character may be several bytes.
-std::string plain_name(const std::string& name) {
-  std::string plain;
-  int rest = 0;  // bytes of the present character that are still to come
+/// Replaces each UTF-8 character other than ASCII letters, digits, `.`, `_` and `-` by one `_`.
+std::string sanitized_name(const std::string& name) {
+  std::string sanitized;
+  int continuation_bytes = 0;  // remaining bytes of the current character
   for (const char c : name) {
     const auto byte = static_cast<unsigned char>(c);
-    if (rest > 0 && (byte & 0xc0) == 0x80) {
-      --rest;
+    if (continuation_bytes > 0 && (byte & 0xc0) == 0x80) {
+      --continuation_bytes;
       continue;
     }
-    rest = byte >= 0xf0 ? 3 : byte >= 0xe0 ? 2 : byte >= 0xc0 ? 1 : 0;
-    const bool kept = byte < 0x80 && (std::isalnum(byte) || c == '.' || c == '_' || c == '-');
-    plain += kept ? c : '_';
+    continuation_bytes = byte >= 0xf0 ? 3 : byte >= 0xe0 ? 2 : byte >= 0xc0 ? 1 : 0;
+    const bool is_allowed = byte < 0x80 && (std::isalnum(byte) || c == '.' || c == '_' || c == '-');
+    sanitized += is_allowed ? c : '_';
   }
-  return plain;
+  return sanitized;
 }
 
-/// A file name for each camera, without its suffix; clashes get `_2`, ...
+/// A unique file name for each camera, without suffix; duplicates get `_2`, ...
 std::vector<std::string> file_names(const std::vector<FrameCamera>& cameras) {
   std::vector<std::string> names;
-  std::set<std::string> taken;
+  std::set<std::string> used;
   for (const FrameCamera& camera : cameras) {
-    const std::string name = plain_name(camera.name);
+    const std::string name = sanitized_name(camera.name);
     std::string ending;
-    const auto unique = [&] { return name.substr(0, kLongestFileName - kLongestSuffix - ending.size()) + ending; };
-    for (int k = 2; !taken.insert(unique()).second; ++k) ending = fmt::format("_{}", k);
+    const auto unique = [&] { return name.substr(0, kMaxFileNameBytes - kMaxSuffixBytes - ending.size()) + ending; };
+    for (int k = 2; !used.insert(unique()).second; ++k) ending = fmt::format("_{}", k);
     names.push_back(unique());
   }
   return names;
@@ -74,10 +74,10 @@ std::vector<std::size_t> chosen_cameras(const Job& job, const std::vector<FrameC
 std::vector<Frame> job_frames(const Job& job, const PatchSet& scene) {
   const std::vector<FrameCamera> cameras = frame_cameras(job, scene);
   const std::vector<std::string> names = file_names(cameras);
-  const std::vector<int> asked = frame_numbers(job.trace.frames), first{1};
+  const std::vector<int> requested = frame_numbers(job.trace.frames), first{1};
   std::vector<Frame> frames;
   for (const std::size_t i : chosen_cameras(job, cameras)) {
-    const std::vector<int>& numbers = cameras[i].moves() ? asked : first;
+    const std::vector<int>& numbers = cameras[i].moves() ? requested : first;
     if (frames.size() + numbers.size() > kMostFrames)
       throw Error(ExitCode::over_limit, fmt::format("more than {} frames of all cameras", kMostFrames),
                   job.file.string() + ", trace.frames", "name fewer frames, or fewer trace.cameras");

@@ -7,20 +7,20 @@
 
 namespace patchlight {
 
-/// One frame of a job and the files that it is written to.
+/// A frame of a job and its output files.
 struct Frame {
-  Camera camera;  ///< As it stands at this frame.
+  Camera camera;  ///< The camera at this frame.
   int number = 1;
   std::filesystem::path exr;
   std::filesystem::path png;
 };
 
-/// The frames that a job asks for, camera by camera; cameras that stand still have frame 1 alone.
-/// Throws: Error (bad_config) for a camera that the scene does not have, (over_limit) for too many frames, (bad_data)
-/// for a frame at which a camera makes no picture.
+/// The frames that a job requests, camera by camera; a static camera has only frame 1.
+/// Throws: Error (bad_config) for an unknown camera, (over_limit) for too many frames, (bad_data) for a camera whose
+/// transform is degenerate at a frame.
 std::vector<Frame> job_frames(const Job& job, const PatchSet& scene);
 
-/// The same frame where it stands relit.
+/// The same frame with the files of its relit version.
 Frame relit_frame(const Job& job, const Frame& frame);
 
 }  // namespace patchlight

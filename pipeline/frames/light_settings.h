@@ -6,11 +6,11 @@
 
 namespace patchlight {
 
-/// What the job's lights multiply each group of the scene by. Shape: [light groups].
-/// Throws: Error (bad_config) for a light group that the scene does not have.
+/// Factor of each light group of the scene, from the job's lights. Shape: [light groups].
+/// Throws: Error (bad_config) for an unknown light group.
 std::vector<Color> light_settings(const Job& job, const PatchSet& scene);
 
-/// Throws: Error (bad_config) for a light group or camera that the scene does not have.
+/// Checks the names in a job. Throws: Error (bad_config) for an unknown light group or camera.
 void check_names(const Job& job, const PatchSet& scene);
 
 }  // namespace patchlight

@@ -15,24 +15,24 @@ std::vector<std::string> files(const std::vector<std::string>& cameras) {
   return names;
 }
 
-TEST(FrameList, WritesOneUnderscoreForACharacter) {
+TEST(FrameList, ReplacesACharacterByOneUnderscore) {
   EXPECT_EQ(files({"a b/c", "K\u00fcche \u2603\U0001f4a1", "\xbf\xc3x"}),
             (std::vector<std::string>{"a_b_c.0001.exr", "K_che___.0001.exr", "__x.0001.exr"}));
 }
 
-TEST(FrameList, TellsClashesApart) {
+TEST(FrameList, MakesNamesUnique) {
   EXPECT_EQ(files({"a b", "a_b", "a/b"}),
             (std::vector<std::string>{"a_b.0001.exr", "a_b_2.0001.exr", "a_b_3.0001.exr"}));
 }
 
-TEST(FrameList, CutsNamesThatNoFileCanHave) {
+TEST(FrameList, TruncatesLongNames) {
   EXPECT_EQ(files({std::string(243, 'x')})[0].size(), 252u);
   const std::vector<std::string> cut = files({std::string(244, 'x'), std::string(300, 'x')});
   EXPECT_EQ(cut[0], std::string(243, 'x') + ".0001.exr");
   EXPECT_EQ(cut[1], std::string(241, 'x') + "_2.0001.exr");
 }
 
-/// A scene with a camera `still` and one `walk`, which goes along X by 1 m/s from 0 to 10 s.
+/// A scene with a camera `still` and one `walk`, which moves along X at 1 m/s from 0 to 10 s.
 PatchSet walkthrough_scene() {
   PatchSet scene;
   scene.cameras.resize(2);
@@ -42,7 +42,7 @@ PatchSet walkthrough_scene() {
   return scene;
 }
 
-TEST(FrameList, HasFramesOfWhatMovesAndOneOfWhatIsStill) {
+TEST(FrameList, HasOneFrameOfAStaticCamera) {
   Job job;
   job.trace.frames = "12,24..48:24";
   const std::vector<Frame> frames = job_frames(job, walkthrough_scene());
@@ -65,20 +65,20 @@ TEST(FrameList, IsBounded) {
   EXPECT_ERROR(job_frames(job, scene), ExitCode::over_limit, "trace.frames");
 }
 
-TEST(FrameList, NamesTheFrameOfACameraThatIsFlat) {
+TEST(FrameList, NamesTheFrameOfADegenerateCamera) {
   Job job;
   PatchSet scene = walkthrough_scene();
   scene.cameras[1].motion[0] = {Motion::Kind::scale, Motion::Interpolation::step, {0}, {0, 0, 0}};
-  EXPECT_ERROR(job_frames(job, scene), ExitCode::bad_data, "camera `walk` makes no picture at frame 1");
+  EXPECT_ERROR(job_frames(job, scene), ExitCode::bad_data, "camera `walk` has a degenerate transform at frame 1");
 }
 
-TEST(FrameList, TakesTheJobsOwnCameras) {
+TEST(FrameList, IncludesTheCamerasOfTheJob) {
   Job job;
   job.cameras["walk"].look_from = Vec3d(0, 0, 5);
   job.cameras["above"] = {Vec3d(1, 9, 1), Vec3d(1, 2, 1), Vec3d(0, 0, -1), {}, 3.0};
   const std::vector<Frame> frames = job_frames(job, walkthrough_scene());
   ASSERT_EQ(frames.size(), 3u);
-  EXPECT_EQ(frames[1].exr.filename(), "walk.0001.exr") << "in place of the scene's";
+  EXPECT_EQ(frames[1].exr.filename(), "walk.0001.exr") << "replaces the scene's camera";
   EXPECT_EQ(frames[1].camera.to_world.translation(), Vec3d(0, 0, 5));
   EXPECT_NEAR(frames[1].camera.vertical, 40 * kPi / 180, 1e-12);
   const Camera& above = frames[2].camera;
@@ -96,7 +96,7 @@ TEST(FrameList, TakesTheJobsOwnCameras) {
   EXPECT_ERROR(job_frames(job, walkthrough_scene()), ExitCode::bad_config, "still, walk, above");
 }
 
-TEST(FrameList, TurnsATurntableAboutItsTarget) {
+TEST(FrameList, RotatesATurntableAboutItsTarget) {
   Job job;
   job.cameras["spin"] = {Vec3d(1, 2, 6), Vec3d(1, 0, 1), Vec3d(0, 1, 0), {}, {}, 8};
   job.trace.cameras = {"spin"};
