@@ -17,13 +17,11 @@ int main(int argc, char** argv) {
     trace_frames(job, scene, read_energy(job.energy_file(), scene), skip_fresh, shard.value_or(Shard()), progress);
   };
   return run_stage("trace", argc, argv, body, [&](CLI::App& app) {
-    app.add_flag(
-        "--skip-fresh", skip_fresh,
-        "Leave frames that are there as the job makes them now, and share the others with whoever renders them");
-    CLI::Option* part = add_shard_option(app, shard, "Render every K-th frame alone, from the k-th on");
-    app.add_flag(
-           "--relight", relight,
-           "Trace nothing: make frames under other `lights` from the layers `light_groups` of those that are there")
-        ->excludes(part);
+    app.add_flag("--skip-fresh", skip_fresh,
+                 "Skip frames that are up to date, and share the others with processes that render the same job");
+    CLI::Option* shard_option = add_shard_option(app, shard, "Render only frames k, k + K, k + 2K, ...");
+    app.add_flag("--relight", relight,
+                 "Trace nothing: make frames under other `lights` from the layers `light_groups` of existing frames")
+        ->excludes(shard_option);
   });
 }

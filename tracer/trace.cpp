@@ -17,24 +17,23 @@ namespace patchlight {
 
 namespace {
 
-/// Every tile takes some hundred KiB and gives them back. Without this they would go back to the system, and each page
-/// of them would be fetched and cleared anew.
+/// Keeps freed memory in the process: every tile allocates and frees some hundred KiB, which the system would otherwise
+/// take back and clear again.
 void keep_freed_memory() {
   mallopt(M_MMAP_THRESHOLD, 64 << 20);
   mallopt(M_TRIM_THRESHOLD, 256 << 20);
   mallopt(M_TOP_PAD, 8 << 20);
 }
 
-/// Does `render` for those frames that are not there yet, but for what other processes are rendering, and waits for
-/// these.
+/// Renders the frames that are not up to date, except those that other processes render, and waits for the latter.
 void share_frames(const std::vector<Frame>& frames, const FrameWriter& writer, const std::vector<ImageLayer>& layers,
                   const std::filesystem::path& folder, const std::function<void(const Frame&)>& render,
                   Progress& progress) {
   FrameClaims claims(folder);
-  const auto passes_alpha_test = [&](const Frame& frame) { return is_fresh(frame, writer.key(frame), layers); };
+  const auto is_up_to_date = [&](const Frame& frame) { return is_fresh(frame, writer.key(frame), layers); };
   std::vector<const Frame*> left;
   for (const Frame& frame : frames)
-    if (!passes_alpha_test(frame)) left.push_back(&frame);
+    if (!is_up_to_date(frame)) left.push_back(&frame);
   if (left.size() < frames.size())
     progress.note(fmt::format("{} of {} frames are up to date", frames.size() - left.size(), frames.size()));
   for (const std::size_t all = left.size(); !left.empty();) {
@@ -42,18 +41,18 @@ void share_frames(const std::vector<Frame>& frames, const FrameWriter& writer, c
     for (std::size_t i = 0; i < left.size(); ++i) {
       Progress::check_interrupted();
       const Frame& frame = *left[i];
-      if (passes_alpha_test(frame)) continue;
+      if (is_up_to_date(frame)) continue;
       if (!claims.take(writer.key(frame))) {
         others.push_back(&frame);
         continue;
       }
       progress.set_part(all - left.size() + i - others.size(), all);
-      if (!passes_alpha_test(frame)) render(frame);  // else it has just become so
+      if (!is_up_to_date(frame)) render(frame);  // another process may just have finished it
       claims.release();
     }
     if (others.size() == left.size()) {
       progress.set_part(all - others.size(), all);
-      progress.update(0, fmt::format("others render what is left, {} frames", others.size()));
+      progress.update(0, fmt::format("waiting for {} frames that other processes render", others.size()));
       std::this_thread::sleep_for(std::chrono::milliseconds(300));
     }
     left = std::move(others);
@@ -69,7 +68,7 @@ void trace_frames(const Job& job, const PatchSet& scene, const EnergyField& ener
   const std::vector<Frame> all = job_frames(job, scene);
   for (std::size_t i = std::size_t(shard.index) - 1; i < all.size(); i += std::size_t(shard.count))
     frames.push_back(all[i]);
-  if (frames.empty()) return progress.note(fmt::format("of {} frames none is of this shard", all.size()));
+  if (frames.empty()) return progress.note(fmt::format("this shard has none of the {} frames", all.size()));
   const FrameWriter writer(job, scene, energy.key);
   const Integrator integrator(scene, energy, job);
   const auto render = [&](const Frame& frame) {

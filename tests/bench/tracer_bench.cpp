@@ -62,7 +62,7 @@ void raw_primary(benchmark::State& state) {
       points.x[lane] = float(pixel % kSide) + 0.5f;
       points.y[lane] = float(pixel / kSide) + 0.5f;
     }
-    rays.start(points, embree, packets[k]);
+    rays.generate(points, embree, packets[k]);
   }
   for (auto _ : state)
     for (int k = 0; k < kPackets; ++k) {

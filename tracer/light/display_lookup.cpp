@@ -35,13 +35,14 @@ DisplayLookup::DisplayLookup(const PatchSet& scene, const RayScene& ray_scene, c
   }
 }
 
-void DisplayLookup::Seen::start(std::uint32_t pixel) {
+void DisplayLookup::CornerCache::start(std::uint32_t pixel) {
   if (pixel == pixel_) return;
   pixel_ = pixel;
   entries_.fill({});
 }
 
-DisplayLookup::Blend DisplayLookup::blend(std::int32_t i, std::int32_t patch, float u, float v, Seen& seen) const {
+DisplayLookup::Blend DisplayLookup::blend(std::int32_t i, std::int32_t patch, float u, float v,
+                                          CornerCache& cache) const {
   Blend blend;
   auto& weights = blend.weights;
   const auto set_weights = [&](float x, float y) {
@@ -58,11 +59,11 @@ DisplayLookup::Blend DisplayLookup::blend(std::int32_t i, std::int32_t patch, fl
   blend.vertices = place.leaf->corners;
   if (!place.leaf->cut) return blend;
 
-  const std::uint32_t corners_left = corners_seen(*place.leaf, i, u, v, seen);
-  float left = 0;
-  for (int k = 0; k < 4; ++k) left += corners_left >> k & 1u ? weights[k] : 0.0f;
-  if (left <= 0) return blend;
-  for (int k = 0; k < 4; ++k) weights[k] = corners_left >> k & 1u ? weights[k] / left : 0.0f;
+  const std::uint32_t visible = cached_visible_corners(*place.leaf, i, u, v, cache);
+  float total = 0;
+  for (int k = 0; k < 4; ++k) total += visible >> k & 1u ? weights[k] : 0.0f;
+  if (total <= 0) return blend;
+  for (int k = 0; k < 4; ++k) weights[k] = visible >> k & 1u ? weights[k] / total : 0.0f;
   return blend;
 }
 
@@ -73,16 +74,17 @@ Color DisplayLookup::operator()(const Blend& blend, std::int32_t i, float u, flo
   return sum;
 }
 
-std::uint32_t DisplayLookup::corners_seen(const DisplayMesh::Cell& leaf, std::int32_t i, float u, float v,
-                                          Seen& seen) const {
-  for (Seen::Entry& entry : seen.entries_)
-    if (entry.leaf == &leaf && entry.uses < Seen::kUses) {
+std::uint32_t DisplayLookup::cached_visible_corners(const DisplayMesh::Cell& leaf, std::int32_t i, float u, float v,
+                                                    CornerCache& cache) const {
+  for (CornerCache::Entry& entry : cache.entries_)
+    if (entry.leaf == &leaf && entry.uses < CornerCache::kMaxUses) {
       ++entry.uses;
       return entry.corners;
     }
-  const auto same = std::find_if(seen.entries_.begin(), seen.entries_.end(),
-                                 [&](const Seen::Entry& entry) { return entry.leaf == &leaf; });
-  Seen::Entry& entry = same != seen.entries_.end() ? *same : seen.entries_[seen.next_++ % Seen::kLeaves];
+  const auto found = std::find_if(cache.entries_.begin(), cache.entries_.end(),
+                                  [&](const CornerCache::Entry& entry) { return entry.leaf == &leaf; });
+  CornerCache::Entry& entry =
+      found != cache.entries_.end() ? *found : cache.entries_[cache.next_++ % CornerCache::kLeaves];
   entry = {&leaf, seen_corners(scene_, ray_scene_, mesh_, leaf, i, std::array{Vec2f(u, v)}), 1};
   return entry.corners;
 }

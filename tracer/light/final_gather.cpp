@@ -8,19 +8,19 @@
 
 namespace patchlight {
 
-/// A ray on its way.
-struct FinalGather::Lane {
+/// State of a lane's ray.
+struct FinalGather::GatherRay {
   std::uint32_t point = 0;
   std::uint64_t random = 0;
   Color throughput{1.0f};
   bool mirrored = false;
 };
 
-/// Sums over a point's rays, W/m2.
-struct FinalGather::Arrived {
+/// Sums over the rays of a point, W/m2.
+struct FinalGather::Gathered {
   int rays = 0;
   Color direct{0.0f}, indirect{0.0f};
-  std::vector<Color> of_group;  ///< [light groups], where they are told apart.
+  std::vector<Color> by_group;  ///< [light groups]; empty: not asked for.
 };
 
 FinalGather::FinalGather(const PatchSet& scene, const RayScene& ray_scene, const SolvedSurfaces& surfaces,
@@ -35,104 +35,105 @@ FinalGather::FinalGather(const PatchSet& scene, const RayScene& ray_scene, const
     for (std::int32_t i = 0; i < emitter.patches; ++i) explicit_[emitter.first_patch + i] = true;
 }
 
-std::vector<FinalGather::Arrived> FinalGather::gather(std::span<const GatherPoint> points,
-                                                      const TileLight::Window& window) const {
-  std::vector<Arrived> arrived(points.size());
-  if (mixes_.groups > 0)
-    for (Arrived& at : arrived) at.of_group.assign(scene_.light_groups.size(), Color(0.0f));
+std::vector<FinalGather::Gathered> FinalGather::gather(std::span<const GatherPoint> points,
+                                                       const TileLight::Window& window) const {
+  std::vector<Gathered> gathered(points.size());
+  if (mixes_.first_group > 0)
+    for (Gathered& sums : gathered) sums.by_group.assign(scene_.light_groups.size(), Color(0.0f));
   RayPacket packet;
   packet.clear();
-  std::array<Lane, RayPacket::kSize> lanes;
+  std::array<GatherRay, RayPacket::kSize> rays;
   int lane = 0;
   for (std::uint32_t i = 0; i < points.size(); ++i) {
     const GatherPoint& point = points[i];
-    const std::uint64_t seed = hash64(hash64(window.place(point.at.pixel)) + point.bounce);
+    const std::uint64_t seed = hash64(hash64(window.pixel_id(point.shading.pixel)) + point.bounce);
     Vec3f tangent, bitangent;
-    orthonormal_frame(point.at.normal, tangent, bitangent);
+    orthonormal_frame(point.shading.normal, tangent, bitangent);
     for (std::uint32_t k = 0; k < std::uint32_t(rays_); ++k) {
-      const std::uint32_t number = point.sample * std::uint32_t(rays_) + k;
-      const Vec2f at = pixel_sample(number, seed);
+      const std::uint32_t index = point.sample * std::uint32_t(rays_) + k;
+      const Vec2f at = pixel_sample(index, seed);
       const Vec3f local = cosine_direction(at.x, at.y);
-      const Vec3f direction = tangent * local.x + bitangent * local.y + point.at.normal * local.z;
-      if ((direction ^ point.flat) <= 0) continue;
-      ++arrived[i].rays;
-      packet.set(lane, ray_scene_.to_local(point.at.position), direction);
-      lanes[lane] = {i, hash64(seed ^ hash64(number))};
+      const Vec3f direction = tangent * local.x + bitangent * local.y + point.shading.normal * local.z;
+      if ((direction ^ point.geometric_normal) <= 0) continue;
+      ++gathered[i].rays;
+      packet.set(lane, ray_scene_.to_local(point.shading.position), direction);
+      rays[lane] = {i, hash64(seed ^ hash64(index))};
       if (++lane < RayPacket::kSize) continue;
-      trace(packet, lanes, arrived);
+      trace(packet, rays, gathered);
       lane = 0;
     }
   }
-  if (lane > 0) trace(packet, lanes, arrived);
-  return arrived;
+  if (lane > 0) trace(packet, rays, gathered);
+  return gathered;
 }
 
 void FinalGather::add(std::span<const GatherPoint> points, const TileLight::Window& window, std::span<Color> pixels,
                       LayerSums* layers) const {
-  const std::vector<Arrived> arrived = gather(points, window);
+  const std::vector<Gathered> gathered = gather(points, window);
   for (std::uint32_t i = 0; i < points.size(); ++i) {
-    if (arrived[i].rays == 0) continue;
-    const ShadingPoint& at = points[i].at;
-    const Color weight = at.weight / float(arrived[i].rays);
-    pixels[at.pixel] += weight * (arrived[i].direct + arrived[i].indirect);
+    if (gathered[i].rays == 0) continue;
+    const ShadingPoint& point = points[i].shading;
+    const bool mirrored = point.path_kind != ShadingPoint::PathKind::direct;
+    const Color weight = point.weight / float(gathered[i].rays);
+    pixels[point.pixel] += weight * (gathered[i].direct + gathered[i].indirect);
     if (!layers) continue;
-    if (layers->light()) {
-      layers->add_direct(at.pixel, at.way != ShadingPoint::Way::straight, weight * arrived[i].direct);
-      layers->add_indirect(at.pixel, at.way != ShadingPoint::Way::straight, weight * arrived[i].indirect);
+    if (layers->has_light()) {
+      layers->add_direct(point.pixel, mirrored, weight * gathered[i].direct);
+      layers->add_indirect(point.pixel, mirrored, weight * gathered[i].indirect);
     }
     for (std::size_t g = 0; g < layers->group_count(); ++g)
-      layers->add_of_group(g, at.pixel, weight * arrived[i].of_group[g]);
+      layers->add_to_group(g, point.pixel, weight * gathered[i].by_group[g]);
   }
 }
 
-/// Follows a packet's valid lanes to their ends. Leaves none valid.
-void FinalGather::trace(RayPacket& packet, std::array<Lane, RayPacket::kSize>& lanes,
-                        std::vector<Arrived>& arrived) const {
-  bool going = true;
-  for (int bounce = 0; going; ++bounce) {
+/// Traces a packet's valid lanes to their ends. Leaves none valid.
+void FinalGather::trace(RayPacket& packet, std::array<GatherRay, RayPacket::kSize>& rays,
+                        std::vector<Gathered>& gathered) const {
+  bool active = true;
+  for (int bounce = 0; active; ++bounce) {
     ray_scene_.intersect(packet, false);
-    going = false;
+    active = false;
     for (int k = 0; k < RayPacket::kSize; ++k) {
       if (packet.valid[k] == 0) continue;
-      Lane& lane = lanes[k];
+      GatherRay& ray = rays[k];
       const SurfaceHit hit = ray_scene_.hit(packet, k);
       packet.valid[k] = 0;
-      if (hit.primitive < 0 && scene_.environment) look_up_sky(packet.direction(k), lane, arrived[lane.point]);
+      if (hit.primitive < 0 && scene_.environment) add_sky(packet.direction(k), ray, gathered[ray.point]);
       if (!hit.front) continue;
-      look_up(hit, lane, arrived[lane.point]);
+      add_surface(hit, ray, gathered[ray.point]);
       if (bounce >= kMostMirrors || scene_.materials[scene_.primitives[hit.primitive].material].specular == Color(0.0f))
         continue;
-      lane.mirrored = true;
-      lane.random = hash64(lane.random);
-      going = go_on(scene_, ray_scene_, hit, lane.random, k, packet, lane.throughput) || going;
+      ray.mirrored = true;
+      ray.random = hash64(ray.random);
+      active = go_on(scene_, ray_scene_, hit, ray.random, k, packet, ray.throughput) || active;
     }
   }
 }
 
-/// What of the environment is not a sun, times pi.
-void FinalGather::look_up_sky(const Vec3f& direction, const Lane& lane, Arrived& arrived) const {
+/// Adds the environment without suns, times pi.
+void FinalGather::add_sky(const Vec3f& direction, const GatherRay& ray, Gathered& gathered) const {
   const Environment& sky = *scene_.environment;
-  const Color light = lane.throughput * sky.cells[sky_cell(sky, direction)] * float(kPi);
+  const Color light = ray.throughput * sky.cells[sky_cell(sky, direction)] * float(kPi);
   const auto group = std::size_t(sky.light_group);
-  (lane.mirrored ? arrived.indirect : arrived.direct) += light * mixes_.all[0][group];
-  if (!arrived.of_group.empty()) arrived.of_group[group] += light;
+  (ray.mirrored ? gathered.indirect : gathered.direct) += light * mixes_.all[0][group];
+  if (!gathered.by_group.empty()) gathered.by_group[group] += light;
 }
 
-/// What the surface at a hit sends back along the ray, times pi.
-void FinalGather::look_up(const SurfaceHit& hit, const Lane& lane, Arrived& arrived) const {
+/// Adds the radiance of the surface at a hit, times pi.
+void FinalGather::add_surface(const SurfaceHit& hit, const GatherRay& ray, Gathered& gathered) const {
   const SolvedSurfaces::Colors colors = surfaces_.colors(hit);
-  DisplayLookup::Seen seen;
-  const DisplayLookup::Blend blend = surfaces_.blend(hit, colors.patch, seen);
-  const bool emits = lane.mirrored || !explicit_[colors.patch];
+  DisplayLookup::CornerCache cache;
+  const DisplayLookup::Blend blend = surfaces_.blend(hit, colors.patch, cache);
+  const bool emits = ray.mirrored || !explicit_[colors.patch];
   const auto reflected = [&](std::size_t mix) {
-    return lane.throughput * colors.reflectance * surfaces_.all_irradiance(hit, blend, mix);
+    return ray.throughput * colors.reflectance * surfaces_.total_irradiance(hit, blend, mix);
   };
-  if (emits) (lane.mirrored ? arrived.indirect : arrived.direct) += lane.throughput * surfaces_.emission(colors);
-  arrived.indirect += reflected(0);
-  for (std::size_t g = 0; g < arrived.of_group.size(); ++g) {
-    const std::size_t mix = mixes_.groups + g;
-    if (emits) arrived.of_group[g] += lane.throughput * surfaces_.emission(colors, mix);
-    arrived.of_group[g] += reflected(mix);
+  if (emits) (ray.mirrored ? gathered.indirect : gathered.direct) += ray.throughput * surfaces_.emission(colors);
+  gathered.indirect += reflected(0);
+  for (std::size_t g = 0; g < gathered.by_group.size(); ++g) {
+    const std::size_t mix = mixes_.first_group + g;
+    if (emits) gathered.by_group[g] += ray.throughput * surfaces_.emission(colors, mix);
+    gathered.by_group[g] += reflected(mix);
   }
 }
 

@@ -9,29 +9,29 @@
 
 namespace patchlight {
 
-/// How many samples the pixels of a frame get, as `trace.samples` says it for those in the middle.
+/// Samples for each pixel of a frame, by the detail around it. `trace.samples` sets `detail`.
 struct SampleCounts {
-  int few = 0;    ///< Where nothing changes from a pixel's neighbours to the others.
-  int some = 0;   ///< At sharp shadows and where colours change.
-  int edge = 0;   ///< Where edges pass.
-  int first = 0;  ///< Those by which it is told which pixels are which.
+  int smooth = 0;   ///< No detail among the pixel's neighbours.
+  int detail = 0;   ///< At sharp shadows and where colours change.
+  int edge = 0;     ///< Where edges pass.
+  int initial = 0;  ///< Taken in every pixel first, to measure the detail.
 
   explicit SampleCounts(int samples);
-  /// Every pixel gets as many, whatever is in it.
-  bool even() const { return edge == first; }
+  /// Whether all pixels take the same number of samples.
+  bool uniform() const { return edge == initial; }
 };
 
-/// Renders frames of one solved scene under one setting of its lights. Everything is shared between frames.
+/// Renders frames of one solved scene under one setting of its lights. All members are shared between frames.
 ///
-/// A pixel is the mean of its samples, all of the same weight. How many it has is told by the edges of the scene as
-/// they are seen from the camera, by what its neighbours' first samples show, and by the shadows about it. Not by what
-/// its own show: then what few of them meet would count for too little.
+/// A pixel is the unweighted mean of its samples. Their number depends on the edges of the scene in the image, on the
+/// initial samples of the neighbouring pixels, and on shadow edges nearby, but not on the pixel's own samples: that
+/// would give rare features too little weight.
 class Integrator {
  public:
   /// Throws: Error (bad_config) for a light group that the scene does not have.
   Integrator(const PatchSet& scene, const EnergyField& energy, const Job& job);
 
-  /// Pixels are the same for any number of threads. Throws: Error (interrupted).
+  /// The pixels do not depend on the number of threads. Throws: Error (interrupted).
   Image render(const Camera& camera, Progress& progress) const;
 
  private:
@@ -45,8 +45,8 @@ class Integrator {
   LightMixes mixes_;
   SolvedSurfaces surfaces_;
   PathTracer paths_;
-  std::optional<PixelLight> lights_;  ///< With direct light at the pixel.
-  std::optional<FinalGather> gather_;
+  std::optional<ExplicitLights> lights_;  ///< Unless `quality` is `patches`.
+  std::optional<FinalGather> gather_;     ///< If `quality` is `gather`.
 };
 
 }  // namespace patchlight

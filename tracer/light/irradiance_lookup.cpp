@@ -16,7 +16,7 @@ Color mix(const Color& a, const Color& b, float t) {
   return a * (1.0f - t) + b * t;
 }
 
-/// Edges of a quad, from one corner to another in the direction of growing u or v.
+/// Edges of a quad, as pairs of corners in the direction of growing u or v.
 struct Edge {
   int from, to;
 };
@@ -24,7 +24,7 @@ constexpr std::array<Edge, 4> kEdges{{{0, 1}, {1, 2}, {3, 2}, {0, 3}}};  // v = 
 
 }  // namespace
 
-/// Makes the values of cells, group by group.
+/// Computes the cell values of one light group at a time.
 class IrradianceLookup::Builder {
  public:
   Builder(const PatchSet& scene, const PatchLookup& lookup) : scene_(scene), lookup_(lookup) {
@@ -35,7 +35,7 @@ class IrradianceLookup::Builder {
   std::size_t cell_count() const { return cells_.size(); }
   std::vector<Grid> grids() && { return std::move(grids_); }
 
-  /// For one group's irradiance of patches.
+  /// Cell values for one light group. `irradiance`: [patches].
   const std::vector<Color>& cells(const std::vector<Color>& irradiance) {
     irradiance_ = &irradiance;
     for (auto& [id, vertex] : vertices_) vertex = {};
@@ -66,7 +66,7 @@ class IrradianceLookup::Builder {
     return (*irradiance_)[lookup_.row(i, row).first + column];
   }
 
-  /// The cell of an edge at `k` of its cells, counted along the edge.
+  /// Cell `k` along an edge.
   const Color& edge_cell(std::int32_t i, int edge, int k) const {
     const int last_row = lookup_.rows(i) - 1, last_column = lookup_.row(i, 0).cells - 1;
     switch (edge) {
@@ -134,8 +134,9 @@ class IrradianceLookup::Builder {
     }
   }
 
-  /// What lies behind cell `k` of an edge: the smooth neighbour's cells, or the line through the last two of its own.
-  Color beyond(std::int32_t i, int edge, int k, const Color& last, const Color& before) const {
+  /// Value of the margin cell beyond cell `k` of an edge: interpolated from the smooth neighbour's cells, or
+  /// extrapolated linearly from the last two cells.
+  Color margin_value(std::int32_t i, int edge, int k, const Color& last, const Color& before) const {
     const auto& ids = scene_.primitives[i].smooth_vertices;
     const std::int32_t a = ids[kEdges[edge].from], b = ids[kEdges[edge].to];
     if (a >= 0 && a != b) {
@@ -161,12 +162,12 @@ class IrradianceLookup::Builder {
     for (int row = 0; row < nv; ++row)
       for (int column = 0; column < nu; ++column) at(column, row) = cell(i, column, row);
     for (int k = 0; k < nu; ++k) {
-      at(k, -1) = beyond(i, 0, k, at(k, 0), at(k, std::min(1, nv - 1)));
-      at(k, nv) = beyond(i, 2, k, at(k, nv - 1), at(k, std::max(nv - 2, 0)));
+      at(k, -1) = margin_value(i, 0, k, at(k, 0), at(k, std::min(1, nv - 1)));
+      at(k, nv) = margin_value(i, 2, k, at(k, nv - 1), at(k, std::max(nv - 2, 0)));
     }
     for (int k = 0; k < nv; ++k) {
-      at(-1, k) = beyond(i, 3, k, at(0, k), at(std::min(1, nu - 1), k));
-      at(nu, k) = beyond(i, 1, k, at(nu - 1, k), at(std::max(nu - 2, 0), k));
+      at(-1, k) = margin_value(i, 3, k, at(0, k), at(std::min(1, nu - 1), k));
+      at(nu, k) = margin_value(i, 1, k, at(nu - 1, k), at(std::max(nu - 2, 0), k));
     }
     for (const int row : {-1, nv})
       for (const int column : {-1, nu}) {
@@ -184,8 +185,8 @@ class IrradianceLookup::Builder {
   std::unordered_map<std::int32_t, VertexSum> vertices_;
 };
 
-IrradianceLookup::IrradianceLookup(const PatchSet& scene, const PatchLookup& lookup, const OfGroup& of_group,
-                                   const std::vector<LightMix>& mixes)
+IrradianceLookup::IrradianceLookup(const PatchSet& scene, const PatchLookup& lookup,
+                                   const GroupIrradiance& group_irradiance, const std::vector<LightMix>& mixes)
     : lookup_(lookup) {
   Builder builder(scene, lookup);
   mixes_.resize(mixes.size(), {std::vector<Color>(scene.patches.size(), Color(0.0f)),
@@ -194,7 +195,7 @@ IrradianceLookup::IrradianceLookup(const PatchSet& scene, const PatchLookup& loo
     for (std::size_t k = 0; k < values.size(); ++k) sums[k] += values[k] * weight;
   };
   for (std::size_t g = 0; g < scene.light_groups.size(); ++g) {
-    const std::vector<Color> irradiance = of_group(g);
+    const std::vector<Color> irradiance = group_irradiance(g);
     const std::vector<Color>& cells = builder.cells(irradiance);
     for (std::size_t m = 0; m < mixes.size(); ++m) {
       add(irradiance, mixes[m][g], mixes_[m].patches);

@@ -13,10 +13,10 @@ namespace patchlight {
 
 namespace {
 
-constexpr float kLeastThroughput = 1e-3f;
-constexpr int kMostMirrors = 64;
+constexpr float kMinThroughput = 1e-3f;
+constexpr int kMaxBounces = 64;
 
-float largest(const Color& c) {
+float max_component(const Color& c) {
   return std::max({c.x, c.y, c.z});
 }
 
@@ -33,177 +33,180 @@ PathTracer::PathTracer(const PatchSet& scene, const RayScene& ray_scene, const O
       direct_(config.quality != "patches"),
       gather_(config.quality == "gather"),
       normals_(scene) {
-  if (MetalLight::is_of_use(scene)) metals_.emplace(scene, ray_scene, mixes.all[0]);
+  if (GlossyLights::is_needed(scene)) glossy_lights_.emplace(scene, ray_scene, mixes.all[0]);
 }
 
 void PathTracer::trace(RayPacket& packet, std::array<Path, RayPacket::kSize>& paths, const CameraRays& camera,
                        PathSums& sums) const {
-  for (bool coherent = true, going = true; going; coherent = false) {
+  for (bool coherent = true, active = true; active; coherent = false) {
     ray_scene_.intersect(packet, coherent);
-    going = false;
+    active = false;
     for (int lane = 0; lane < RayPacket::kSize; ++lane) {
       if (packet.valid[lane] == 0) continue;
       if (shade(packet, lane, paths[lane], camera, sums)) {
-        going = true;
+        active = true;
         continue;
       }
       packet.valid[lane] = 0;
-      if (!sums.details.empty()) sums.details[paths[lane].pixel].add(paths[lane].view);
+      if (!sums.details.empty()) sums.details[paths[lane].pixel].add(paths[lane].features);
     }
-    if (sums.metal_rays && sums.metal_rays->any) add_metal_light(paths, sums);
+    if (sums.glossy_rays && sums.glossy_rays->pending) add_glossy_light(paths, sums);
   }
 }
 
 bool PathTracer::shade(RayPacket& packet, int lane, Path& path, const CameraRays& camera, PathSums& sums) const {
   const SurfaceHit hit = ray_scene_.hit(packet, lane);
-  PathView& view = path.view;
+  PathFeatures& features = path.features;
   LayerSums* const layers = sums.layers;
-  const bool in_layers = layers && layers->surface() && std::isinf(view.depth);
+  const bool in_layers = layers && layers->has_surfaces() && std::isinf(features.depth);
   if (hit.primitive < 0) {
-    if (in_layers) layers->add_surface(path.pixel, {}, path.off);
-    if (scene_.environment) show_sky(packet.direction(lane), path, sums);
+    if (in_layers) layers->add_surface(path.pixel, {}, path.center_distance2);
+    if (scene_.environment) add_sky(packet.direction(lane), path, sums);
     return false;
   }
-  const SurfacePoint point = point_of(hit);
+  const SurfacePoint point = surface_point(hit);
   Vec3f direction = packet.direction(lane);
   if (!hit.front && config_.cull_backfaces) {
-    path.density = 0;  // rays to emitters do not look through
+    path.pdf = 0;  // shadow rays do not pass back faces: no MIS
     packet.set(lane, ray_scene_.to_local(point.position) + direction * ray_scene_.offset(hit.primitive), direction);
-    return ++path.surfaces < kMostMirrors;
+    return ++path.bounces < kMaxBounces;
   }
-  if (std::isinf(view.depth)) view.depth = float(camera.depth(point.position));
+  if (std::isinf(features.depth)) features.depth = float(camera.depth(point.position));
   if (!hit.front) {
-    if (in_layers) layers->add_surface(path.pixel, {view.depth, point.position, -point.normal}, path.off);
+    if (in_layers)
+      layers->add_surface(path.pixel, {features.depth, point.position, -point.normal}, path.center_distance2);
     return false;
   }
   SolvedSurfaces::Colors colors = surfaces_.colors(hit);
-  view.normal = normals_(hit.primitive, hit.u, hit.v, point.normal);
+  features.normal = normals_(hit.primitive, hit.u, hit.v, point.normal);
   if (in_layers)
-    layers->add_surface(path.pixel,
-                        {view.depth, point.position, view.normal, colors.reflectance, std::uint32_t(colors.patch)},
-                        path.off);
-  if (path.density > 0)
-    colors.emission *= metals_->part_hit(sums.metal_rays->places[lane], direction, path.density, colors.patch);
-  sums.seen.start(path.pixel);
-  const DisplayLookup::Blend blend = surfaces_.blend(hit, colors.patch, sums.seen);
+    layers->add_surface(
+        path.pixel, {features.depth, point.position, features.normal, colors.reflectance, std::uint32_t(colors.patch)},
+        path.center_distance2);
+  if (path.pdf > 0)
+    colors.emission *= glossy_lights_->hit_weight(sums.glossy_rays->vertices[lane], direction, path.pdf, colors.patch);
+  sums.corner_cache.start(path.pixel);
+  const DisplayLookup::Blend blend = surfaces_.blend(hit, colors.patch, sums.corner_cache);
   const auto radiance = [&](std::size_t mix) {
     return path.throughput *
            (surfaces_.emission(colors, mix) + colors.reflectance * surfaces_.irradiance(hit, blend, mix)) / float(kPi);
   };
-  const Color shown = gather_ ? path.throughput * surfaces_.emission(colors) / float(kPi) : radiance(0);
-  sums.pixels[path.pixel] += shown;
+  const Color contribution = gather_ ? path.throughput * surfaces_.emission(colors) / float(kPi) : radiance(0);
+  sums.pixels[path.pixel] += contribution;
   if (layers) add_layers(hit, colors, blend, path, *layers);
   const std::int32_t surface = outlines_.surface(hit.primitive);
-  view.surface =
-      std::int32_t(std::uint32_t(hash64(std::uint64_t(std::uint32_t(view.surface)) << 32 | std::uint32_t(surface))));
-  view.light += mixes_.own == 0 && !gather_ ? shown : radiance(mixes_.own);
-  view.reflectance += path.throughput * colors.reflectance;
-  const Vec3d off = point.position + Vec3d(point.normal) * double(ray_scene_.offset(hit.primitive));
-  if (direct_ && largest(colors.reflectance) > 0) {
-    using Way = ShadingPoint::Way;
-    const Way way = view.scattered ? Way::scattered : path.mirrored ? Way::mirrored : Way::straight;
-    sums.points.push_back(
-        {path.pixel, surface, hit.primitive, way, off, view.normal, path.throughput * colors.reflectance / float(kPi)});
-    if (gather_) sums.gather.push_back({sums.points.back(), point.normal, path.sample, std::uint32_t(path.surfaces)});
+  features.surface = std::int32_t(
+      std::uint32_t(hash64(std::uint64_t(std::uint32_t(features.surface)) << 32 | std::uint32_t(surface))));
+  features.light += mixes_.unscaled == 0 && !gather_ ? contribution : radiance(mixes_.unscaled);
+  features.reflectance += path.throughput * colors.reflectance;
+  const Vec3d ray_origin = point.position + Vec3d(point.normal) * double(ray_scene_.offset(hit.primitive));
+  if (direct_ && max_component(colors.reflectance) > 0) {
+    using Kind = ShadingPoint::PathKind;
+    const Kind path_kind = features.scattered ? Kind::scattered : path.mirrored ? Kind::mirrored : Kind::direct;
+    sums.points.push_back({path.pixel, surface, hit.primitive, path_kind, ray_origin, features.normal,
+                           path.throughput * colors.reflectance / float(kPi)});
+    if (gather_) sums.gather.push_back({sums.points.back(), point.normal, path.sample, std::uint32_t(path.bounces)});
   }
   if (scene_.materials[scene_.primitives[hit.primitive].material].specular == Color(0.0f)) return false;
   const MetallicRoughness metal = metallic_roughness_at(scene_, hit.primitive, hit.u, hit.v);
-  if (metal.specular == Color(0.0f) || !turn(metal, off, view.normal, point.normal, lane, path, direction, sums) ||
-      largest(path.throughput) < kLeastThroughput || ++path.surfaces >= kMostMirrors)
+  if (metal.specular == Color(0.0f) ||
+      !scatter(metal, ray_origin, features.normal, point.normal, lane, path, direction, sums) ||
+      max_component(path.throughput) < kMinThroughput || ++path.bounces >= kMaxBounces)
     return false;
-  packet.set(lane, ray_scene_.to_local(off), direction);
+  packet.set(lane, ray_scene_.to_local(ray_origin), direction);
   return true;
 }
 
-/// What a path comes to that meets nothing. Suns that rough metals show are not met but looked at.
-void PathTracer::show_sky(const Vec3f& direction, Path& path, PathSums& sums) const {
+/// Adds the environment to a path that leaves the scene; without suns after a rough metal, where they are explicitly
+/// sampled.
+void PathTracer::add_sky(const Vec3f& direction, Path& path, PathSums& sums) const {
   const Environment& sky = *scene_.environment;
-  const bool explicit_light = path.density > 0;
-  const Color own =
-      path.throughput * (explicit_light ? clipped_radiance(sky, direction) : sky_radiance(sky, direction));
+  const bool explicit_suns = path.pdf > 0;
+  const Color unscaled =
+      path.throughput * (explicit_suns ? clipped_radiance(sky, direction) : sky_radiance(sky, direction));
   const auto group = std::size_t(sky.light_group);
-  const Color shown = own * mixes_.all[0][group];
-  sums.pixels[path.pixel] += shown;
-  path.view.light += own;
+  const Color contribution = unscaled * mixes_.all[0][group];
+  sums.pixels[path.pixel] += contribution;
+  path.features.light += unscaled;
   if (!sums.layers) return;
-  if (sums.layers->light()) sums.layers->add_emission(path.pixel, path.mirrored, shown);
-  if (sums.layers->groups()) sums.layers->add_of_group(group, path.pixel, own);
+  if (sums.layers->has_light()) sums.layers->add_emission(path.pixel, path.mirrored, contribution);
+  if (sums.layers->has_groups()) sums.layers->add_to_group(group, path.pixel, unscaled);
 }
 
-bool PathTracer::turn(const MetallicRoughness& metal, const Vec3d& off, const Vec3f& normal, const Vec3f& flat,
-                      int lane, Path& path, Vec3f& direction, PathSums& sums) const {
+bool PathTracer::scatter(const MetallicRoughness& metal, const Vec3d& origin, const Vec3f& smooth_normal,
+                         const Vec3f& geometric_normal, int lane, Path& path, Vec3f& direction, PathSums& sums) const {
   path.mirrored = true;
-  path.density = 0;
+  path.pdf = 0;
   Vec2f at(0.0f);
   const Vec3f in = direction;
   const bool rough = metal.roughness >= kMirrorRoughness;
   if (rough) {
-    path.view.scattered = true;
-    MetalRays& rays = sums.metal_rays ? *sums.metal_rays : sums.metal_rays.emplace();
-    rays.places[lane] = {off, normal, in, metal.roughness};
-    const std::uint64_t seed = hash64(~hash64(sums.window->place(path.pixel)) + std::uint64_t(path.surfaces));
+    path.features.scattered = true;
+    GlossyShadowRays& rays = sums.glossy_rays ? *sums.glossy_rays : sums.glossy_rays.emplace();
+    rays.vertices[lane] = {origin, smooth_normal, in, metal.roughness};
+    const std::uint64_t seed = hash64(~hash64(sums.window->pixel_id(path.pixel)) + std::uint64_t(path.bounces));
     at = pixel_sample(shuffled(path.sample, std::uint32_t(hash64(seed))), seed);
-    ask_for_metal_light(metal, hash64(~seed), lane, path, rays);
+    sample_glossy_light(metal, hash64(~seed), lane, path, rays);
   }
-  if (!reflect(metal, normal, at, direction, path.throughput)) return false;
-  if (rough) path.density = metal_lobe(metal.roughness, normal, in, direction).density;
-  // A smooth normal may turn it below the facet that it left.
-  if ((direction ^ flat) < 0) direction -= flat * (2.0f * (direction ^ flat));
+  if (!reflect(metal, smooth_normal, at, direction, path.throughput)) return false;
+  if (rough) path.pdf = metal_lobe(metal.roughness, smooth_normal, in, direction).density;
+  // By a smooth normal the reflection may point below the facet.
+  if ((direction ^ geometric_normal) < 0) direction -= geometric_normal * (2.0f * (direction ^ geometric_normal));
   return true;
 }
 
-void PathTracer::ask_for_metal_light(const MetallicRoughness& metal, std::uint64_t seed, int lane, const Path& path,
-                                     MetalRays& rays) const {
+void PathTracer::sample_glossy_light(const MetallicRoughness& metal, std::uint64_t seed, int lane, const Path& path,
+                                     GlossyShadowRays& rays) const {
   const Vec2f at = pixel_sample(shuffled(path.sample, std::uint32_t(hash64(seed))), seed);
-  const std::uint64_t other = hash64(seed);
-  const float choice = pixel_sample(shuffled(path.sample, std::uint32_t(hash64(other))), other).x;
-  const MetalLight::Sample sample = metals_->sample(rays.places[lane], choice, at);
+  const std::uint64_t choice_seed = hash64(seed);
+  const float choice = pixel_sample(shuffled(path.sample, std::uint32_t(hash64(choice_seed))), choice_seed).x;
+  const GlossyLights::Sample sample = glossy_lights_->sample(rays.vertices[lane], choice, at);
   if (sample.weight <= 0) return;
-  rays.any = true;
+  rays.pending = true;
   rays.samples[lane] = sample;
   rays.throughputs[lane] = path.throughput * metal.specular;
-  rays.packet.set_shadow(lane, ray_scene_.to_local(rays.places[lane].position), sample.direction, sample.distance);
+  rays.packet.set_shadow(lane, ray_scene_.to_local(rays.vertices[lane].position), sample.direction, sample.distance);
 }
 
-/// Of the rays that a packet's paths have asked for.
-void PathTracer::add_metal_light(std::array<Path, RayPacket::kSize>& paths, PathSums& sums) const {
-  MetalRays& rays = *sums.metal_rays;
-  const std::uint32_t hidden = ray_scene_.occluded(rays.packet);
+/// Casts the pending shadow rays and adds the light of those that are not occluded.
+void PathTracer::add_glossy_light(std::array<Path, RayPacket::kSize>& paths, PathSums& sums) const {
+  GlossyShadowRays& rays = *sums.glossy_rays;
+  const std::uint32_t occluded = ray_scene_.occluded(rays.packet);
   for (int lane = 0; lane < RayPacket::kSize; ++lane) {
     if (rays.packet.valid[lane] == 0) continue;
     rays.packet.valid[lane] = 0;
-    if (hidden >> lane & 1u) continue;
-    const MetalLight::Sample& sample = rays.samples[lane];
+    if (occluded >> lane & 1u) continue;
+    const GlossyLights::Sample& sample = rays.samples[lane];
     const std::uint32_t pixel = paths[lane].pixel;
-    const Color through = rays.throughputs[lane] * sample.weight / float(kPi);
-    sums.pixels[pixel] += through * sample.lamp->exitance;
+    const Color factor = rays.throughputs[lane] * sample.weight / float(kPi);
+    sums.pixels[pixel] += factor * sample.lamp->exitance;
     if (!sums.layers) continue;
-    if (sums.layers->light()) sums.layers->add_emission(pixel, true, through * sample.lamp->exitance);
-    if (sums.layers->groups())
-      sums.layers->add_of_group(std::size_t(sample.lamp->group), pixel, through * sample.lamp->own);
+    if (sums.layers->has_light()) sums.layers->add_emission(pixel, true, factor * sample.lamp->exitance);
+    if (sums.layers->has_groups())
+      sums.layers->add_to_group(std::size_t(sample.lamp->group), pixel, factor * sample.lamp->unscaled);
   }
-  rays.any = false;
+  rays.pending = false;
 }
 
 void PathTracer::add_layers(const SurfaceHit& hit, const SolvedSurfaces::Colors& colors,
                             const DisplayLookup::Blend& blend, const Path& path, LayerSums& layers) const {
-  const Color through = path.throughput / float(kPi);
-  const Color reflected = through * colors.reflectance;
-  if (layers.light()) layers.add_emission(path.pixel, path.mirrored, through * surfaces_.emission(colors));
-  if (layers.light() && !gather_) {
+  const Color factor = path.throughput / float(kPi);
+  const Color reflected = factor * colors.reflectance;
+  if (layers.has_light()) layers.add_emission(path.pixel, path.mirrored, factor * surfaces_.emission(colors));
+  if (layers.has_light() && !gather_) {
     const Color irradiance = surfaces_.irradiance(hit, blend), direct = surfaces_.direct_part(hit, irradiance);
     layers.add_direct(path.pixel, path.mirrored, reflected * direct);
     layers.add_indirect(path.pixel, path.mirrored, reflected * (irradiance - direct));
   }
   for (std::size_t g = 0; g < layers.group_count(); ++g) {
-    const std::size_t mix = mixes_.groups + g;
-    layers.add_of_group(g, path.pixel, through * surfaces_.emission(colors, mix));
-    if (!gather_) layers.add_of_group(g, path.pixel, reflected * surfaces_.irradiance(hit, blend, mix));
+    const std::size_t mix = mixes_.first_group + g;
+    layers.add_to_group(g, path.pixel, factor * surfaces_.emission(colors, mix));
+    if (!gather_) layers.add_to_group(g, path.pixel, reflected * surfaces_.irradiance(hit, blend, mix));
   }
 }
 
-/// From (u,v), since the ray's own end is only as exact as the ray is long.
-SurfacePoint PathTracer::point_of(const SurfaceHit& hit) const {
+/// Computed from (u,v), since the error of the ray's end point grows with the length of the ray.
+SurfacePoint PathTracer::surface_point(const SurfaceHit& hit) const {
   const Primitive& p = scene_.primitives[hit.primitive];
   if (p.shape == Primitive::Shape::sphere) return point_at(p, hit.u, hit.v);
   const auto& c = p.corners;

@@ -2,9 +2,9 @@
 #include "pipeline/optics/sampling/patch_sampling.h"
 #include "pipeline/optics/surface/smooth_normals.h"
 #include "pipeline/optics/surface/texture_lookup.h"
+#include "tracer/light/explicit_lights.h"
 #include "tracer/light/final_gather.h"
-#include "tracer/light/metal_light.h"
-#include "tracer/light/pixel_light.h"
+#include "tracer/light/glossy_lights.h"
 #include "tracer/light/solved_surfaces.h"
 #include "tracer/output/layers.h"
 #include "tracer/sampling/camera_rays.h"
@@ -13,72 +13,72 @@
 
 namespace patchlight {
 
-/// The rough metals that a packet's paths have met, and rays from there to emitters.
-struct MetalRays {
+/// Shadow rays from a packet's last vertices on rough metals to emitters.
+struct GlossyShadowRays {
   RayPacket packet;
-  std::array<MetalLight::Place, RayPacket::kSize> places;  ///< The last that each path has met.
-  std::array<MetalLight::Sample, RayPacket::kSize> samples;
+  std::array<GlossyLights::Vertex, RayPacket::kSize> vertices;  ///< The last vertex of each path.
+  std::array<GlossyLights::Sample, RayPacket::kSize> samples;
   std::array<Color, RayPacket::kSize> throughputs;
-  bool any = false;
+  bool pending = false;  ///< Some lanes wait to be cast.
 
-  MetalRays() { packet.clear(); }
+  GlossyShadowRays() { packet.clear(); }
 };
 
-/// What the paths of some pixels have come to.
+/// Sums over the paths of some pixels.
 struct PathSums {
-  std::vector<Color> pixels;                  ///< Sums of radiance, without light that is found at the pixel.
-  std::vector<ShadingPoint> points;           ///< Where such light is still to be added.
-  std::vector<GatherPoint> gather{};          ///< Where other light is; none unless by `quality: gather`.
-  std::vector<PixelDetail> details{};         ///< Of each pixel; empty: not asked for.
-  LayerSums* layers = nullptr;                ///< Null: not asked for.
-  const TileLight::Window* window = nullptr;  ///< Of the pixels.
-  std::optional<MetalRays> metal_rays{};      ///< Where there are rough metals.
-  DisplayLookup::Seen seen{};
+  std::vector<Color> pixels;                      ///< Sums of radiance, without light that is added at the pixel.
+  std::vector<ShadingPoint> points;               ///< Where explicitly sampled direct light is to be added.
+  std::vector<GatherPoint> gather{};              ///< Where gathered light is to be added; `quality: gather` only.
+  std::vector<PixelDetail> details{};             ///< [pixels]; empty: not asked for.
+  LayerSums* layers = nullptr;                    ///< Null: not asked for.
+  const TileLight::Window* window = nullptr;      ///< Of the pixels.
+  std::optional<GlossyShadowRays> glossy_rays{};  ///< Once a path has hit a rough metal.
+  DisplayLookup::CornerCache corner_cache{};
 };
 
-/// Follows paths from the camera to what they show: E / pi + rho H / pi at the first surface, plus what metals show. H
-/// is interpolated; with `quality: direct` it lacks the direct light of emitters that are sampled apart, which
-/// PixelLight adds; with `quality: gather` FinalGather adds the rest of it. Metals are followed until what they pass on
-/// is below a thousandth: mirrors the one way, rough ones by a direction of their GGX lobe for each sample, a pixel's
-/// being stratified together, and by MetalLight.
+/// Traces camera paths to the solved surfaces. Each surface adds E / pi + rho H / pi and, if it is a metal, its
+/// specular reflection. H is interpolated from the solution. With `quality: direct` it excludes the direct light of
+/// explicitly sampled emitters, which TileLight adds; with `quality: gather` FinalGather adds the rest as well. Paths
+/// follow specular reflections until their throughput is below a thousandth: mirrors deterministically, rough metals by
+/// one direction of the GGX lobe for each sample, stratified over the pixel, and by GlossyLights.
 ///
-/// What a path has come to for PixelDetail is light at the scene's own strength, so that the lights' settings have no
-/// say in where samples go.
+/// The light in PathFeatures is at the scene's own strength, so the distribution of samples does not depend on the
+/// lights' settings.
 class PathTracer {
  public:
-  /// A ray on its way.
+  /// A camera path in progress.
   struct Path {
-    std::uint32_t pixel = 0;   ///< Of the sums.
-    std::uint32_t sample = 0;  ///< Of the pixel's.
-    float off = 0.0f;          ///< From the pixel's middle, squared; for layers.
+    std::uint32_t pixel = 0;        ///< Index in the sums.
+    std::uint32_t sample = 0;       ///< Of the pixel.
+    float center_distance2 = 0.0f;  ///< Squared distance from the pixel's centre; for layers.
     Color throughput{1.0f};
-    int surfaces = 0;  ///< Metals, and backs that it went through.
+    int bounces = 0;  ///< Specular reflections, and back faces passed through.
     bool mirrored = false;
-    float density = 0.0f;  ///< Of the last turn, by a rough metal, per sr; 0: the last turn was not by one.
-    PathView view{};
+    float pdf = 0.0f;  ///< Of the present direction if a rough metal reflected it, per sr; otherwise 0.
+    PathFeatures features{};
   };
 
   PathTracer(const PatchSet& scene, const RayScene& ray_scene, const Outlines& outlines, const SolvedSurfaces& surfaces,
              const LightMixes& mixes, const TraceConfig& config);
 
-  /// Follows the paths of a packet's valid lanes to their ends, and adds what they show to `sums`. They start at
-  /// `camera`. Leaves no lane valid.
+  /// Traces the paths of a packet's valid lanes, which start at `camera`, to their ends and adds them to `sums`.
+  /// Leaves no lane valid.
   void trace(RayPacket& packet, std::array<Path, RayPacket::kSize>& paths, const CameraRays& camera,
              PathSums& sums) const;
 
  private:
-  /// Adds what a hit shows and turns the lane towards what a metal there shows; false when the path ends.
+  /// Adds the light of a lane's hit and sets its next ray; false when the path ends.
   bool shade(RayPacket& packet, int lane, Path& path, const CameraRays& camera, PathSums& sums) const;
-  void show_sky(const Vec3f& direction, Path& path, PathSums& sums) const;
+  void add_sky(const Vec3f& direction, Path& path, PathSums& sums) const;
   void add_layers(const SurfaceHit& hit, const SolvedSurfaces::Colors& colors, const DisplayLookup::Blend& blend,
                   const Path& path, LayerSums& layers) const;
-  /// Turns `direction` as a metal does; `normal`: smooth. False: it reflects nothing.
-  bool turn(const MetallicRoughness& metal, const Vec3d& off, const Vec3f& normal, const Vec3f& flat, int lane,
-            Path& path, Vec3f& direction, PathSums& sums) const;
-  void ask_for_metal_light(const MetallicRoughness& metal, std::uint64_t seed, int lane, const Path& path,
-                           MetalRays& rays) const;
-  void add_metal_light(std::array<Path, RayPacket::kSize>& paths, PathSums& sums) const;
-  SurfacePoint point_of(const SurfaceHit& hit) const;
+  /// Reflects `direction` at a metal; false if nothing is reflected. `origin`: of the next ray.
+  bool scatter(const MetallicRoughness& metal, const Vec3d& origin, const Vec3f& smooth_normal,
+               const Vec3f& geometric_normal, int lane, Path& path, Vec3f& direction, PathSums& sums) const;
+  void sample_glossy_light(const MetallicRoughness& metal, std::uint64_t seed, int lane, const Path& path,
+                           GlossyShadowRays& rays) const;
+  void add_glossy_light(std::array<Path, RayPacket::kSize>& paths, PathSums& sums) const;
+  SurfacePoint surface_point(const SurfaceHit& hit) const;
 
   const PatchSet& scene_;
   const RayScene& ray_scene_;
@@ -88,7 +88,7 @@ class PathTracer {
   const TraceConfig& config_;
   const bool direct_, gather_;
   const SmoothNormals normals_;
-  std::optional<MetalLight> metals_;  ///< Where there are rough ones.
+  std::optional<GlossyLights> glossy_lights_;  ///< If the scene has rough metals.
 };
 
 }  // namespace patchlight

@@ -9,9 +9,9 @@ namespace patchlight {
 
 namespace {
 
-constexpr float kAlike = 0.98f;  // cosine between the normals of a spot
-constexpr double kSmall = 0.05;  // radius of a spot over its distance from a lamp where its middle stands for all of it
-constexpr std::size_t kEnough = 16;  // points that stand for all of a spot near a lamp
+constexpr float kMinCosine = 0.98f;       // between the normals of a cluster
+constexpr double kMaxAngularSize = 0.05;  // radius over distance from a lamp, below which the centre is enough
+constexpr std::size_t kMaxPoints = 16;    // that a form factor is averaged over
 
 void sort_by_pixel(std::vector<ShadingPoint>& points) {
   const auto by_pixel = [](const ShadingPoint& a, const ShadingPoint& b) { return a.pixel < b.pixel; };
@@ -26,26 +26,29 @@ void sort_by_pixel(std::vector<ShadingPoint>& points) {
 
 }  // namespace
 
-ShadingCluster::ShadingCluster(std::span<const ShadingPoint> all)
-    : pixel(all[0].pixel), surface(all[0].surface), primitive(all[0].primitive), points(all) {
+ShadingCluster::ShadingCluster(std::span<const ShadingPoint> cluster_points)
+    : pixel(cluster_points[0].pixel),
+      surface(cluster_points[0].surface),
+      primitive(cluster_points[0].primitive),
+      points(cluster_points) {
   for (const ShadingPoint& p : points) {
-    middle += p.position;
+    center += p.position;
     normal += p.normal;
     weight += p.weight;
-    if (p.way != ShadingPoint::Way::straight) mirrored += p.weight;
-    scattered = scattered || p.way == ShadingPoint::Way::scattered;
+    if (p.path_kind != ShadingPoint::PathKind::direct) mirrored += p.weight;
+    scattered = scattered || p.path_kind == ShadingPoint::PathKind::scattered;
   }
-  middle /= double(points.size());
+  center /= double(points.size());
   normal.normalize();
   double squared = 0;
-  for (const ShadingPoint& p : points) squared = std::max(squared, (p.position - middle).length2());
+  for (const ShadingPoint& p : points) squared = std::max(squared, (p.position - center).length2());
   radius = std::sqrt(squared);
 }
 
-double ShadingCluster::form_factor(const PixelLight::Lamp& lamp) const {
+double ShadingCluster::form_factor(const ExplicitLights::Lamp& lamp) const {
   if (lamp.emitter.primitive == primitive) return 0.0;
-  if (radius < kSmall * lamp.light.distance(middle)) return lamp.light.form_factor(middle, normal);
-  const std::size_t step = (points.size() + kEnough - 1) / kEnough;
+  if (radius < kMaxAngularSize * lamp.light.distance(center)) return lamp.light.form_factor(center, normal);
+  const std::size_t step = (points.size() + kMaxPoints - 1) / kMaxPoints;
   double sum = 0;
   int count = 0;
   for (std::size_t k = 0; k < points.size(); k += step, ++count)
@@ -64,7 +67,7 @@ std::vector<ShadingCluster> shading_clusters(std::vector<ShadingPoint>& points) 
   std::vector<ShadingCluster> clusters;
   for (std::size_t first = 0, k = 1; k <= points.size(); ++k) {
     if (k < points.size() && points[k].pixel == points[first].pixel && points[k].surface == points[first].surface &&
-        (points[k].normal ^ points[first].normal) > kAlike)
+        (points[k].normal ^ points[first].normal) > kMinCosine)
       continue;
     clusters.emplace_back(std::span(points).subspan(first, k - first));
     first = k;

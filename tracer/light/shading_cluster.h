@@ -2,31 +2,31 @@
 #include <span>
 #include <vector>
 
-#include "tracer/light/pixel_light.h"
+#include "tracer/light/explicit_lights.h"
 
 namespace patchlight {
 
-/// The points of a pixel on one surface, where they face alike.
+/// Shading points of one pixel on one surface, with similar normals.
 struct ShadingCluster {
   std::uint32_t pixel = 0;
   std::int32_t surface = 0;
   std::int32_t primitive = 0;  ///< Of the first point.
   std::span<const ShadingPoint> points;
-  Vec3d middle{0.0};
+  Vec3d center{0.0};
   Vec3f normal{0.0f};
-  double radius = 0.0;     ///< About the middle, m.
-  Color weight{0.0f};      ///< Sum of the points'.
-  Color mirrored{0.0f};    ///< The part of it of those that are not seen straight.
-  bool scattered = false;  ///< Whether any is seen by way of a rough metal.
+  double radius = 0.0;     ///< Around the centre, m.
+  Color weight{0.0f};      ///< Sum over the points.
+  Color mirrored{0.0f};    ///< Part of `weight` from points that the camera does not see directly.
+  bool scattered = false;  ///< Some points are seen by a rough metal.
 
-  explicit ShadingCluster(std::span<const ShadingPoint> all);
+  explicit ShadingCluster(std::span<const ShadingPoint> cluster_points);
 
-  /// Form factor to a whole lamp, if nothing hid it, in the mean over the points; from the middle alone where the spot
-  /// is small for how far it is from the lamp.
-  double form_factor(const PixelLight::Lamp& lamp) const;
+  /// Form factor to a whole unoccluded lamp, the mean over the points; of the centre alone if the cluster is small for
+  /// its distance from the lamp.
+  double form_factor(const ExplicitLights::Lamp& lamp) const;
 };
 
-/// Puts points in order and makes them into spots, by growing pixel.
+/// Sorts points and groups them into clusters, by growing pixel.
 std::vector<ShadingCluster> shading_clusters(std::vector<ShadingPoint>& points);
 
 }  // namespace patchlight

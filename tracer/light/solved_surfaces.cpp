@@ -17,11 +17,11 @@ std::vector<Color> gathered_direct(const EnergyField::Group& group) {
 LightMixes::LightMixes(const std::vector<Color>& settings, bool by_group) : all{settings} {
   const std::size_t count = settings.size();
   if (std::any_of(settings.begin(), settings.end(), [](const Color& c) { return c != Color(1.0f); })) {
-    own = all.size();
+    unscaled = all.size();
     all.emplace_back(count, Color(1.0f));
   }
   if (!by_group) return;
-  groups = all.size();
+  first_group = all.size();
   for (std::size_t g = 0; g < count; ++g) all.emplace_back(count, Color(0.0f))[g] = Color(1.0f);
 }
 
@@ -40,35 +40,35 @@ SolvedSurfaces::SolvedSurfaces(const PatchSet& scene, const RayScene& ray_scene,
       shaders_([&scene] { return compile_shaders(scene); }) {
   for (std::int32_t i = 0; i < std::int32_t(scene.primitives.size()); ++i) {
     const Primitive& p = scene.primitives[i];
-    varied_.push_back(is_colored(scene, i) || p.shader >= 0 || p.emission_texture >= 0);
+    varying_.push_back(is_colored(scene, i) || p.shader >= 0 || p.emission_texture >= 0);
   }
   const bool direct_in_patches = config.quality == "patches";
   if (!direct_in_patches && energy.display) display_.emplace(scene, ray_scene, patches_, energy, mixes.all);
-  const bool gathered = std::any_of(energy.groups.begin(), energy.groups.end(),
-                                    [](const EnergyField::Group& group) { return !group.gathered_direct.empty(); });
+  const bool has_gathered = std::any_of(energy.groups.begin(), energy.groups.end(),
+                                        [](const EnergyField::Group& group) { return !group.gathered_direct.empty(); });
   if (config.asks_for("direct") || config.asks_for("indirect")) {
     if (direct_in_patches)
       direct_.emplace(
           scene, lookup_, [&](std::size_t g) { return energy.groups[g].direct; }, std::vector<LightMix>{mixes.all[0]});
-    else if (gathered)
+    else if (has_gathered)
       direct_.emplace(
           scene, lookup_, [&](std::size_t g) { return gathered_direct(energy.groups[g]); },
           std::vector<LightMix>{mixes.all[0]});
   }
   if (config.quality == "gather")
-    explicit_.emplace(
+    explicit_direct_.emplace(
         scene, lookup_,
         [&](std::size_t g) {
           std::vector<Color> direct = energy.groups[g].direct;
-          const std::vector<Color> rows = gathered_direct(energy.groups[g]);
+          const std::vector<Color> gathered_part = gathered_direct(energy.groups[g]);
           for (std::size_t i = 0; i < direct.size(); ++i)
-            for (int k = 0; k < 3; ++k) direct[i][k] = std::max(0.0f, direct[i][k] - rows[i][k]);
+            for (int k = 0; k < 3; ++k) direct[i][k] = std::max(0.0f, direct[i][k] - gathered_part[i][k]);
           return direct;
         },
         mixes.all);
 }
 
-void SolvedSurfaces::vary(const SurfaceHit& hit, Colors& colors) const {
+void SolvedSurfaces::evaluate_colors(const SurfaceHit& hit, Colors& colors) const {
   const Primitive& primitive = scene_.primitives[hit.primitive];
   if (is_colored(scene_, hit.primitive)) colors.reflectance = colored_reflectance(scene_, hit.primitive, hit.u, hit.v);
   if (primitive.emission_texture >= 0) colors.emission = textured_emission(scene_, hit.primitive, hit.u, hit.v);

@@ -11,16 +11,16 @@
 
 namespace patchlight {
 
-/// The mixes of light groups that a frame asks for.
+/// The mixes of light groups that a frame needs.
 struct LightMixes {
-  std::vector<LightMix> all;  ///< The first is the lights' settings.
-  std::size_t own = 0;        ///< That of the scene's own strength.
-  std::size_t groups = 0;     ///< The first of those of a single group, at the scene's own strength; 0: none.
+  std::vector<LightMix> all;    ///< The first holds the lights' settings.
+  std::size_t unscaled = 0;     ///< Index of the mix of all groups at the scene's own strength.
+  std::size_t first_group = 0;  ///< Index of the first single group at the scene's own strength; 0: not asked for.
 
   LightMixes(const std::vector<Color>& settings, bool by_group);
 };
 
-/// What is known of a surface where a ray meets its lit side: its colours, and the irradiance that the solution tells.
+/// Colours and irradiance of the solution at hits on the lit sides of surfaces.
 class SolvedSurfaces {
  public:
   SolvedSurfaces(const PatchSet& scene, const RayScene& ray_scene, const EnergyField& energy, const LightMixes& mixes,
@@ -28,49 +28,49 @@ class SolvedSurfaces {
 
   struct Colors {
     std::int32_t patch = 0;
-    std::int32_t group = -1;  ///< Of its emission; -1: none.
-    Color reflectance{0.0f};  ///< Diffuse: of the patch, or by texture or shader, brought into range.
+    std::int32_t group = -1;  ///< Light group of the emission; -1: none.
+    Color reflectance{0.0f};  ///< Diffuse, of the patch, a texture or a shader, clamped to the valid range.
     Color emission{0.0f};     ///< Radiant exitance at the scene's own strength, W/m2.
   };
   Colors colors(const SurfaceHit& hit) const {
     const Primitive& primitive = scene_.primitives[hit.primitive];
     const std::int32_t i = lookup_.patch(hit.primitive, hit.u, hit.v);
     Colors colors{i, primitive.light_group, scene_.patches[i].reflectance, scene_.patches[i].emission};
-    if (varied_[hit.primitive]) vary(hit, colors);
+    if (varying_[hit.primitive]) evaluate_colors(hit, colors);
     return colors;
   }
-  /// Exitance under one of the mixes, W/m2.
+  /// Radiant exitance under one of the mixes, W/m2.
   Color emission(const Colors& colors, std::size_t mix = 0) const {
     return colors.group < 0 ? Color(0.0f) : colors.emission * mixes_.all[mix][colors.group];
   }
 
-  /// For irradiance() at a hit on a patch, under all mixes. `seen`: of places near it.
-  DisplayLookup::Blend blend(const SurfaceHit& hit, std::int32_t patch, DisplayLookup::Seen& seen) const {
-    return display_ ? display_->blend(hit.primitive, patch, hit.u, hit.v, seen) : DisplayLookup::Blend{};
+  /// Argument of irradiance() for a hit on `patch`, valid under all mixes.
+  DisplayLookup::Blend blend(const SurfaceHit& hit, std::int32_t patch, DisplayLookup::CornerCache& cache) const {
+    return display_ ? display_->blend(hit.primitive, patch, hit.u, hit.v, cache) : DisplayLookup::Blend{};
   }
-  /// W/m2. Unless `quality` is `patches` it lacks what comes straight from emitters that are sampled apart.
+  /// W/m2. Unless `quality` is `patches`, without the direct light of explicitly sampled emitters.
   Color irradiance(const SurfaceHit& hit, const DisplayLookup::Blend& blend, std::size_t mix = 0) const {
     return display_ ? (*display_)(blend, hit.primitive, hit.u, hit.v, mix) : patches_(hit.primitive, hit.u, hit.v, mix);
   }
-  /// All of it; only with `quality: gather`.
-  Color all_irradiance(const SurfaceHit& hit, const DisplayLookup::Blend& blend, std::size_t mix) const {
-    return irradiance(hit, blend, mix) + (*explicit_)(hit.primitive, hit.u, hit.v, mix);
+  /// irradiance() plus the direct light of explicitly sampled emitters; with `quality: gather` only.
+  Color total_irradiance(const SurfaceHit& hit, const DisplayLookup::Blend& blend, std::size_t mix) const {
+    return irradiance(hit, blend, mix) + (*explicit_direct_)(hit.primitive, hit.u, hit.v, mix);
   }
-  /// How much of an irradiance that was told under the lights' settings came straight from emitters. For the layers.
+  /// Direct part of an irradiance() under the lights' settings. For the layers.
   Color direct_part(const SurfaceHit& hit, const Color& irradiance) const;
 
  private:
-  /// Replaces a patch's colours by those of a texture or a shader.
-  void vary(const SurfaceHit& hit, Colors& colors) const;
+  /// Replaces a patch's colours by those of textures, vertex colours or a shader at the hit.
+  void evaluate_colors(const SurfaceHit& hit, Colors& colors) const;
 
   const PatchSet& scene_;
   const LightMixes& mixes_;
   const PatchLookup lookup_;
-  std::vector<std::uint8_t> varied_;  ///< By primitive: textures, vertices or a shader vary its colours.
+  std::vector<std::uint8_t> varying_;  ///< [primitives]: textures, vertex colours or a shader set its colours.
   const IrradianceLookup patches_;
   std::optional<DisplayLookup> display_;
-  std::optional<IrradianceLookup> direct_;    ///< Of what irradiance() tells, under the lights' settings.
-  std::optional<IrradianceLookup> explicit_;  ///< Of emitters that are sampled apart, straight.
+  std::optional<IrradianceLookup> direct_;           ///< Direct part of irradiance() under the lights' settings.
+  std::optional<IrradianceLookup> explicit_direct_;  ///< Direct light of explicitly sampled emitters.
   mutable tbb::enumerable_thread_specific<std::vector<MaterialShader>> shaders_;
 };
 

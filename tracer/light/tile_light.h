@@ -7,14 +7,14 @@
 
 namespace patchlight {
 
-/// Direct light at the pixels of a tile: closed forms where all of an emitter is seen, samples where it is partly
-/// hidden, stratified jointly over a spot of a pixel.
+/// Direct light at the pixels of a tile: closed forms where an emitter is fully visible, shadow rays, stratified over a
+/// shading cluster, where it is partly hidden.
 ///
-/// A first look from few points tells which it is: where what a spot and those of its surface at neighbouring pixels
-/// see agrees that all is seen or all is hidden they are believed, so that at the rim of a penumbra some hundredths of
-/// an emitter may be missed. Spots that do not fill their pixel take a look of their own besides. Of an emitter that
-/// brings a place less than three hundredths of its light as much is taken to be seen as those looks say, so that its
-/// shadows are blurred by a pixel.
+/// Visibility probes from a few points decide between the two: if the probes of a cluster and of its surface at the
+/// neighbouring pixels all see the emitter, or none does, no more rays are cast. At the rim of a penumbra some
+/// hundredths of an emitter may be missed. A cluster that does not fill its pixel casts probes of its own as well. For
+/// an emitter that brings less than three hundredths of a cluster's light, the probes are the estimate, which blurs its
+/// shadows by a pixel.
 class TileLight {
  public:
   /// Pixels of an image from (x0,y0) on.
@@ -22,76 +22,75 @@ class TileLight {
     int x0, y0, width, height;
 
     int pixels() const { return width * height; }
-    /// A number of its own for each pixel of the image.
-    std::uint64_t place(std::uint32_t pixel) const {
+    /// Unique number of a pixel in the image: its row in the upper, its column in the lower 32 bits.
+    std::uint64_t pixel_id(std::uint32_t pixel) const {
       return std::uint64_t(y0 + int(pixel) / width) << 32 | std::uint64_t(x0 + int(pixel) % width);
     }
   };
 
-  /// A pixel that is lit by one lamp takes 8 `samples` rays where half of it is hidden. `layers`: get what pixels get;
-  /// null: none.
-  TileLight(const PixelLight& lights, const Window& window, int samples, LayerSums* layers = nullptr);
+  /// A pixel lit by a single, half hidden lamp takes 8 `samples` rays. `layers` receive the same light as the pixels;
+  /// may be null.
+  TileLight(const ExplicitLights& lights, const Window& window, int samples, LayerSums* layers = nullptr);
 
-  /// Takes the first look, from points at all pixels, and from it finds what those of the `wanted` pixels reflect.
-  /// Once, before anything else. Shape: wanted.size() == window.pixels().
-  void look(std::vector<ShadingPoint> points, std::span<const std::uint8_t> wanted);
+  /// Casts the probes, from points at all pixels, and computes the light of the `requested` pixels from them. Call it
+  /// once, before anything else. Shape: requested.size() == window.pixels().
+  void probe(std::vector<ShadingPoint> points, std::span<const std::uint8_t> requested);
 
-  /// Whether the edge of a shadow about a wanted pixel is so sharp that it takes more points to find its light.
+  /// Whether a shadow edge near a requested pixel is so sharp that its light takes more points.
   bool sharp(std::uint32_t pixel) const { return sharp_[pixel] != 0; }
-  /// Adds what a point at a wanted pixel that is not sharp reflects to `pixels`, if the first look was from its
-  /// surface.
-  bool add_seen(const ShadingPoint& point, std::span<Color> pixels) const;
+  /// Adds the light reflected at a point of a requested pixel that is not sharp; false if no probed cluster matches the
+  /// point.
+  bool add_probed(const ShadingPoint& point, std::span<Color> pixels) const;
   std::span<const ShadingPoint> points(std::uint32_t pixel) const;
 
-  /// Adds to `pixels` what `points` reflect, all that those pixels have. The points are put in order.
+  /// Adds the light reflected at `points`, which must be all points of their pixels, to `pixels`. Sorts the points.
   void add(std::vector<ShadingPoint>& points, std::span<Color> pixels) const;
 
  private:
-  using Lamp = PixelLight::Lamp;
-  /// Form factors of spots to lamps, as if nothing hid them.
+  using Lamp = ExplicitLights::Lamp;
+  /// Form factors from clusters to unoccluded lamps.
   struct Factors {
-    std::vector<float> whole;  ///< [lamps][spots].
-    std::vector<float> total;  ///< [spots], times the lamps' brightness.
+    std::vector<float> unoccluded;  ///< [lamps][clusters].
+    std::vector<float> total;       ///< [clusters], sum of the form factors times the lamps' brightness.
     std::size_t clusters;
 
     Factors(const std::vector<Lamp>& lamps, const std::vector<ShadingCluster>& clusters);
-    float of(std::size_t lamp, std::size_t cluster) const { return whole[lamp * clusters + cluster]; }
+    float of(std::size_t lamp, std::size_t cluster) const { return unoccluded[lamp * clusters + cluster]; }
     float share(const Lamp& lamp, std::size_t l, std::size_t s) const {
       return of(l, s) * lamp.brightness() / total[s];
     }
   };
 
-  /// What is seen of a lamp about a place.
-  struct About {
+  /// Visibility of a lamp around a cluster.
+  struct LocalVisibility {
     Visibility samples;
-    bool sharp = false;  ///< Between some neighbours that see all of it and some that see nothing.
+    bool sharp = false;  ///< Some neighbours see all of the lamp, and others none of it.
   };
-  About about(std::size_t lamp, std::size_t cluster) const;
-  Visibility about_pixel(std::size_t lamp, std::uint32_t pixel) const;
+  LocalVisibility local_visibility(std::size_t lamp, std::size_t cluster) const;
+  Visibility pixel_visibility(std::size_t lamp, std::uint32_t pixel) const;
   std::int32_t cluster_at(std::uint32_t pixel, std::int32_t surface, const Vec3f& normal) const;
   void find_neighbours();
-  void add_to_seen(std::size_t lamp, const Factors& factors, std::span<const std::uint8_t> wanted);
-  bool by_group() const { return layers_ && layers_->groups(); }
-  /// Whether anyone asks how much of a lamp's light arrives.
+  void add_lamp(std::size_t lamp, const Factors& factors, std::span<const std::uint8_t> requested);
+  bool by_group() const { return layers_ && layers_->has_groups(); }
+  /// Whether the lamp contributes to the pixels or to a layer.
   bool is_needed(const Lamp& lamp) const { return !lamp.is_off() || by_group(); }
 
-  const PixelLight& lights_;
+  const ExplicitLights& lights_;
   const Window window_;
   const int samples_;
   LayerSums* const layers_;
   std::vector<ShadingPoint> points_;
   std::vector<ShadingCluster> clusters_;
   std::vector<std::uint32_t> first_cluster_;  ///< [pixels + 1].
-  /// [spots]: those of the same surface in rows from the upper left pixel to the lower right, itself among them; -1:
-  /// none.
+  /// [clusters]: clusters of the same surface in the 3 x 3 pixels around, row by row, itself included; -1: none.
   std::vector<std::array<std::int32_t, 9>> neighbours_;
   struct Counts {
     std::uint8_t visible = 0, hidden = 0;
   };
-  std::vector<Counts> counts_;  ///< [lamps][spots].
+  std::vector<Counts> counts_;  ///< [lamps][clusters].
   std::vector<std::uint8_t> sharp_;
-  std::vector<Color> seen_;                        ///< [spots] W/m2, at wanted pixels.
-  std::vector<std::vector<Color>> seen_of_group_;  ///< [groups][spots], at the scene's own strength, for layers.
+  std::vector<Color> irradiance_;                        ///< [clusters] W/m2, at requested pixels.
+  std::vector<std::vector<Color>> irradiance_by_group_;  ///< [groups][clusters], at the scene's own strength.
 };
 
 }  // namespace patchlight

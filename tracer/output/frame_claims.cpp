@@ -27,11 +27,11 @@ std::string host_name() {
   return host.data();
 }
 
-bool has_ended(long process) {
+bool has_exited(long process) {
   return process > 0 && ::kill(pid_t(process), 0) != 0 && errno == ESRCH;
 }
 
-/// Makes a claim where there is none.
+/// Creates a claim file; false if it exists.
 bool create(const fs::path& claim) {
   const int file = ::open(claim.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (file < 0) {
@@ -43,16 +43,16 @@ bool create(const fs::path& claim) {
   const bool written = ::write(file, text.data(), text.size()) == ssize_t(text.size());
   ::close(file);
   if (!written)
-    throw Error(ExitCode::cannot_create, "cannot write a frame's claim", claim.string(), "check the space left");
+    throw Error(ExitCode::cannot_create, "cannot write a frame's claim", claim.string(), "check the free disk space");
   return true;
 }
 
 }  // namespace
 
-FrameClaims::FrameClaims(fs::path folder, std::chrono::milliseconds patience)
+FrameClaims::FrameClaims(fs::path folder, std::chrono::milliseconds timeout)
     : folder_(std::move(folder)),
-      patience_(patience),
-      keeper_([this](const std::stop_token& stop) { keep_alive(stop); }) {
+      timeout_(timeout),
+      heartbeat_([this](const std::stop_token& stop) { keep_alive(stop); }) {
   std::error_code fault;
   for (fs::directory_iterator entry(folder_, fault), end; !fault && entry != end; entry.increment(fault)) {
     if (!entry->path().filename().string().starts_with(kPrefix) || !is_abandoned(entry->path())) continue;
@@ -88,22 +88,22 @@ bool FrameClaims::is_abandoned(const fs::path& claim) {
   long process = 0;
   std::string host;
   if (fs::is_regular_file(claim, fault) && std::ifstream(claim) >> process >> host && host == host_name() &&
-      has_ended(process))
+      has_exited(process))
     return true;
-  // After it was opened, which makes network file systems look anew.
-  const fs::file_time_type touched = fs::last_write_time(claim, fault);
+  // Opening the file above makes network file systems refresh its attributes.
+  const fs::file_time_type modified = fs::last_write_time(claim, fault);
   if (fault) return false;
   const auto now = Clock::now();
-  const auto [sight, is_new] = others_.try_emplace(claim, Sight{touched, now});
-  if (sight->second.touched != touched) sight->second = {touched, now};
-  return now - sight->second.since > patience_;
+  const auto [observation, is_new] = others_.try_emplace(claim, Observation{modified, now});
+  if (observation->second.modified != modified) observation->second = {modified, now};
+  return now - observation->second.since > timeout_;
 }
 
 void FrameClaims::keep_alive(const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
   while (!stop.stop_requested()) {
     if (!own_.empty()) ::utimensat(AT_FDCWD, own_.c_str(), nullptr, 0);
-    wake_.wait_for(lock, stop, patience_ / 6, [] { return false; });
+    wake_.wait_for(lock, stop, timeout_ / 6, [] { return false; });
   }
 }
 

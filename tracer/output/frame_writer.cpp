@@ -18,15 +18,15 @@ namespace patchlight {
 
 namespace {
 
-/// Largest half float; what is brighter would become infinite in the file.
-constexpr float kBrightest = 65504.0f;
+/// Largest half float; larger values would become infinite in the file.
+constexpr float kMaxHalf = 65504.0f;
 
-void clamp(std::vector<Color>& pixels, float most) {
+void clamp(std::vector<Color>& pixels, float limit) {
   for (Color& pixel : pixels)
-    for (int k = 0; k < 3; ++k) pixel[k] = pixel[k] > 0 ? std::min(pixel[k], most) : 0.0f;  // NaN is not > 0
+    for (int k = 0; k < 3; ++k) pixel[k] = pixel[k] > 0 ? std::min(pixel[k], limit) : 0.0f;  // NaN is not > 0
 }
 
-/// Hours, minutes, seconds and frames, by SMPTE.
+/// SMPTE timecode: hours, minutes, seconds and frames.
 std::string timecode(int frame, double fps) {
   const auto seconds = std::int64_t(frame / fps);
   return fmt::format("{:02}:{:02}:{:02}:{:02}", seconds / 3600, seconds / 60 % 60, seconds % 60,
@@ -59,12 +59,12 @@ std::string FrameWriter::key(const Frame& frame) const {
 }
 
 void FrameWriter::write(const Frame& frame, Image image, double seconds, const std::string& relit_from) const {
-  const float most = job_.trace.pixel_type == "half" ? kBrightest : std::numeric_limits<float>::max();
-  clamp(image.pixels, most);
+  const float limit = job_.trace.pixel_type == "half" ? kMaxHalf : std::numeric_limits<float>::max();
+  clamp(image.pixels, limit);
   for (ImageLayer& layer : image.layers)
-    if (layer.channels == "RGB") clamp(std::get<std::vector<Color>>(layer.values), most);
+    if (layer.channels == "RGB") clamp(std::get<std::vector<Color>>(layer.values), limit);
   Job job = job_;
-  job.output.clear();  // the same picture wherever it is put
+  job.output.clear();  // the picture does not depend on these settings
   job.bench = {};
   job.matrix.clear();
   job.executor = Job().executor;
@@ -73,8 +73,8 @@ void FrameWriter::write(const Frame& frame, Image image, double seconds, const s
   getrusage(RUSAGE_SELF, &usage);
   const auto in_seconds = [](const timeval& time) { return double(time.tv_sec) + 1e-6 * double(time.tv_usec); };
   const double cpu = in_seconds(usage.ru_utime) + in_seconds(usage.ru_stime),
-               cpu_before = std::exchange(cpu_before_, cpu);
-  // The names under which Blender stamps its frames, in its formats.
+               previous_cpu = std::exchange(last_cpu_seconds_, cpu);
+  // Names and formats of Blender's render metadata.
   image.metadata = {
       {"Software", "Patchlight"},
       {"File", job_.file.filename().string()},
@@ -85,7 +85,7 @@ void FrameWriter::write(const Frame& frame, Image image, double seconds, const s
       {"RenderTime", duration(seconds)},
       {"Date", fmt::format("{:%Y/%m/%d %H:%M:%S}", fmt::localtime(std::time(nullptr)))},
       {"patchlight:wall_seconds", fmt::format("{:.3f}", seconds)},
-      {"patchlight:cpu_seconds", fmt::format("{:.3f}", cpu - cpu_before)},  // what comes before the first counts in it
+      {"patchlight:cpu_seconds", fmt::format("{:.3f}", cpu - previous_cpu)},  // the first frame includes the start-up
       {"patchlight:peak_bytes", fmt::format("{}", std::int64_t(usage.ru_maxrss) * 1024)},
       {"patchlight:key", key(frame)},
       {"patchlight:patches_key", scene_.key},

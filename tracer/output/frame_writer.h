@@ -5,18 +5,18 @@
 
 namespace patchlight {
 
-/// Writes frames with what they were made from in their headers.
+/// Writes frames with their provenance in the file headers.
 class FrameWriter {
  public:
-  /// Throws: Error (bad_config, bad_data, missing_input) for a view that cannot be had.
+  /// Throws: Error (bad_config, bad_data, missing_input) if the view cannot be loaded.
   FrameWriter(const Job& job, const PatchSet& scene, std::string energy_key);
 
-  /// What a frame's files carry if they are what the job makes now.
+  /// Key that the frame's files hold while they are up to date.
   std::string key(const Frame& frame) const;
 
-  /// Writes the PNG and then the EXR, whose header holds the PNG's hash and the frame's key: with it a frame is
-  /// whole. `relit_from`: the key of the frame that it was made of without a trace, which its own key tells it from;
-  /// empty: it was traced.
+  /// Writes the PNG, then the EXR, whose header holds the hash of the PNG and the frame's key and so completes the
+  /// frame. `seconds`: render time. `relit_from`: key of the traced frame that a relit frame was made from; empty for a
+  /// traced frame.
   /// Throws: Error (cannot_create, io_error).
   void write(const Frame& frame, Image image, double seconds, const std::string& relit_from = "") const;
 
@@ -25,8 +25,8 @@ class FrameWriter {
   const PatchSet& scene_;
   std::string energy_key_;
   ViewTransform view_;
-  std::string view_config_;          ///< Its key.
-  mutable double cpu_before_ = 0.0;  ///< Of the process, when it wrote the last frame, s.
+  std::string view_config_;                ///< Key of the OpenColorIO config.
+  mutable double last_cpu_seconds_ = 0.0;  ///< CPU time of the process when it wrote the previous frame.
 };
 
 }  // namespace patchlight

@@ -22,13 +22,14 @@ LayerSums::LayerSums(const TraceConfig& config, const PatchSet& scene, std::size
     nearest_.resize(pixels);
   }
   if (config.asks_for("light_groups"))
-    of_group_.assign(scene.light_groups.size(), std::vector<Color>(pixels, Color(0.0f)));
+    by_group_.assign(scene.light_groups.size(), std::vector<Color>(pixels, Color(0.0f)));
 }
 
-void LayerSums::add_surface(std::uint32_t pixel, const Surface& surface, float off) {
+void LayerSums::add_surface(std::uint32_t pixel, const Surface& surface, float distance2) {
   albedo_[pixel] += surface.albedo;
   normal_[pixel] += surface.normal;
-  if (off < nearest_[pixel].off) nearest_[pixel] = {off, surface.depth, Vec3f(surface.position), surface.patch};
+  if (distance2 < nearest_[pixel].distance2)
+    nearest_[pixel] = {distance2, surface.depth, Vec3f(surface.position), surface.patch};
 }
 
 std::vector<ImageLayer> LayerSums::blank(const TraceConfig& config, const PatchSet& scene, std::size_t pixels) {
@@ -38,23 +39,23 @@ std::vector<ImageLayer> LayerSums::blank(const TraceConfig& config, const PatchS
   return layers;
 }
 
-void LayerSums::put(std::uint32_t pixel, int samples, std::size_t at, std::vector<ImageLayer>& layers) const {
+void LayerSums::resolve(std::uint32_t pixel, int samples, std::size_t at, std::vector<ImageLayer>& layers) const {
   auto layer = layers.begin();
-  const auto put_mean = [&](const std::vector<Color>& sums) {
+  const auto resolve_mean = [&](const std::vector<Color>& sums) {
     std::get<std::vector<Color>>((layer++)->values)[at] = sums[pixel] / float(samples);
   };
   for (const std::string& name : config_.layers) {
-    if (name == "direct") put_mean(direct_);
-    if (name == "indirect") put_mean(indirect_);
-    if (name == "specular") put_mean(specular_);
-    if (name == "emission") put_mean(emission_);
-    if (name == "albedo") put_mean(albedo_);
+    if (name == "direct") resolve_mean(direct_);
+    if (name == "indirect") resolve_mean(indirect_);
+    if (name == "specular") resolve_mean(specular_);
+    if (name == "emission") resolve_mean(emission_);
+    if (name == "albedo") resolve_mean(albedo_);
     if (name == "normal") std::get<std::vector<Color>>((layer++)->values)[at] = normal_[pixel].normalized();
     if (name == "position") std::get<std::vector<Color>>((layer++)->values)[at] = nearest_[pixel].position;
     if (name == "depth") std::get<std::vector<float>>((layer++)->values)[at] = nearest_[pixel].depth;
     if (name == "patch") std::get<std::vector<std::uint32_t>>((layer++)->values)[at] = nearest_[pixel].patch;
     if (name == "light_groups")
-      for (const auto& sums : of_group_) put_mean(sums);
+      for (const auto& sums : by_group_) resolve_mean(sums);
   }
 }
 

@@ -7,41 +7,42 @@
 
 namespace patchlight {
 
-/// What the samples of some pixels add up to beside their beauty, as far as the layers of a job ask for it.
+/// Sums over the samples of some pixels, for the layers that a job asks for.
 ///
-/// Light counts where the camera sees it: `specular` is all that comes by way of metals. The light of a group is that
-/// at the scene's own strength, so that a frame under other settings is their sum, each times its setting.
+/// Light belongs to the layer of the first surface: `specular` holds all light that reaches the camera by specular
+/// reflection. Light groups are stored at the scene's own strength, so the sum of all groups, each times its setting,
+/// is the frame under these settings.
 class LayerSums {
  public:
   LayerSums(const TraceConfig& config, const PatchSet& scene, std::size_t pixels);
 
-  bool light() const { return !emission_.empty(); }   ///< Whether light is told apart by its way.
-  bool surface() const { return !albedo_.empty(); }   ///< Whether anything is asked of what is seen.
-  bool groups() const { return !of_group_.empty(); }  ///< Whether it is told apart by light group.
-  std::size_t group_count() const { return of_group_.size(); }
+  bool has_light() const { return !emission_.empty(); }   ///< Light by transport path is asked for.
+  bool has_surfaces() const { return !albedo_.empty(); }  ///< Data of the first surface are asked for.
+  bool has_groups() const { return !by_group_.empty(); }  ///< Light by light group is asked for.
+  std::size_t group_count() const { return by_group_.size(); }
 
   void add_emission(std::uint32_t pixel, bool mirrored, const Color& c) { add(emission_, pixel, mirrored, c); }
   void add_direct(std::uint32_t pixel, bool mirrored, const Color& c) { add(direct_, pixel, mirrored, c); }
   void add_indirect(std::uint32_t pixel, bool mirrored, const Color& c) { add(indirect_, pixel, mirrored, c); }
-  void add_of_group(std::size_t group, std::uint32_t pixel, const Color& c) { of_group_[group][pixel] += c; }
+  void add_to_group(std::size_t group, std::uint32_t pixel, const Color& c) { by_group_[group][pixel] += c; }
 
-  /// The first surface that a sample meets; as it is, for one that meets none.
+  /// First surface that a sample hits; the defaults stand for a miss.
   struct Surface {
-    float depth = 1e10f;  ///< m along the camera's axis; as Blender writes it where there is nothing.
+    float depth = 1e10f;  ///< m along the camera's axis; 1e10 for a miss, as in Blender.
     Vec3d position{0.0};
     Vec3f normal{0.0f};
     Color albedo{0.0f};
     std::uint32_t patch = kNoPatch;
   };
   static constexpr std::uint32_t kNoPatch = 0xffffffffu;
-  /// `off`: how far from the pixel's middle, squared. Depths, places and patches have no mean: those nearest to it
-  /// count.
-  void add_surface(std::uint32_t pixel, const Surface& surface, float off);
+  /// `distance2`: squared distance of the sample from the pixel's centre. Depth, position and patch are not averaged:
+  /// the sample nearest to the centre counts.
+  void add_surface(std::uint32_t pixel, const Surface& surface, float distance2);
 
-  /// Layers of a whole frame, still to be filled. In the order of `config.layers`.
+  /// Zero-filled layers of a whole frame, in the order of `config.layers`.
   static std::vector<ImageLayer> blank(const TraceConfig& config, const PatchSet& scene, std::size_t pixels);
-  /// Makes pixel `at` of such layers the mean of a pixel's samples.
-  void put(std::uint32_t pixel, int samples, std::size_t at, std::vector<ImageLayer>& layers) const;
+  /// Sets pixel `at` of the frame's layers to the mean of the pixel's samples.
+  void resolve(std::uint32_t pixel, int samples, std::size_t at, std::vector<ImageLayer>& layers) const;
 
  private:
   void add(std::vector<Color>& sums, std::uint32_t pixel, bool mirrored, const Color& light) {
@@ -52,13 +53,13 @@ class LayerSums {
   std::vector<Color> emission_, direct_, indirect_, specular_;  ///< W/m2/sr.
   std::vector<Color> albedo_, normal_;
   struct Nearest {
-    float off = std::numeric_limits<float>::infinity();
+    float distance2 = std::numeric_limits<float>::infinity();
     float depth = 0.0f;
     Vec3f position{0.0f};
     std::uint32_t patch = kNoPatch;
   };
   std::vector<Nearest> nearest_;
-  std::vector<std::vector<Color>> of_group_;  ///< [groups][pixels].
+  std::vector<std::vector<Color>> by_group_;  ///< [groups][pixels].
 };
 
 }  // namespace patchlight

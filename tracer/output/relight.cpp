@@ -19,61 +19,62 @@ namespace patchlight {
 
 namespace {
 
-constexpr const char* kMend = "render it by `patchlight run`";
+constexpr const char* kRemedy = "render it by `patchlight run`";
 
-/// Throws unless a frame was traced as the job says, whatever the lights and the view.
+/// Throws unless the frame was traced with the job's settings; `lights`, view and exposure may differ.
 void check_source(const Frame& frame, const Image& source, const Job& job, const PatchSet& scene) {
   const auto text = [&](const char* name) {
     const auto found = source.metadata.find(name);
     return found == source.metadata.end() ? std::string() : found->second;
   };
-  const std::string made_for = text("patchlight:job"), key = text("patchlight:key");
-  const Job made = with_settings_of(job, made_for);
+  const std::string source_job = text("patchlight:job"), key = text("patchlight:key");
+  const Job source_settings = with_settings_of(job, source_job);
   const auto key_of = [&](const Job& other) {
-    Job shown = other;
-    shown.lights = made.lights;
-    shown.trace.view = made.trace.view;
-    shown.trace.exposure = made.trace.exposure;
-    return frame_key(scene, energy_key(scene.key, other.solve), shown, frame.camera, frame.number,
+    Job candidate = other;
+    candidate.lights = source_settings.lights;
+    candidate.trace.view = source_settings.trace.view;
+    candidate.trace.exposure = source_settings.trace.exposure;
+    return frame_key(scene, energy_key(scene.key, other.solve), candidate, frame.camera, frame.number,
                      text("patchlight:view_config"));
   };
   if (key != key_of(job)) {
-    const std::vector<std::string> changes = changed_settings(job, made_for, key_of);
+    const std::vector<std::string> changes = changed_settings(job, source_job, key_of);
     throw Error(ExitCode::bad_data,
-                fmt::format("it was made from something else: {}",
+                fmt::format("it was source_settings from something else: {}",
                             changes.empty() ? "another scene, camera or version of Patchlight"
                                             : fmt::format("{}", fmt::join(changes, ", "))),
-                frame.exr.string(), kMend);
+                frame.exr.string(), kRemedy);
   }
   if (source.width != job.trace.resolution[0] || source.height != job.trace.resolution[1])
-    throw Error(ExitCode::bad_data, "it is of another size than its header says", frame.exr.string(), kMend);
+    throw Error(ExitCode::bad_data, "its size differs from the one in its header", frame.exr.string(), kRemedy);
 }
 
-/// Those layers of a frame that it should have and that other lights leave as they are, or that are a group's.
+/// Moves the layers that a relit frame keeps out of `source`: those of light groups and those that lights do not
+/// change.
 std::vector<ImageLayer> take_layers(const Frame& frame, Image& source, const Job& job, const PatchSet& scene) {
   std::vector<ImageLayer> layers;
   for (const ImageLayer& wanted : relit_layers(job.trace, scene)) {
     const auto found = std::find_if(source.layers.begin(), source.layers.end(),
                                     [&](const ImageLayer& layer) { return are_alike(layer, wanted); });
     if (found == source.layers.end())
-      throw Error(ExitCode::bad_data, "it lacks the layer `" + wanted.name + "`", frame.exr.string(), kMend);
+      throw Error(ExitCode::bad_data, "it lacks the layer `" + wanted.name + "`", frame.exr.string(), kRemedy);
     layers.push_back(std::move(*found));
   }
   return layers;
 }
 
-/// A frame with the layers that it is to keep.
+/// Reads a traced frame with the layers that a relit frame keeps.
 Image read_source(const Frame& frame, const Job& job, const PatchSet& scene) {
   if (std::error_code fault; !std::filesystem::exists(frame.exr, fault))
-    throw Error(ExitCode::missing_input, "missing frame", frame.exr.string(), kMend);
-  check_source(frame, read_exr_header(frame.exr), job, scene);  // before memory is taken for what may be of any size
+    throw Error(ExitCode::missing_input, "missing frame", frame.exr.string(), kRemedy);
+  check_source(frame, read_exr_header(frame.exr), job, scene);  // before allocating memory for an image of unknown size
   Image source = read_exr_layers(frame.exr);
-  check_source(frame, source, job, scene);  // another run may have written it since
+  check_source(frame, source, job, scene);  // another run may have replaced it meanwhile
   source.layers = take_layers(frame, source, job, scene);
   return source;
 }
 
-/// The sum of the groups' layers, each times its setting. Shape: [pixels].
+/// Sum of the light group layers, each times its setting. Shape: [pixels].
 std::vector<Color> sum_of_groups(const std::vector<ImageLayer>& layers, const PatchSet& scene,
                                  const std::vector<Color>& settings, std::size_t pixels) {
   std::vector<Color> sum(pixels, Color(0.0f));
@@ -103,12 +104,12 @@ void relight_frames(const Job& job, const PatchSet& scene, bool skip_fresh, Prog
     });
     if (frames.size() < all) progress.note(fmt::format("{} of {} frames are up to date", all - frames.size(), all));
   }
-  std::vector<std::string> lost;
-  std::copy_if(job.trace.layers.begin(), job.trace.layers.end(), std::back_inserter(lost), holds_light_by_its_way);
-  if (!lost.empty())
+  std::vector<std::string> omitted;
+  std::copy_if(job.trace.layers.begin(), job.trace.layers.end(), std::back_inserter(omitted), holds_light_by_its_way);
+  if (!omitted.empty())
     progress.warning(
-        fmt::format("relit frames are without the layers {}, which only a trace can make", fmt::join(lost, ", ")));
-  std::size_t left_out = 0;
+        fmt::format("relit frames leave out the layers {}, which only a trace can make", fmt::join(omitted, ", ")));
+  std::size_t failed = 0;
   ExitCode code = ExitCode::ok;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     progress.set_part(i, frames.size());
@@ -119,7 +120,7 @@ void relight_frames(const Job& job, const PatchSet& scene, bool skip_fresh, Prog
       image = read_source(frames[i], job, scene);
     } catch (const Error& error) {
       progress.warning(error.what());
-      if (left_out++ == 0) code = error.code();
+      if (failed++ == 0) code = error.code();
       continue;
     }
     const std::string from = image.metadata["patchlight:key"];
@@ -129,8 +130,8 @@ void relight_frames(const Job& job, const PatchSet& scene, bool skip_fresh, Prog
     writer.write(relit, std::move(image), seconds, from);
     progress.note(fmt::format("relit/{} in {:.2f} s", relit.exr.filename().string(), seconds));
   }
-  if (left_out > 0)
-    throw Error(code, fmt::format("{} of {} frames could not be relit", left_out, frames.size()),
+  if (failed > 0)
+    throw Error(code, fmt::format("{} of {} frames could not be relit", failed, frames.size()),
                 job.frame_folder().string(), "render them by `patchlight run`, under any lights");
 }
 

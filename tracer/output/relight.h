@@ -5,13 +5,13 @@
 
 namespace patchlight {
 
-/// Makes the job's frames anew, as EXR and PNG in its folder of relit frames, from those in its folder of frames that
-/// were traced as it says but for `lights`, `trace.view` and `trace.exposure`: the beauty is the sum of their light
-/// groups' layers, each times its setting. Layers that hold light by its way cannot be had from these and are left out.
-/// A frame that cannot be used is named in a warning, and the others go on. `skip_fresh`: those that are there as the
-/// job makes them now stay.
+/// Writes relit frames, EXR and PNG, into the job's relit folder without tracing: each is the sum of the light group
+/// layers of a traced frame, each times its setting. The traced frame may differ from the job in `lights`, `trace.view`
+/// and `trace.exposure` only. Layers by transport path (direct, indirect, ...) are left out, since light groups cannot
+/// give them. Warns of each frame that cannot be used and continues. `skip_fresh`: keeps relit frames that are up to
+/// date.
 /// Throws: Error (bad_config) for an unknown camera, light group or view, or without the layer `light_groups`;
-/// (missing_input, bad_data) in the end, if frames could not be used; (cannot_create, io_error, interrupted).
+/// (missing_input, bad_data) at the end if frames could not be used; (cannot_create, io_error, interrupted).
 void relight_frames(const Job& job, const PatchSet& scene, bool skip_fresh, Progress& progress);
 
 }  // namespace patchlight

@@ -2,7 +2,7 @@
 
 namespace patchlight {
 
-/// configs/config.ocio, as it was when the program was built.
+/// Text of configs/config.ocio at build time.
 extern const char* const kShippedOcioConfig;
 
 }  // namespace patchlight

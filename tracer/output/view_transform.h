@@ -6,15 +6,16 @@
 
 namespace patchlight {
 
-/// From scene-linear Rec.709 radiance to what a display shows, through a view of $OCIO's config, or of the one that
-/// Patchlight ships.
+/// Converts scene-linear Rec.709 radiance to display values by a view of the OpenColorIO config in $OCIO, or of the
+/// config that Patchlight ships.
 class ViewTransform {
  public:
+  /// `exposure`: in stops.
   /// Throws: Error (bad_config) for a view that the config does not have; (missing_input, bad_data) for a bad $OCIO.
   ViewTransform(const std::string& view, double exposure);
   ~ViewTransform();
 
-  /// Values in [0,1]; what is not finite or negative counts as zero, what is infinite as the largest half float.
+  /// Values in [0,1]. NaN and negative radiance count as 0, infinity as the largest half float.
   Image operator()(const Image& linear) const;
 
  private:

@@ -7,7 +7,7 @@
 namespace patchlight {
 
 CameraRays::CameraRays(const Camera& camera, int width, int height)
-    : camera_(camera), to_camera_(camera.to_world.inverse()), pixels_across_(width), pixels_down_(height) {
+    : camera_(camera), to_camera_(camera.to_world.inverse()), width_(width), height_(height) {
   half_height_ = perspective() ? std::tan(camera.vertical / 2) : camera.vertical;
   half_width_ = half_height_ * width / height;
   const auto to_world = [&](const Vec3d& v, bool point) {
@@ -15,25 +15,25 @@ CameraRays::CameraRays(const Camera& camera, int width, int height)
     point ? camera_.to_world.multVecMatrix(v, result) : camera_.to_world.multDirMatrix(v, result);
     return result;
   };
-  first_ = perspective() ? to_world(Vec3d(-half_width_, half_height_, -1), false)
-                         : to_world(Vec3d(-half_width_, half_height_, 0), true);
-  across_ = to_world(Vec3d(2 * half_width_ / width, 0, 0), false);
+  corner_ = perspective() ? to_world(Vec3d(-half_width_, half_height_, -1), false)
+                          : to_world(Vec3d(-half_width_, half_height_, 0), true);
+  right_ = to_world(Vec3d(2 * half_width_ / width, 0, 0), false);
   eye_ = camera_.to_world.translation();
   forward_ = to_world(Vec3d(0, 0, -1), false).normalized();
   down_ = to_world(Vec3d(0, -2 * half_height_ / height, 0), false);
 }
 
-void CameraRays::start(const ImagePoints& at, const RayScene& scene, RayPacket& packet) const {
+void CameraRays::generate(const ImagePoints& points, const RayScene& scene, RayPacket& packet) const {
   packet.start();
   auto& ray = packet.rays.ray;
   const std::array<float*, 3> origins{ray.org_x, ray.org_y, ray.org_z}, directions{ray.dir_x, ray.dir_y, ray.dir_z};
-  const auto& [shared, own] = perspective() ? std::pair(origins, directions) : std::pair(directions, origins);
-  const Vec3f all = perspective() ? scene.to_local(eye_) : Vec3f(forward_);
-  const Vec3f first = perspective() ? Vec3f(first_) : scene.to_local(first_), across(across_), down(down_);
+  const auto& [constant, varying] = perspective() ? std::pair(origins, directions) : std::pair(directions, origins);
+  const Vec3f value = perspective() ? scene.to_local(eye_) : Vec3f(forward_);
+  const Vec3f corner = perspective() ? Vec3f(corner_) : scene.to_local(corner_), right(right_), down(down_);
   for (int k = 0; k < 3; ++k) {
-    std::fill_n(shared[k], RayPacket::kSize, all[k]);
+    std::fill_n(constant[k], RayPacket::kSize, value[k]);
     for (int lane = 0; lane < RayPacket::kSize; ++lane)
-      own[k][lane] = first[k] + across[k] * at.x[lane] + down[k] * at.y[lane];
+      varying[k][lane] = corner[k] + right[k] * points.x[lane] + down[k] * points.y[lane];
   }
   if (!perspective()) return;
   for (int lane = 0; lane < RayPacket::kSize; ++lane) {
@@ -53,8 +53,8 @@ Vec3d CameraRays::to_camera(const Vec3d& world) const {
 
 Imath::V2d CameraRays::to_image(const Vec3d& in_camera) const {
   const double scale = perspective() ? -1 / in_camera.z : 1.0;
-  return {0.5 * (1 + in_camera.x * scale / half_width_) * pixels_across_,
-          0.5 * (1 - in_camera.y * scale / half_height_) * pixels_down_};
+  return {0.5 * (1 + in_camera.x * scale / half_width_) * width_,
+          0.5 * (1 - in_camera.y * scale / half_height_) * height_};
 }
 
 }  // namespace patchlight

@@ -6,7 +6,7 @@
 
 namespace patchlight {
 
-/// Points of an image, in pixels from the upper left corner.
+/// Image points in pixels from the upper left corner, one for each lane of a packet.
 struct ImagePoints {
   std::array<float, RayPacket::kSize> x{}, y{};
 };
@@ -16,31 +16,31 @@ class CameraRays {
  public:
   CameraRays(const Camera& camera, int width, int height);
 
-  /// Sets all lanes to the rays through these points. Directions are unit vectors.
-  void start(const ImagePoints& at, const RayScene& scene, RayPacket& packet) const;
+  /// Sets all lanes to the rays through `points`. Directions are unit vectors.
+  void generate(const ImagePoints& points, const RayScene& scene, RayPacket& packet) const;
 
   bool perspective() const { return camera_.projection == Camera::Projection::perspective; }
-  /// Where rays start, or, for orthographic cameras, a point of the plane where they do.
+  /// Origin of all rays; for an orthographic camera the centre of the plane where rays start.
   const Vec3d& eye() const { return eye_; }
-  /// Unit vector along the middle ray.
+  /// Unit vector along the optical axis.
   const Vec3d& forward() const { return forward_; }
 
-  /// A point in the camera's own axes: x to the right, y up, z = -depth, depths growing away from the camera.
+  /// Transforms a point to camera space: x to the right, y up, z = -depth.
   Vec3d to_camera(const Vec3d& world) const;
-  /// How far a point lies before the camera, along its axis.
+  /// Distance of a point from the camera along the optical axis, m; negative behind the camera.
   double depth(const Vec3d& world) const { return (world - eye_) ^ forward_; }
-  /// The image point of a point in the camera's axes; in perspective, of one of positive depth.
+  /// Image point of a point in camera space; for a perspective camera its depth must be positive.
   Imath::V2d to_image(const Vec3d& in_camera) const;
 
  private:
   Camera camera_;
   Matrix4 to_camera_;
-  double half_width_, half_height_;  ///< Of the image plane: at distance 1, or in m for orthographic cameras.
-  double pixels_across_, pixels_down_;
+  double half_width_, half_height_;  ///< Of the image plane at distance 1, or in m for an orthographic camera.
+  double width_, height_;            ///< Pixels.
   Vec3d eye_, forward_;
-  /// In the world: towards the image's upper left corner, or that corner itself in parallel projection, and from one
-  /// pixel to the next.
-  Vec3d first_, across_, down_;
+  /// In the world: direction of the image's upper left corner (its position for an orthographic camera), and the steps
+  /// to the next pixel to the right and down.
+  Vec3d corner_, right_, down_;
 };
 
 }  // namespace patchlight

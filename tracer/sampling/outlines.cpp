@@ -9,44 +9,47 @@ namespace patchlight {
 
 namespace {
 
-constexpr double kPlane = 1 - 1e-9;  // cosine between the normals of one plane
-constexpr double kNearest = 1e-4;    // part of an edge's largest depth that it is cut at
-constexpr int kAroundSphere = 64;    // straight pieces of a sphere's outline
+constexpr double kCoplanarCosine = 1 - 1e-9;  // between the normals of coplanar primitives
+constexpr double kNearClip = 1e-4;            // depth at which an edge is clipped, over its largest depth
+constexpr int kSphereSegments = 64;           // line segments of a sphere's silhouette
 
 }  // namespace
 
-/// The image that edges are drawn into.
+/// Depth buffer that edges are drawn into.
 struct Outlines::Canvas {
   const CameraRays& rays;
   int width, height;
   std::vector<float> depths;
 
-  /// `a` and `b` in the camera's axes.
-  void line(Vec3d a, Vec3d b) {
+  /// Draws a line between two points in camera space.
+  void draw_line(Vec3d a, Vec3d b) {
     if (a.z > b.z) std::swap(a, b);  // b is nearer
     if (!(a.z < 0)) return;
-    const double nearest = rays.perspective() ? kNearest * a.z : 0.0;
+    const double nearest = rays.perspective() ? kNearClip * a.z : 0.0;
     if (b.z > nearest) b = a + (b - a) * ((nearest - a.z) / (b.z - a.z));
     const Imath::V2d p = rays.to_image(a), q = rays.to_image(b);
-    // Along a line of the image it is 1 / depth, or in parallel projection depth itself, that runs linearly.
+    // 1 / depth is linear along a line in the image; in parallel projection depth itself is.
     const double at_p = rays.perspective() ? -1 / a.z : -a.z, at_q = rays.perspective() ? -1 / b.z : -b.z;
-    const bool flat = std::abs(q.x - p.x) >= std::abs(q.y - p.y);
-    const auto along = [&](const Imath::V2d& v) { return flat ? v.x : v.y; };
-    const auto across = [&](const Imath::V2d& v) { return flat ? v.y : v.x; };
+    const bool horizontal = std::abs(q.x - p.x) >= std::abs(q.y - p.y);
+    const auto along = [&](const Imath::V2d& v) { return horizontal ? v.x : v.y; };
+    const auto across = [&](const Imath::V2d& v) { return horizontal ? v.y : v.x; };
     const double low = std::min(along(p), along(q)), high = std::max(along(p), along(q));
-    const int steps = flat ? width : height, rows = flat ? height : width;
+    const int steps = horizontal ? width : height, rows = horizontal ? height : width;
     if (!(high >= 0 && low < steps)) return;
     const double length = along(q) - along(p);
     for (int step = int(std::max(0.0, std::floor(low))); step < steps && step <= high; ++step) {
-      const auto part = [&](double x) { return length != 0 ? std::clamp((x - along(p)) / length, 0.0, 1.0) : 0.0; };
-      const double s = part(step), t = length != 0 ? part(step + 1) : 1.0;
+      const auto parameter = [&](double x) {
+        return length != 0 ? std::clamp((x - along(p)) / length, 0.0, 1.0) : 0.0;
+      };
+      const double s = parameter(step), t = length != 0 ? parameter(step + 1) : 1.0;
       const double from = across(p) + (across(q) - across(p)) * s, to = across(p) + (across(q) - across(p)) * t;
       const double v = at_p + (at_q - at_p) * s, w = at_p + (at_q - at_p) * t;
       const auto depth = float(rays.perspective() ? 1 / std::max(v, w) : std::min(v, w));
       const double first = std::max(0.0, std::floor(std::min(from, to)));
       const double last = std::min(double(rows - 1), std::floor(std::max(from, to)));
       for (int row = int(std::min(first, double(rows))); row <= last; ++row) {
-        float& nearest_edge = flat ? depths[std::size_t(row) * width + step] : depths[std::size_t(step) * width + row];
+        float& nearest_edge =
+            horizontal ? depths[std::size_t(row) * width + step] : depths[std::size_t(step) * width + row];
         nearest_edge = std::min(nearest_edge, depth);
       }
     }
@@ -61,13 +64,13 @@ Outlines::Outlines(const PatchSet& scene)
     if (p.shape == Primitive::Shape::quad)
       normals_[i] = ((p.corners[2] - p.corners[0]) % (p.corners[3] - p.corners[1])).normalized();
   }
-  add_sides();
-  for (std::size_t i = 0; i < surfaces_.size(); ++i) surfaces_[i] = root(std::int32_t(i));
+  add_edges();
+  for (std::size_t i = 0; i < surfaces_.size(); ++i) surfaces_[i] = find_root(std::int32_t(i));
 }
 
-void Outlines::add_sides() {
+void Outlines::add_edges() {
   struct Side {
-    std::int32_t low, high;  ///< Smooth vertices that it joins.
+    std::int32_t low, high;  ///< Ids of its smooth vertices.
     std::int32_t primitive;
     int corner;
   };
@@ -98,15 +101,15 @@ void Outlines::add_sides() {
       continue;
     }
     const std::int32_t other = sides[first + 1].primitive;
-    surfaces_[root(i)] = root(other);
-    if ((normals_[i] ^ normals_[other]) > kPlane) continue;
+    surfaces_[find_root(i)] = find_root(other);
+    if ((normals_[i] ^ normals_[other]) > kCoplanarCosine) continue;
     edges_.push_back(edge_of(sides[first]));
     edges_.back().other = other;
   }
 }
 
-/// Of the primitives that `i` meets smoothly, directly or by others, the one that stands for all.
-std::int32_t Outlines::root(std::int32_t i) {
+/// Representative of the smooth surface that primitive `i` belongs to.
+std::int32_t Outlines::find_root(std::int32_t i) {
   while (surfaces_[i] != i) i = surfaces_[i] = surfaces_[surfaces_[i]];
   return i;
 }
@@ -115,35 +118,35 @@ std::vector<float> Outlines::draw(const CameraRays& rays, int width, int height)
   Canvas canvas{rays, width, height,
                 std::vector<float>(std::size_t(width) * height, std::numeric_limits<float>::infinity())};
   const Vec3d eye = rays.eye(), forward = rays.forward();
-  const auto faces = [&](std::int32_t i, const Vec3d& at) {
+  const auto faces_camera = [&](std::int32_t i, const Vec3d& at) {
     return ((rays.perspective() ? at - eye : forward) ^ normals_[i]) < 0;
   };
   for (const Edge& edge : edges_)
-    if (edge.other < 0 || faces(edge.primitive, edge.from) != faces(edge.other, edge.from))
-      canvas.line(rays.to_camera(edge.from), rays.to_camera(edge.to));
+    if (edge.other < 0 || faces_camera(edge.primitive, edge.from) != faces_camera(edge.other, edge.from))
+      canvas.draw_line(rays.to_camera(edge.from), rays.to_camera(edge.to));
   for (const Primitive& p : scene_.primitives)
     if (p.shape == Primitive::Shape::sphere) draw_sphere(p, canvas);
   return std::move(canvas.depths);
 }
 
 void Outlines::draw_sphere(const Primitive& sphere, Canvas& canvas) const {
-  Vec3d middle = sphere.sphere_center, axis = canvas.rays.forward();
+  Vec3d center = sphere.sphere_center, axis = canvas.rays.forward();
   double radius = std::abs(sphere.sphere_radius);
   if (canvas.rays.perspective()) {
-    const Vec3d to = canvas.rays.eye() - middle;
+    const Vec3d to = canvas.rays.eye() - center;
     const double part = radius * radius / to.length2();
     if (part >= 1) return;
-    middle += to * part;
+    center += to * part;
     radius *= std::sqrt(1 - part);
     axis = to.normalized();
   }
   const Vec3d side = (std::abs(axis.y) < 0.9 ? axis % Vec3d(0, 1, 0) : axis % Vec3d(1, 0, 0)).normalized();
   const Vec3d up = axis % side;
   const auto at = [&](int k) {
-    const double turn = 2 * kPi * k / kAroundSphere;
-    return canvas.rays.to_camera(middle + (side * std::cos(turn) + up * std::sin(turn)) * radius);
+    const double angle = 2 * kPi * k / kSphereSegments;
+    return canvas.rays.to_camera(center + (side * std::cos(angle) + up * std::sin(angle)) * radius);
   };
-  for (int k = 0; k < kAroundSphere; ++k) canvas.line(at(k), at(k + 1));
+  for (int k = 0; k < kSphereSegments; ++k) canvas.draw_line(at(k), at(k + 1));
 }
 
 }  // namespace patchlight

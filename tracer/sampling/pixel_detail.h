@@ -7,26 +7,27 @@
 
 namespace patchlight {
 
-/// What one path of a pixel has come to.
-struct PathView {
-  std::int32_t surface = -1;                             ///< A number for all that it has met, in order; -1: nothing.
-  bool scattered = false;                                ///< By a rough metal.
-  Vec3f normal{0.0f};                                    ///< Where it ends.
-  float depth = std::numeric_limits<float>::infinity();  ///< Of what the camera sees.
-  Color light{0.0f};        ///< Radiance without what emitters that are sampled apart bring it straight.
-  Color reflectance{0.0f};  ///< Of all that it has met, times what comes through.
+/// Features of one camera path, by which the paths of a pixel are compared.
+struct PathFeatures {
+  std::int32_t surface = -1;                             ///< Hash of the surfaces hit, in order; -1: none.
+  bool scattered = false;                                ///< Reflected by a rough metal.
+  Vec3f normal{0.0f};                                    ///< At the last surface.
+  float depth = std::numeric_limits<float>::infinity();  ///< Of the first surface, along the camera's axis.
+  Color light{0.0f};        ///< Radiance without the direct light of explicitly sampled emitters.
+  Color reflectance{0.0f};  ///< Sum over the surfaces hit, each times the path's throughput.
 };
 
-/// How far apart the paths of some pixels are in what they see.
+/// Range of the path features of some pixels.
 class PixelDetail {
  public:
+  /// How much the features vary, which decides how many samples a pixel takes.
   enum class Level {
-    none,  ///< As good as even, or on an even way from one pixel to the next.
-    some,
-    edge,  ///< Or what rough metals show, which takes as many.
+    smooth,  ///< Constant or a gradual change between pixels.
+    detail,  ///< Contrast or curvature within one surface.
+    edge,    ///< Several surfaces, or reflections in rough metal.
   };
 
-  void add(const PathView& path) {
+  void add(const PathFeatures& path) {
     lowest_ = std::min(lowest_, path.surface);
     highest_ = std::max(highest_, path.surface);
     depth_ = std::max(depth_, path.depth);
@@ -46,7 +47,7 @@ class PixelDetail {
   }
 
   Level level() const;
-  float farthest() const { return depth_; }
+  float max_depth() const { return depth_; }
 
  private:
   struct Range {
@@ -62,7 +63,8 @@ class PixelDetail {
       add(r.low);
       add(r.high);
     }
-    /// Of the channel where it is largest: what lies between both ends over their sum, in [0,1] for what is positive.
+    /// Michelson contrast, (high - low) / (high + low), of the channel where it is largest; in [0,1] for positive
+    /// values.
     float contrast() const;
   };
 

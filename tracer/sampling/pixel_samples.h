@@ -6,8 +6,8 @@
 
 namespace patchlight {
 
-/// Bits of `x`, highest first, each flipped or not by a hash of those above it: Owen's scrambling (Laine and Karras
-/// 2011, as improved by Vegdahl 2021), of a number whose bits are in the opposite order.
+/// Owen scrambling of a number in reversed bit order: each bit is flipped or kept by a hash of all lower bits, which
+/// are the higher ones of the reversed number (Laine and Karras 2011, with the constants of Vegdahl 2021).
 inline std::uint32_t owen_scrambled(std::uint32_t x, std::uint32_t seed) {
   x ^= x * 0x3d20adea;
   x += seed;
@@ -17,13 +17,13 @@ inline std::uint32_t owen_scrambled(std::uint32_t x, std::uint32_t seed) {
   return x;
 }
 
-/// Another order of all numbers, in which aligned runs of 1, 2, 4, ... stay together: so that what one sample takes
-/// from two sequences has nothing in common (Burley 2020, section 4).
+/// Shuffled index of a sample: a permutation that keeps aligned blocks of 1, 2, 4, ... indices together. It
+/// decorrelates the points that one sample takes from two sequences (Burley 2020, section 4).
 inline std::uint32_t shuffled(std::uint32_t k, std::uint32_t seed) {
   return reversed_bits(owen_scrambled(reversed_bits(k), seed));
 }
 
-/// Sobol's second dimension at k, its bits in the opposite order, as k's own are in the first.
+/// Second Sobol dimension at k, in reversed bit order; the first dimension in reversed bit order is k itself.
 constexpr std::uint32_t sobol_second(std::uint32_t k) {
   std::uint32_t second = 0;
   for (std::uint32_t column = 1; k != 0; k >>= 1, column ^= column << 1)
@@ -31,15 +31,15 @@ constexpr std::uint32_t sobol_second(std::uint32_t k) {
   return second;
 }
 
-/// The same of the first numbers.
+/// sobol_second() of the first 64 indices.
 inline constexpr auto kSobolSecond = [] {
   std::array<std::uint32_t, 64> values{};
   for (std::uint32_t k = 0; k < values.size(); ++k) values[k] = sobol_second(k);
   return values;
 }();
 
-/// Place k of a pixel's samples, in [0,1)^2: Sobol's first two dimensions, scrambled. The first 4, 16, 64, ... are each
-/// stratified in both axes and in squares, so that more samples go on from fewer.
+/// Point k of a pixel's samples in [0,1)^2: the first two Sobol dimensions, Owen-scrambled. Every prefix of 4, 16, 64,
+/// ... points is stratified along both axes and in squares, so samples can be added progressively.
 inline Vec2f pixel_sample(std::uint32_t k, std::uint64_t seed) {
   const std::uint32_t second = k < kSobolSecond.size() ? kSobolSecond[k] : sobol_second(k);
   const std::uint32_t x = reversed_bits(owen_scrambled(k, std::uint32_t(seed)));

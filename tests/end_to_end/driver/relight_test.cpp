@@ -16,7 +16,7 @@ std::vector<std::string> names(const Image& image) {
   return result;
 }
 
-/// Of a PNG, as it stands on the disk now.
+/// Pixel values of a PNG, read without OpenImageIO's cache.
 std::vector<std::uint8_t> bytes(const fs::path& png) {
   const auto input = OIIO::ImageInput::open(png.string());
   std::vector<std::uint8_t> values(input->spec().image_bytes());
@@ -26,10 +26,10 @@ std::vector<std::uint8_t> bytes(const fs::path& png) {
 
 TEST_F(Relight, MakesWhatATraceWould) {
   EXPECT_LT(error("float"), 2e-6);
-  // The layers are rounded, and so is what is made of them, and what is traced.
-  const double of_sample_sets = error("half");
-  EXPECT_LT(of_sample_sets, 3 * 5e-4);
-  EXPECT_GT(of_sample_sets, 0);
+  // Rounding of the layers, of their sum and of the traced frame.
+  const double half_error = error("half");
+  EXPECT_LT(half_error, 3 * 5e-4);
+  EXPECT_GT(half_error, 0);
 }
 
 TEST_F(Relight, LetsThePngFollow) {
@@ -52,7 +52,7 @@ TEST_F(Relight, KeepsLayersThatLightsDoNotChange) {
   write("half", "[direct, albedo, normal, light_groups, depth, patch, emission]");
   ASSERT_EQ(patchlight("run").code, 0);
   const Outcome outcome = patchlight("relight", kOtherLights);
-  EXPECT_THAT(outcome.err, HasSubstr("warning: relit frames are without the layers direct, emission, which"));
+  EXPECT_THAT(outcome.err, HasSubstr("warning: relit frames leave out the layers direct, emission, which"));
   const Image source = read_exr_layers(frame()), made = read_exr_layers(relit());
   EXPECT_THAT(names(made),
               ElementsAre("Combined_lights.ceiling", "Combined_wall", "albedo", "depth", "normal", "patch"));
@@ -83,7 +83,7 @@ TEST_F(Relight, NamesFramesThatCannotBeUsedAndGoesOn) {
 
   const Outcome outcome = patchlight("relight", with(kOtherLights));
   EXPECT_EQ(outcome.code, 65) << outcome.err;
-  EXPECT_THAT(outcome.err, HasSubstr("something else: trace.samples 1 -> 4 ("));
+  EXPECT_THAT(outcome.err, HasSubstr("other inputs: trace.samples 1 -> 4 ("));
   EXPECT_THAT(outcome.err, HasSubstr("spin.0002.exr): render it by `patchlight run`"));
   EXPECT_THAT(outcome.err, HasSubstr("spin.0003.exr): render it by `patchlight run`"));
   EXPECT_THAT(outcome.err, HasSubstr("it lacks the layer `Combined_wall` ("));

@@ -81,7 +81,7 @@ TEST_F(Shards, OfFramesAreAllOfThem) {
   EXPECT_FALSE(fs::exists(folder_ / "out/frames/spin.0001.exr"));
   trace("1/2");
   EXPECT_THAT(trace("1/2"), HasSubstr("3 of 3 frames are up to date"));
-  EXPECT_THAT(trace("6/6"), HasSubstr("of 5 frames none is of this shard"));
+  EXPECT_THAT(trace("6/6"), HasSubstr("this shard has none of the 5 frames"));
   EXPECT_EQ(run_program(folder_, "patchlight", {"status", "job.yaml", frames[0], frames[1]}).code, 0);
 }
 

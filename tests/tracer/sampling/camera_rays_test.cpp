@@ -23,7 +23,7 @@ struct Ray {
     points.x[5] = x;
     points.y[5] = y;
     RayPacket packet;
-    rays.start(points, RayScene(PatchSet{}), packet);
+    rays.generate(points, RayScene(PatchSet{}), packet);
     origin = packet.origin(5);
     direction = packet.direction(5);
   }

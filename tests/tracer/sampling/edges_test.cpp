@@ -122,7 +122,7 @@ TEST(Edges, AnEvenImageIsExactAtFewSamples) {
     points.x[0] = float(k % 40) + 0.5f;
     points.y[0] = float(k / 40) + 0.5f;
     RayPacket packet;
-    rays.start(points, ray_scene, packet);
+    rays.generate(points, ray_scene, packet);
     const Vec3d at = Vec3d(packet.direction(0)) * (-2 / double(packet.direction(0).z));
     const double exact = 0.8 * (1 + 5 * lamp.form_factor(at, {0, 0, 1})) / kPi;
     EXPECT_NEAR(image.pixels[std::size_t(k)].y, exact, 2e-3 * exact);

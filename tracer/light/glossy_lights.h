@@ -1,0 +1,47 @@
+#pragma once
+#include "tracer/light/explicit_lights.h"
+
+namespace patchlight {
+
+/// Explicitly sampled emitters as reflected by rough metals. A reflected path rarely hits a small emitter, and a ray
+/// towards a near emitter rarely lies in the metal's lobe; so both are sampled and combined by multiple importance
+/// sampling with the balance heuristic (Veach and Guibas 1995).
+class GlossyLights {
+ public:
+  /// `settings`: of the light groups.
+  GlossyLights(const PatchSet& scene, const RayScene& ray_scene, const std::vector<Color>& settings);
+
+  /// Whether the scene has rough metals.
+  static bool is_needed(const PatchSet& scene);
+
+  /// Path vertex on a rough metal.
+  struct Vertex {
+    Vec3d position;  ///< Offset from the surface.
+    Vec3f normal;
+    Vec3f direction;  ///< Of the incoming path, towards the metal.
+    float roughness = 0.0f;
+  };
+
+  /// A ray from a vertex to an emitter.
+  struct Sample {
+    Vec3f direction{0.0f};
+    float distance = 0.0f;
+    float weight = 0.0f;  ///< Factor of the emitter's radiance times the metal's reflectance; 0: no contribution.
+    const ExplicitLights::Lamp* lamp = nullptr;
+  };
+  /// `choice`, in [0,1), selects the emitter, `at`, in [0,1)^2, the point on it.
+  Sample sample(const Vertex& vertex, float choice, const Vec2f& at) const;
+
+  /// MIS weight, in [0,1], of the emission of `patch`, hit by a path that left `vertex` in `direction`, which was
+  /// sampled with `pdf`, per sr.
+  float hit_weight(const Vertex& vertex, const Vec3f& direction, float pdf, std::int32_t patch) const;
+
+ private:
+  /// Relative probabilities by which sample() selects the lamps, unnormalised. Returns their sum.
+  float selection_weights(const Vec3d& position, std::vector<float>& weights) const;
+
+  ExplicitLights lights_;
+  std::vector<std::int32_t> lamp_of_patch_;  ///< [patches]: index of the lamp; -1: not explicitly sampled.
+};
+
+}  // namespace patchlight
