@@ -16,16 +16,19 @@ namespace patchlight {
 
 namespace {
 
-constexpr int kBlock = 64;                 // rows that a thread samples at a time
-constexpr double kFarForSolidAngle = 1.5;  // radii of an emitter, from where on visibility varies more than its parts
-constexpr double kFar = 30.0;  // of a patch's size: from there on, its middle is as good as its mean, to 1e-4
+constexpr int kRowsPerTask = 64;
+// Distance in radii of an emitter beyond which it is sampled by area instead of solid angle: there visibility varies
+// more than the form factors of the emitter's parts.
+constexpr double kAreaSamplingDistance = 1.5;
+// Distance in patch sizes from which the form factor at the centre equals the mean over the patch within 1e-4.
+constexpr double kFarForCentre = 30.0;
 
-/// Samples of each half of a row to begin with, and more where visibility is partial. Many emitters share what would be
-/// spent on four.
-struct Samples {
+/// Samples of each sample set: of the pilot pass, and where visibility is partial. More than four emitters share the
+/// samples that four would take.
+struct SampleCounts {
   int pilot, partial;
 
-  Samples(int rays, std::size_t emitters) {
+  SampleCounts(int rays, std::size_t emitters) {
     const double share = std::min(1.0, 4.0 / double(emitters));
     pilot = std::max(emitters > 4 ? 2 : 4, int(share * rays / 32));
     partial = std::max(4, int(share * rays / 2));
@@ -34,72 +37,74 @@ struct Samples {
 
 }  // namespace
 
-/// All rows of form factors to one emitter.
-class DirectFactors::Run {
+/// Samples the form factors of all receivers to one emitter.
+class DirectFactors::EmitterSampler {
  public:
-  Run(const DirectFactors& from, const Emitter& emitter, Samples samples)
-      : from_(from),
+  EmitterSampler(const DirectFactors& parent, const Emitter& emitter, SampleCounts counts)
+      : parent_(parent),
         emitter_(emitter),
-        light_(from.scene_, from.ray_scene_, emitter),
-        samples_(samples),
-        rows_(std::int32_t(from.receivers_.size())),
-        whole_(rows_),
+        light_(parent.scene_, parent.ray_scene_, emitter),
+        counts_(counts),
+        rows_(std::int32_t(parent.receivers_.size())),
+        unoccluded_(rows_),
         pilots_(2 * std::size_t(rows_)),
-        more_(2 * std::size_t(rows_)) {}
+        refined_(2 * std::size_t(rows_)) {}
 
   std::vector<float> factors() {
     for_each_row([&](std::int32_t row, ShadowRays& rays) {
-      if (owned(row) || is_behind(row)) return;
-      whole_[row] = float(mean_form_factor(row));
-      const PatchSampler sampler = sampler_of(row);
+      if (is_on_emitter(row) || is_behind(row)) return;
+      unoccluded_[row] = float(mean_form_factor(row));
+      const PatchSampler sampler = patch_sampler(row);
       for (int sample_set = 0; sample_set < 2; ++sample_set)
-        add_samples(row, sample_set, 0, sampler, samples_.pilot, pilots_[2 * row + sample_set], rays);
+        add_samples(row, sample_set, 0, sampler, counts_.pilot, pilots_[2 * row + sample_set], rays);
     });
-    const double typical = typical_of_partial();
+    const double rms = rms_of_partially_visible();
     for_each_row([&](std::int32_t row, ShadowRays& rays) {
       if (pilots_[2 * row].count == 0) return;
-      const std::array<bool, 2> partial{others(row, 0).partial(), others(row, 1).partial()};
+      const std::array<bool, 2> partial{nearby_visibility(row, 0).partial(), nearby_visibility(row, 1).partial()};
       if (!partial[0] && !partial[1]) return;
-      // In proportion to what there is to lose (Neyman 1934).
-      const double share = typical > 0 ? std::clamp(whole_[row] / typical, 0.125, 4.0) : 1.0;
-      const int total = std::max(4, int(share * samples_.partial));
-      const PatchSampler sampler = sampler_of(row);
+      // Sample counts proportional to the standard deviation (Neyman 1934).
+      const double scale = rms > 0 ? std::clamp(unoccluded_[row] / rms, 0.125, 4.0) : 1.0;
+      const int total = std::max(4, int(scale * counts_.partial));
+      const PatchSampler sampler = patch_sampler(row);
       for (int sample_set = 0; sample_set < 2; ++sample_set)
-        if (partial[sample_set]) add_samples(row, sample_set, 1, sampler, total, more_[2 * row + sample_set], rays);
+        if (partial[sample_set]) add_samples(row, sample_set, 1, sampler, total, refined_[2 * row + sample_set], rays);
     });
     std::vector<float> values(2 * std::size_t(rows_), 0.0f);
     for (std::int32_t row = 0; row < rows_; ++row)
-      for (int sample_set = 0; sample_set < 2 && !owned(row); ++sample_set) {
+      for (int sample_set = 0; sample_set < 2 && !is_on_emitter(row); ++sample_set) {
         const std::size_t k = 2 * std::size_t(row) + sample_set;
-        const LightSamples& best = more_[k].count > 0 ? more_[k] : pilots_[k];
-        if (best.count == 0) continue;
-        values[k] = float(others(row, sample_set).mostly_seen() ? best.from_hidden(whole_[row]) : best.from_seen());
+        const LightSamples& samples = refined_[k].count > 0 ? refined_[k] : pilots_[k];
+        if (samples.count == 0) continue;
+        values[k] = float(nearby_visibility(row, sample_set).mostly_seen() ? samples.from_hidden(unoccluded_[row])
+                                                                           : samples.from_seen());
       }
     return values;
   }
 
   std::int64_t rays() const {
     std::int64_t count = 0;
-    for (const auto* all : {&pilots_, &more_})
-      for (const LightSamples& s : *all) count += s.visible + s.hidden;
+    for (const auto* samples : {&pilots_, &refined_})
+      for (const LightSamples& s : *samples) count += s.visible + s.hidden;
     return count;
   }
 
  private:
   template <class Act>
   void for_each_row(Act act) {
-    tbb::parallel_for(0, (rows_ + kBlock - 1) / kBlock, [&](int block) {
-      _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree wants denormals flushed
-      ShadowRays rays(from_.ray_scene_);
-      for (std::int32_t row = block * kBlock; row < std::min((block + 1) * kBlock, rows_); ++row) act(row, rays);
+    tbb::parallel_for(0, (rows_ + kRowsPerTask - 1) / kRowsPerTask, [&](int block) {
+      _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree requires denormals to be flushed
+      ShadowRays rays(parent_.ray_scene_);
+      for (std::int32_t row = block * kRowsPerTask; row < std::min((block + 1) * kRowsPerTask, rows_); ++row)
+        act(row, rays);
       rays.cast();
     });
     Progress::check_interrupted();
   }
 
   bool is_behind(std::int32_t row) const {
-    const Patch& patch = from_.receivers_[row];
-    const Primitive& primitive = from_.scene_.primitives[patch.primitive];
+    const Patch& patch = parent_.receivers_[row];
+    const Primitive& primitive = parent_.scene_.primitives[patch.primitive];
     if (primitive.shape != Primitive::Shape::quad) return false;
     if (!light_.is_behind(std::array{patch.center}, patch.normal)) return false;
     std::array<Vec3d, 4> corners;
@@ -108,66 +113,67 @@ class DirectFactors::Run {
     return light_.is_behind(corners, patch.normal);
   }
 
-  bool owned(std::int32_t row) const { return from_.receivers_[row].primitive == emitter_.primitive; }
+  bool is_on_emitter(std::int32_t row) const { return parent_.receivers_[row].primitive == emitter_.primitive; }
 
-  /// What the pilots about a row saw, without those of one half of it.
-  Visibility others(std::int32_t row, int sample_set) const {
+  /// Visibility that the pilot samples near a row found, without those of the given sample set.
+  Visibility nearby_visibility(std::int32_t row, int sample_set) const {
     Visibility sum;
     sum.add(pilots_[2 * row + 1 - sample_set]);
-    Near near;
-    for (const std::int32_t j : std::span(near).first(from_.neighbours_(row, near))) {
+    NeighbourList list;
+    for (const std::int32_t j : std::span(list).first(parent_.find_neighbours_(row, list))) {
       sum.add(pilots_[2 * j]);
       sum.add(pilots_[2 * j + 1]);
     }
     return sum;
   }
 
-  double typical_of_partial() const {
+  /// Root mean square of the unoccluded form factors of partly visible rows.
+  double rms_of_partially_visible() const {
     double sum = 0, count = 0;
     for (std::int32_t row = 0; row < rows_; ++row)
-      if (!owned(row) && others(row, 0).partial()) {
-        sum += double(whole_[row]) * whole_[row];
+      if (!is_on_emitter(row) && nearby_visibility(row, 0).partial()) {
+        sum += double(unoccluded_[row]) * unoccluded_[row];
         ++count;
       }
     return count > 0 ? std::sqrt(sum / count) : 0.0;
   }
 
-  PatchSampler sampler_of(std::int32_t row) const {
-    const Patch& patch = from_.receivers_[row];
-    return {from_.scene_.primitives[patch.primitive], patch};
+  PatchSampler patch_sampler(std::int32_t row) const {
+    const Patch& patch = parent_.receivers_[row];
+    return {parent_.scene_.primitives[patch.primitive], patch};
   }
 
   void add_samples(std::int32_t row, int sample_set, int round, const PatchSampler& sampler, int total,
                    LightSamples& sums, ShadowRays& rays) const {
-    const Patch& patch = from_.receivers_[row];
-    const double offset = from_.ray_scene_.offset(patch.primitive);
-    const bool has_holes = has_alpha_mask(from_.scene_, patch);
-    const std::uint64_t random = hash64(from_.seed_ ^ hash64(4 * std::uint64_t(row) + 2 * sample_set + round));
+    const Patch& patch = parent_.receivers_[row];
+    const double offset = parent_.ray_scene_.offset(patch.primitive);
+    const bool has_mask = has_alpha_mask(parent_.scene_, patch);
+    const std::uint64_t random = hash64(parent_.seed_ ^ hash64(4 * std::uint64_t(row) + 2 * sample_set + round));
     const float shift_x = uniform01(hash64(random + 1)), shift_y = uniform01(hash64(random + 2));
     for (int k = 0; k < total; ++k) {
       Vec2f at = kronecker2(std::uint64_t(k), random);
-      if (has_holes) at = covered_point(from_.scene_, patch, sampler, at, hash64(random + 3) + std::uint64_t(k));
+      if (has_mask) at = covered_point(parent_.scene_, patch, sampler, at, hash64(random + 3) + std::uint64_t(k));
       const Vec2f to(shifted((float(k) + 0.5f) / float(total), shift_x),
                      shifted(radical_inverse(std::uint32_t(k)), shift_y));
       const SurfacePoint point = sampler(at.x, at.y);
       const Vec3d start = point.position + Vec3d(point.normal) * offset;
-      const DirectLight::Sample sample = light_.view(start, point.normal, kFarForSolidAngle).sample(to.x, to.y);
+      const DirectLight::Sample sample = light_.view(start, point.normal, kAreaSamplingDistance).sample(to.x, to.y);
       ++sums.count;
       if (sample.weight > 0) rays.add(start, sample, sums);
     }
   }
 
-  /// Over a patch, by Gauss and Legendre's rule: of a point where the emitter is far, else of 2 x 2 points, and of 4 x
-  /// 4 where it is near.
+  /// Mean unoccluded form factor over a patch by Gauss-Legendre quadrature with 4 x 4 points where the emitter is near,
+  /// 2 x 2 where it is farther, and one point where it is far.
   double mean_form_factor(std::int32_t row) const {
     constexpr std::array<float, 2> kTwo{0.2113248654f, 0.7886751346f};
     constexpr std::array<float, 4> kFour{0.0694318442f, 0.3300094782f, 0.6699905218f, 0.9305681558f};
     constexpr std::array<double, 2> kTwoWeights{0.5, 0.5};
     constexpr std::array<double, 4> kFourWeights{0.1739274226, 0.3260725774, 0.3260725774, 0.1739274226};
-    const Patch& patch = from_.receivers_[row];
-    if (light_.distance(patch.center) > kFar * std::sqrt(patch.area))
+    const Patch& patch = parent_.receivers_[row];
+    if (light_.distance(patch.center) > kFarForCentre * std::sqrt(patch.area))
       return light_.form_factor(patch.center, patch.normal);
-    const PatchSampler sampler = sampler_of(row);
+    const PatchSampler sampler = patch_sampler(row);
     const auto integrate = [&](const auto& places, const auto& weights) {
       double sum = 0;
       for (std::size_t j = 0; j < places.size(); ++j)
@@ -181,25 +187,25 @@ class DirectFactors::Run {
                                                                      : integrate(kTwo, kTwoWeights);
   }
 
-  const DirectFactors& from_;
+  const DirectFactors& parent_;
   const Emitter& emitter_;
   const DirectLight light_;
-  const Samples samples_;
+  const SampleCounts counts_;
   const std::int32_t rows_;
-  std::vector<float> whole_;  ///< Form factors if nothing hid the emitter.
-  std::vector<LightSamples> pilots_, more_;
+  std::vector<float> unoccluded_;               ///< [rows] Unoccluded form factors.
+  std::vector<LightSamples> pilots_, refined_;  ///< [2 rows]: [row][sample set].
 };
 
 Transport::Emitter DirectFactors::sample(const Emitter& emitter, std::size_t emitters, int rays,
                                          std::int64_t& cast) const {
-  Run run(*this, emitter, Samples(rays, emitters));
-  Transport::Emitter result{emitter.first_patch, emitter.patches, run.factors(), {}};
-  cast += run.rays();
+  EmitterSampler sampler(*this, emitter, SampleCounts(rays, emitters));
+  Transport::Emitter result{emitter.first_patch, emitter.patches, sampler.factors(), {}};
+  cast += sampler.rays();
   return result;
 }
 
-DirectFactors::Neighbours grid_neighbours(const PatchSet& scene, const PatchLookup& lookup) {
-  return [&](std::int32_t i, DirectFactors::Near& near) {
+DirectFactors::FindNeighbours grid_neighbours(const PatchSet& scene, const PatchLookup& lookup) {
+  return [&](std::int32_t i, DirectFactors::NeighbourList& neighbours) {
     const Patch& patch = scene.patches[i];
     const int rows = lookup.rows(patch.primitive);
     const int at = PatchLookup::cell(0.5f * (patch.v0 + patch.v1), rows);
@@ -208,7 +214,7 @@ DirectFactors::Neighbours grid_neighbours(const PatchSet& scene, const PatchLook
       const PatchLookup::Row& row = lookup.row(patch.primitive, k);
       const int middle = PatchLookup::cell(0.5f * (patch.u0 + patch.u1), row.cells);
       for (int j = std::max(0, middle - 1); j <= std::min(row.cells - 1, middle + 1); ++j)
-        if (row.first + j != i) near[count++] = row.first + j;
+        if (row.first + j != i) neighbours[count++] = row.first + j;
     }
     return count;
   };

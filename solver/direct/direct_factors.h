@@ -11,39 +11,43 @@
 
 namespace patchlight {
 
-/// Form factors from patches to emitters, apart from the rows: closed forms where an emitter is wholly visible, samples
-/// where it is not.
+/// Form factors from patches to explicitly sampled emitters: closed forms where an emitter is wholly visible, shadow
+/// rays where it is partly hidden.
 ///
-/// Each half of a row takes a few samples of an emitter, stratified jointly over patch and emitter, and many more where
-/// samples near it disagree about visibility; those of the half itself have no say in that, nor in whether it is what
-/// is seen or what is hidden that is sampled, so that every half is unbiased.
+/// Each sample set of a row takes a few samples, stratified jointly over patch and emitter, and many more where nearby
+/// samples disagree about visibility. A set's own samples decide neither its sample count nor its estimator, so every
+/// set is unbiased.
 class DirectFactors {
  public:
-  /// Puts up to 16 indices into `near` and returns how many.
-  using Near = std::array<std::int32_t, 16>;
-  using Neighbours = std::function<int(std::int32_t, Near& near)>;
+  using NeighbourList = std::array<std::int32_t, 16>;
+  /// Fills the list with the neighbours of a receiver and returns their number, at most 16.
+  using FindNeighbours = std::function<int(std::int32_t, NeighbourList&)>;
 
-  /// From `receivers`, the patches of a scene or parts of them. `neighbours` names those about one of them.
+  /// `receivers`: the patches of a scene, or parts of them.
   DirectFactors(const PatchSet& scene, const RayScene& ray_scene, std::span<const Patch> receivers,
-                Neighbours neighbours, std::uint64_t seed)
-      : scene_(scene), ray_scene_(ray_scene), receivers_(receivers), neighbours_(std::move(neighbours)), seed_(seed) {}
+                FindNeighbours find_neighbours, std::uint64_t seed)
+      : scene_(scene),
+        ray_scene_(ray_scene),
+        receivers_(receivers),
+        find_neighbours_(std::move(find_neighbours)),
+        seed_(seed) {}
 
-  /// Form factors to `emitter`, one of `emitters`, with the accuracy that `rays` a row ask for. The same for any number
-  /// of threads.
-  /// Adds the number of rays cast to `cast`. Throws: Error (interrupted).
+  /// Form factors to `emitter`, one of `emitters`. The number of samples is proportional to `rays`, the rays of a row.
+  /// The result does not depend on the number of threads. Adds the number of rays to `cast`.
+  /// Throws: Error (interrupted).
   Transport::Emitter sample(const Emitter& emitter, std::size_t emitters, int rays, std::int64_t& cast) const;
 
  private:
-  class Run;
+  class EmitterSampler;
 
   const PatchSet& scene_;
   const RayScene& ray_scene_;
   const std::span<const Patch> receivers_;
-  const Neighbours neighbours_;
+  const FindNeighbours find_neighbours_;
   std::uint64_t seed_;
 };
 
-/// The patches about a patch on its primitive's grid; on a sphere, on its ring and the next.
-DirectFactors::Neighbours grid_neighbours(const PatchSet& scene, const PatchLookup& lookup);
+/// Finds the patches next to a patch in the grid of its primitive; on a sphere, in its ring and the adjacent rings.
+DirectFactors::FindNeighbours grid_neighbours(const PatchSet& scene, const PatchLookup& lookup);
 
 }  // namespace patchlight

@@ -9,11 +9,11 @@ namespace patchlight {
 
 namespace {
 
-constexpr int kFew = 8;               // metallic planes of a node that are worth aiming at one by one
-constexpr double kMargin = 1 + 1e-6;  // of a ball's radius: its surface is inside
+constexpr int kMaxSeparatePlanes = 8;       // metallic planes of a node that are separate targets
+constexpr double kRadiusMargin = 1 + 1e-6;  // keeps the surfaces inside of their bounding sphere
 
-/// Patches of each primitive, as an emitter would have them.
-std::vector<Emitter> surfaces(const PatchSet& scene) {
+/// The patch ranges of all primitives, as emitters.
+std::vector<Emitter> primitive_surfaces(const PatchSet& scene) {
   std::vector<Emitter> all(scene.primitives.size());
   for (std::int32_t i = 0; i < std::int32_t(scene.patches.size()); ++i) {
     Emitter& surface = all[scene.patches[i].primitive];
@@ -25,45 +25,46 @@ std::vector<Emitter> surfaces(const PatchSet& scene) {
 
 }  // namespace
 
-PhotonTargets::PhotonTargets(const PatchSet& scene, const RayScene& ray_scene) : of_(scene.primitives.size(), -1) {
-  const std::vector<Emitter> all = surfaces(scene);
+PhotonTargets::PhotonTargets(const PatchSet& scene, const RayScene& ray_scene)
+    : target_of_(scene.primitives.size(), -1) {
+  const std::vector<Emitter> all = primitive_surfaces(scene);
   std::vector<std::vector<std::int32_t>> planes(scene.nodes.size());
   for (std::int32_t i = 0; i < std::int32_t(all.size()); ++i) {
     const Primitive& p = scene.primitives[i];
     if (scene.materials[p.material].specular == Color(0.0f) || all[i].patches == 0) continue;
     if (p.shape == Primitive::Shape::quad) {
       planes[p.node].push_back(i);
-    } else if (p.back >= 0 && p.back < i && of_[p.back] >= 0) {
-      of_[i] = of_[p.back];
+    } else if (p.back >= 0 && p.back < i && target_of_[p.back] >= 0) {
+      target_of_[i] = target_of_[p.back];
     } else {
-      of_[i] = count();
-      targets_.push_back({DirectLight(p.sphere_center, kMargin * std::abs(p.sphere_radius)), true});
+      target_of_[i] = count();
+      targets_.push_back({DirectLight(p.sphere_center, kRadiusMargin * std::abs(p.sphere_radius)), true});
     }
   }
-  for (const auto& of_node : planes) {
-    if (int(of_node.size()) <= kFew) {
-      for (const std::int32_t i : of_node) {
-        of_[i] = count();
+  for (const auto& node_planes : planes) {
+    if (int(node_planes.size()) <= kMaxSeparatePlanes) {
+      for (const std::int32_t i : node_planes) {
+        target_of_[i] = count();
         targets_.push_back({DirectLight(scene, ray_scene, all[i]), false});
       }
       continue;
     }
     Imath::Box3d box;
-    for (const std::int32_t i : of_node)
+    for (const std::int32_t i : node_planes)
       for (const Vec3d& corner : scene.primitives[i].corners) box.extendBy(corner);
     double radius = 0;
-    for (const std::int32_t i : of_node) {
-      of_[i] = count();
+    for (const std::int32_t i : node_planes) {
+      target_of_[i] = count();
       for (const Vec3d& corner : scene.primitives[i].corners)
         radius = std::max(radius, (corner - box.center()).length());
     }
-    targets_.push_back({DirectLight(box.center(), kMargin * radius), true});
+    targets_.push_back({DirectLight(box.center(), kRadiusMargin * radius), true});
   }
 }
 
 PhotonTargets::Aim PhotonTargets::aim(int target, const SurfacePoint& from, float x, float y) const {
-  const auto& [light, ball] = targets_[target];
-  if (ball && light.distance(from.position) <= 0) {
+  const auto& [light, is_sphere] = targets_[target];
+  if (is_sphere && light.distance(from.position) <= 0) {
     const Vec3f d = cosine_direction(x, y);
     Vec3f tangent, bitangent;
     orthonormal_frame(from.normal, tangent, bitangent);
@@ -74,12 +75,12 @@ PhotonTargets::Aim PhotonTargets::aim(int target, const SurfacePoint& from, floa
 }
 
 PhotonTargets::Aim PhotonTargets::aim(int target, const Vec3d& from, float x, float y) const {
-  const auto& [light, ball] = targets_[target];
-  if (ball && light.distance(from) <= 0) {
+  const auto& [light, is_sphere] = targets_[target];
+  if (is_sphere && light.distance(from) <= 0) {
     const float z = 1 - 2 * x, radius = std::sqrt(std::max(0.0f, 1 - z * z)), turn = float(2 * kPi) * y;
     return {Vec3f(radius * std::cos(turn), radius * std::sin(turn), z), float(4 * kPi)};
   }
-  // One of two opposite hemispheres holds the sample.
+  // Exactly one of two opposite hemispheres contains the sample.
   for (const float up : {1.0f, -1.0f}) {
     const Vec3f axis(0.0f, up, 0.0f);
     const DirectLight::Sample sample = light.sample(from, axis, x, y);
@@ -88,7 +89,7 @@ PhotonTargets::Aim PhotonTargets::aim(int target, const Vec3d& from, float x, fl
   return {Vec3f(0.0f, 1.0f, 0.0f), 0.0f};
 }
 
-PhotonTargets::Ball PhotonTargets::ball(int target) const {
+PhotonTargets::BoundingSphere PhotonTargets::bounding_sphere(int target) const {
   return {targets_[target].light.center(), targets_[target].light.radius()};
 }
 

@@ -46,7 +46,7 @@ std::vector<bool> covered(const PatchSet& scene, const RayScene& ray_scene,
   const SmoothNormals normals(scene);
   std::vector<std::uint8_t> is_covered(vertices.size());
   tbb::parallel_for(std::size_t(0), vertices.size(), [&](std::size_t k) {
-    _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree wants denormals flushed
+    _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree requires denormals to be flushed
     const DisplayMesh::Vertex& vertex = vertices[k];
     const std::int32_t primitive = scene.patches[vertex.patch].primitive;
     SurfacePoint point = point_at(scene.primitives[primitive], vertex.u, vertex.v);

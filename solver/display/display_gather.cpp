@@ -104,7 +104,7 @@ class Gather {
   }
 
   /// Sends what rows are to gather: in the first pass of patches, then of what the pass before found at the leaves.
-  FormFactorRows::Receiver begin_pass() {
+  FormFactorRows::Output begin_pass() {
     if (at_vertices_.empty()) {
       for (std::size_t i = 0; i < patches_; ++i)
         sent_.set(field_, i,
@@ -128,7 +128,7 @@ class Gather {
       for (std::int32_t i = 0; i < mesh_.gathered; ++i) at_vertices_[i] += by_photons_[i];
     } else if (!transport_.display->rows.mirrored.empty()) {
       SpectrumField by_mirrors(mesh_.gathered), deviation(mesh_.gathered);
-      rows.receive_mirrored(emitted_explicitly(), by_mirrors, deviation);
+      rows.gather_mirrored(emitted_explicitly(), by_mirrors, deviation);
       for (std::int32_t i = 0; i < mesh_.gathered; ++i) at_vertices_[i] += by_mirrors[i];
     }
   }
@@ -234,16 +234,16 @@ void gather_display(const PatchSet& scene, const Transport& transport, std::vect
   const LeafElements leaves(scene, transport.display->mesh);
   const SpectrumField reflectance = leaf_reflectance(scene, transport.display->mesh, leaves);
   const std::size_t elements = scene.patches.size() + transport.display->mesh.elements + scene.sky_cells();
-  for (std::size_t first = 0; first < groups.size(); first += RadiosityTable::kMostFields) {
-    const std::size_t count = std::min(groups.size() - first, RadiosityTable::kMostFields);
+  for (std::size_t first = 0; first < groups.size(); first += RadiosityTable::kMaxFields) {
+    const std::size_t count = std::min(groups.size() - first, RadiosityTable::kMaxFields);
     RadiosityTable sent(count, elements, RadiosityTable::Precision::single);
     std::vector<Gather> gathers;
     for (std::size_t f = 0; f < count; ++f)
       gathers.emplace_back(scene, transport, emitters, leaves, reflectance, groups[first + f], sent, f);
     for (int pass = 0; pass < kPasses; ++pass) {
-      std::vector<FormFactorRows::Receiver> receivers;
+      std::vector<FormFactorRows::Output> receivers;
       for (Gather& gather : gathers) receivers.push_back(gather.begin_pass());
-      rows.receive(sent, receivers);
+      rows.gather(sent, receivers);
       for (Gather& gather : gathers) gather.end_pass(rows);
     }
     for (Gather& gather : gathers) gather.finish();

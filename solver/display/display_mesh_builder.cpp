@@ -54,7 +54,7 @@ class Builder {
   /// smooth enough for what they say.
   void plant(std::int64_t& cast) {
     const std::vector<PartRefinement> found = refinement_of(scene_.patches, cast);
-    const DirectFactors::Neighbours neighbours = grid_neighbours(scene_, lookup_);
+    const DirectFactors::FindNeighbours neighbours = grid_neighbours(scene_, lookup_);
     for (std::int32_t i = 0; i < std::int32_t(found.size()); ++i) {
       if (found[i].refinement_criterion < kNear && !found[i].cut) continue;
       if (is_facet(scene_.patches[i].primitive)) {
@@ -62,7 +62,7 @@ class Builder {
         continue;
       }
       mesh_.roots[i] = 0;
-      DirectFactors::Near near;
+      DirectFactors::NeighbourList near;
       for (const std::int32_t j : std::span(near).first(neighbours(i, near))) mesh_.roots[j] = 0;
     }
     for (std::size_t i = 0; i < mesh_.roots.size(); ++i) {
@@ -108,7 +108,7 @@ class Builder {
     std::vector<PartRefinement> found(parts.size());
     const int count = int(parts.size());
     tbb::parallel_for(0, (count + kBlock - 1) / kBlock, [&](int block) {
-      _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree wants denormals flushed
+      _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree requires denormals to be flushed
       for (int k = block * kBlock; k < std::min((block + 1) * kBlock, count); ++k)
         found[k] = {refinement_criterion(scene_, ray_scene_, parts[k], hash64(seed_ ^ hash64(std::uint64_t(k)))).value,
                     is_cut(scene_, ray_scene_, parts[k])};

@@ -35,7 +35,7 @@ std::vector<Patch> receivers(const PatchSet& scene, const DisplayMesh& mesh) {
 }
 
 /// Leaves stand in the order of their places, as far as they can in a row.
-int row_neighbours(const std::vector<Patch>& leaves, std::int32_t i, DirectFactors::Near& near) {
+int row_neighbours(const std::vector<Patch>& leaves, std::int32_t i, DirectFactors::NeighbourList& near) {
   int count = 0;
   for (std::int32_t j = std::max(0, i - 4); j <= std::min(std::int32_t(leaves.size()) - 1, i + 4); ++j)
     if (j != i && leaves[j].primitive == leaves[i].primitive) near[count++] = j;
@@ -83,7 +83,7 @@ std::int64_t cast_display(const PatchSet& scene, const RayScene& ray_scene, cons
   display.mesh = build_display_mesh(scene, ray_scene, PatchLookup(scene), seed, for_mesh);
   const std::vector<Patch> points = receivers(scene, display.mesh);
   const Elements elements(scene, ray_scene, display.mesh);
-  return RayRows(scene, ray_scene, points, elements, seed, RayRows::SampleSets::together)
+  return RayRows(scene, ray_scene, points, elements, seed, RayRows::SampleSets::joint)
       .cast(rays, display.rows, progress, shard);
 }
 

@@ -117,7 +117,7 @@ class Vertices {
   void hide_covered() {
     std::vector<float> visible(mesh_.vertices.size(), 1.0f);
     tbb::parallel_for(std::size_t(0), visible.size(), [&](std::size_t k) {
-      _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree wants denormals flushed
+      _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree requires denormals to be flushed
       if (kinds_[k] == Kind::border) return;
       const DisplayMesh::Vertex& vertex = mesh_.vertices[k];
       const std::int32_t primitive = scene_.patches[vertex.patch].primitive;

@@ -3,18 +3,19 @@
 
 namespace patchlight {
 
-/// The areas of those parts of patches that light can reach, m2: rows by rays are the shorter for what is hidden.
+/// Covered patch areas times their visible area fractions, m2. Shape: [n].
 std::vector<double> visible_areas(const PatchSet& scene, const Transport& transport);
 
-/// Area-weighted relative L2 norm of what breaks A_i F_ij = A_j F_ji, summed over i for every patch j: what all rows
-/// together see of j against what j sees of them. 0 for exact form factors.
+/// Violation of reciprocity A_i F_ij = A_j F_ji: for every patch j, the column sum of A_i F_ij over i minus A_j times
+/// the sum of row j, as an area-weighted relative L2 norm. 0 for exact form factors.
 double reciprocity_error(const Transport& transport, const FormFactorRows& rows, const std::vector<double>& areas);
 
-/// Emitted power that is neither absorbed by patches nor gone to where nothing is, by the rows of what it leaves, over
-/// all emitted power; of the worst channel. 0 for exact form factors; 0 without emission. Of light that no patch sends,
-/// what arrives counts as emitted.
-/// `emission`, `from_outside` and `irradiance`, which holds that too, in W/m2, [n] and of all light groups.
+/// Violation of the energy balance: power that leaves patches and by the row sums reaches patches, minus the power that
+/// patches receive, over the emitted power, of the worst channel. 0 for exact form factors; 0 without emission.
+/// `external_irradiance`, that of lights and the environment, counts as emitted and is part of `irradiance`.
+/// All fields are sums over the light groups, W/m2. Shape: [n].
 double balance_error(const FormFactorRows& rows, const std::vector<double>& areas, const SpectrumField& reflectance,
-                     const SpectrumField& emission, const SpectrumField& from_outside, const SpectrumField& irradiance);
+                     const SpectrumField& emission, const SpectrumField& external_irradiance,
+                     const SpectrumField& irradiance);
 
 }  // namespace patchlight

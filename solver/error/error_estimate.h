@@ -5,22 +5,22 @@
 
 namespace patchlight {
 
-/// What a solve found, and how far half its samples are from it: half the difference of the halves, W/m2.
+/// A solution and its deviation: half the difference between its two sample sets, W/m2.
 struct SampledSolution {
   struct Filtered {
     const IrradianceFilter* filter;
-    SpectrumField deviation;  ///< [n] Before the filter.
+    SpectrumField deviation;  ///< [n] Before filtering.
   };
 
   SpectrumField irradiance;  ///< [n] W/m2, direct and indirect.
-  SpectrumField deviation;   ///< [n] Of what no filter went over.
+  SpectrumField deviation;   ///< [n] Of the unfiltered components.
   std::vector<Filtered> filtered;
   double residual = 0.0;  ///< Of the linear system.
 };
 
-/// Estimates a solution's error: every patch's deviations, each with a sign of its own at random, are errors as likely
-/// as the true ones; solved for, they tell what reaches other patches too (the wild bootstrap: Wu 1986, Liu 1988).
-/// The bound is that of 19 of 20, with what the residual leaves.
+/// Estimates a solution's error by the wild bootstrap (Wu 1986, Liu 1988): the patches' deviations with random signs
+/// are errors as likely as the true ones; solving the system for them adds the error that reaches other patches.
+/// The bound holds with a probability of 95% and includes the linear system's residual.
 EnergyField::Estimate estimate_error(const PatchSet& scene, const FormFactorRows& rows,
                                      const SpectrumField& reflectance, const std::vector<double>& areas,
                                      const SampledSolution& solution);

@@ -10,9 +10,10 @@ namespace patchlight {
 
 namespace {
 
-using Directions = std::array<std::array<std::uint32_t, 32>, 4>;
+using DirectionNumbers = std::array<std::array<std::uint32_t, 32>, 4>;
 
-/// Direction numbers of a dimension from its primitive polynomial of degree s, inner coefficients a, and first numbers.
+/// Sets the direction numbers of a dimension from the degree s and inner coefficients a of its primitive polynomial
+/// and its initial numbers m.
 void set_dimension(std::array<std::uint32_t, 32>& v, int s, std::uint32_t a, const std::array<std::uint32_t, 3>& m) {
   for (int i = 0; i < 32; ++i) {
     if (i < s) {
@@ -24,22 +25,22 @@ void set_dimension(std::array<std::uint32_t, 32>& v, int s, std::uint32_t a, con
   }
 }
 
-const Directions& directions() {
-  static const Directions all = [] {
-    Directions d{};
+const DirectionNumbers& direction_numbers() {
+  static const DirectionNumbers numbers = [] {
+    DirectionNumbers d{};
     for (int i = 0; i < 32; ++i) d[0][i] = 1u << (31 - i);
     set_dimension(d[1], 1, 0, {1, 0, 0});
     set_dimension(d[2], 2, 1, {1, 3, 0});
     set_dimension(d[3], 3, 1, {1, 3, 1});
     return d;
   }();
-  return all;
+  return numbers;
 }
 
 std::array<std::uint32_t, 4> sobol(std::uint32_t index) {
   std::array<std::uint32_t, 4> point{};
   for (int dimension = 0; dimension < 4; ++dimension)
-    for (int bit = 0; bit < 32; ++bit) point[dimension] ^= (index >> bit & 1u) * directions()[dimension][bit];
+    for (int bit = 0; bit < 32; ++bit) point[dimension] ^= (index >> bit & 1u) * direction_numbers()[dimension][bit];
   return point;
 }
 

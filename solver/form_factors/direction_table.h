@@ -5,27 +5,26 @@
 
 namespace patchlight {
 
-/// Where the rays of half a row start and go, before a row turns them: the first points of Sobol's sequence in four
-/// dimensions (Joe and Kuo 2008), as 32 bits of a number in [0,1) each. They stand in Morton order of their directions,
-/// so that sixteen that follow each other go much the same way.
+/// Origins and directions of the rays of a sample set before its random digital shift: the first points of the
+/// four-dimensional Sobol sequence (Joe and Kuo 2008), each coordinate as 32 bits of a number in [0,1). They are in
+/// Morton order of their directions, so that sixteen consecutive rays are coherent.
 ///
-/// The points of a later block of the sequence are these, each coordinate changed by exclusive or with the block's
-/// shift.
+/// A later block of the sequence has the same points, after exclusive or of each coordinate with the block's shift.
 struct DirectionTable {
   /// `count`: a multiple of 16.
   explicit DirectionTable(int count);
 
   int count() const { return int(x.size()); }
 
-  /// What turns the table into the sequence's block of this index.
+  /// The shift that turns the table into the block of this index.
   std::array<std::uint32_t, 4> block(std::uint32_t index) const;
 
-  std::vector<std::uint32_t> x, y;  ///< [count]: as cosine_direction takes them.
-  std::vector<std::uint32_t> u, v;  ///< [count]: as PatchSampler takes them.
+  std::vector<std::uint32_t> x, y;  ///< [count] Arguments of cosine_direction.
+  std::vector<std::uint32_t> u, v;  ///< [count] Arguments of PatchSampler.
 };
 
 /// 32 bits as a number in [0,1).
-inline float unit_of(std::uint32_t bits) {
+inline float unit_float(std::uint32_t bits) {
   return float(std::int32_t(bits >> 8)) * 0x1p-24f;
 }
 

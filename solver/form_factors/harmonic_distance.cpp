@@ -11,13 +11,14 @@ namespace patchlight {
 
 namespace {
 
-constexpr float kLeast = 0.05f;  // of a part's size: distances below count as this
-constexpr float kLift = 1e-3f;   // of a part's size: how far above it its corners look for each other
-constexpr float kInset = 0.02f;  // and how far inside its borders
+// Relative to the size of a patch or part.
+constexpr float kMinDistance = 0.05f;  // lower bound of hit distances
+constexpr float kLift = 1e-3f;         // height of the rays between the corners
+constexpr float kInset = 0.02f;        // distance of the rays' ends from the borders
 
 using Directions = std::array<Vec3f, RayPacket::kSize>;
 
-/// Sixteen directions about +Z that are stratified over the hemisphere.
+/// Sixteen stratified directions about +Z with the density cos / pi.
 Directions stratified_directions(std::uint64_t random) {
   static const std::array<Vec2f, RayPacket::kSize> kAround = [] {
     std::array<Vec2f, RayPacket::kSize> around;
@@ -82,8 +83,8 @@ RefinementCriterion refinement_criterion(const PatchSet& scene, const RayScene& 
   for (int lane = 0; lane < RayPacket::kSize; ++lane) {
     const SurfaceHit hit = ray_scene.hit(packet, lane);
     if (hit.primitive < 0) continue;
-    result.value += size / std::max(hit.t, kLeast * size) / float(RayPacket::kSize);
-    result.to_backs = result.to_backs || !hit.front;
+    result.value += size / std::max(hit.t, kMinDistance * size) / float(RayPacket::kSize);
+    result.hits_backs = result.hits_backs || !hit.front;
   }
   return result;
 }

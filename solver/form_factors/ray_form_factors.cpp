@@ -19,7 +19,7 @@ namespace {
 constexpr std::array<std::uint64_t, 4> kSteps{0xdb4f0b9175ae2165, 0xbbe0563303a4615f, 0xa0f2ec75a1fe1575,
                                               0x89e182857d9ed689};
 
-/// A part of a shot small enough to share work by.
+/// Rays `first` to `last - 1` of a shot, as one task.
 struct Slice {
   const Shot* shot;
   std::uint32_t first;
@@ -49,7 +49,7 @@ std::vector<std::int32_t> RayFormFactors::cast(std::span<const Shot> shots) cons
     }
   }
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, slices.size()), [&](const auto& range) {
-    _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree wants denormals flushed
+    _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree requires denormals to be flushed
     for (std::size_t i = range.begin(); i != range.end(); ++i)
       cast_packets(*slices[i].shot, slices[i].first, slices[i].last, slices[i].columns);
   });
@@ -86,9 +86,9 @@ std::vector<std::span<const FormFactor>> RayFormFactors::rows(std::span<const Sh
 void RayFormFactors::cast_packets(const Shot& shot, std::uint32_t first, std::uint32_t last,
                                   std::int32_t* columns) const {
   const Patch& patch = scene_.patches[shot.patch];
-  const PatchSampler sample(scene_.primitives[patch.primitive], patch);
+  const PatchSampler sampler(scene_.primitives[patch.primitive], patch);
   const float offset = ray_scene_.offset(patch.primitive);
-  const bool has_holes = has_alpha_mask(scene_, patch);
+  const bool has_mask = has_alpha_mask(scene_, patch);
   std::array<std::uint64_t, 4> x;
   for (std::uint64_t k = 0; k < 4; ++k)
     x[k] = hash64(seed_ ^ hash64(4 * std::uint64_t(shot.patch) + k)) + kSteps[k] * (shot.skip + first);
@@ -97,9 +97,9 @@ void RayFormFactors::cast_packets(const Shot& shot, std::uint32_t first, std::ui
   packet.clear();
   for (std::uint32_t begin = first; begin < last; begin += RayPacket::kSize) {
     for (int lane = 0; lane < RayPacket::kSize; ++lane) {
-      Vec2f at(uniform01(x[0]), uniform01(x[1]));
-      if (has_holes) at = covered_point(scene_, patch, sample, at, hash64(x[0] ^ hash64(x[1])));
-      const SurfacePoint point = sample(at.x, at.y);
+      Vec2f uv(uniform01(x[0]), uniform01(x[1]));
+      if (has_mask) uv = covered_point(scene_, patch, sampler, uv, hash64(x[0] ^ hash64(x[1])));
+      const SurfacePoint point = sampler(uv.x, uv.y);
       const Vec3f local = cosine_direction(uniform01(x[2]), uniform01(x[3]));
       Vec3f tangent, bitangent;
       orthonormal_frame(point.normal, tangent, bitangent);

@@ -5,15 +5,15 @@
 
 namespace patchlight {
 
-/// Form factors by rays: of a patch's rays, leaving it uniformly over its area and with the density cos / pi over the
-/// hemisphere, the part that ends on patch j estimates F_ij without bias (Malley 1988). Points and directions follow a
-/// four-dimensional Kronecker sequence, shifted at random for each patch.
+/// Form factors by ray casting: the fraction of a patch's rays that hit patch j is an unbiased estimate of F_ij (Malley
+/// 1988). Origins are uniform over the patch's area, directions have the density cos / pi. Both follow a
+/// four-dimensional Kronecker sequence with a random shift for each patch.
 class RayFormFactors : public FormFactorSource {
  public:
   RayFormFactors(const PatchSet& scene, std::uint64_t seed);
 
-  /// For every ray of every shot, in order, the patch that it ends on: -1 for what escapes or meets an unlit back.
-  /// Shape: [sum of the shots' rays]. The same for any number of threads.
+  /// The patch that each ray of each shot hits, in order; -1 for a ray that escapes or hits an unlit back.
+  /// Shape: [sum of the shots' rays]. The result does not depend on the number of threads.
   std::vector<std::int32_t> cast(std::span<const Shot> shots) const;
 
   std::size_t batch(std::span<const Shot> shots) const override;

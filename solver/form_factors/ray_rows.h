@@ -11,44 +11,46 @@
 
 namespace patchlight {
 
-/// Rows of form factors by rays: of a patch's rays, leaving it uniformly over its area and with the density cos / pi
-/// over the hemisphere, the part that ends on patch j estimates F_ij without bias (Malley 1988). Both halves of a row
-/// are sets of Sobol points, scrambled at random by exclusive or for each patch and half, or both for each patch
-/// together: better as a whole, but their difference tells nothing then.
+/// Rows of form factors by ray casting: the fraction of a patch's rays that hit patch j is an unbiased estimate of F_ij
+/// (Malley 1988). Origins are uniform over the patch's area, directions have the density cos / pi. A row has two sample
+/// sets of Sobol points with random digital shifts.
 ///
-/// A ray that meets a metal goes on, and what it meets then counts by what the metals on its way reflect, after
+/// Metals reflect rays; the elements hit afterwards are weighted by the specular reflectances on the path, after
 /// Russian roulette: extended form factors (Sillion and Puech 1989).
 class RayRows {
  public:
-  enum class SampleSets { separate, together };
+  enum class SampleSets {
+    independent,  ///< One shift for each sample set: the difference between the sets estimates the error.
+    joint         ///< One shift for each row: less noise, but the difference says nothing about the error.
+  };
 
-  /// Of `receivers`, patches of the scene's primitives or, of no size, points of them, to `elements`.
-  /// Where `visible_fractions`, rows of patches that are exposed in part alone are of that part.
+  /// From `receivers`, patches of the scene's primitives or points (patches of no size), to `elements`.
+  /// `visible_fractions`: whether form factors of partly covered patches are those of their visible part.
   RayRows(const PatchSet& scene, const RayScene& ray_scene, std::span<const Patch> receivers, const Elements& elements,
           std::uint64_t seed, SampleSets sets, bool visible_fractions = false);
 
-  /// Sets `to`, with `rays` a row, rounded up to a multiple of 32; up to eight times as many where most meet nothing,
-  /// so that what a row does see is no noisier. The same for any number of threads. Returns how many rays were cast,
-  /// those behind mirrors included. `shard`: rows of its part of the receivers alone, numbered from its first.
-  /// Throws: Error (interrupted).
-  std::int64_t cast(int rays, TransportRows& to, Progress& progress, Shard shard = {}) const;
+  /// Sets `rows` from `rays` rays a row, rounded up to a multiple of 32; up to eight times as many where most rays hit
+  /// nothing, so that sparse rows are no noisier. The result does not depend on the number of threads.
+  /// `shard`: casts only its part of the receivers, numbered from its first. Returns the number of rays cast, reflected
+  /// ones included. Throws: Error (interrupted).
+  std::int64_t cast(int rays, TransportRows& rows, Progress& progress, Shard shard = {}) const;
 
  private:
   struct SampleSet;
   struct Scratch;
 
-  /// What a thread's rows have met, row after row and half after half.
-  struct Found {
+  /// Results of a thread's rows, in order of rows and sample sets.
+  struct RowBlock {
     std::vector<std::int32_t> columns, hits;
     std::vector<float> hit_weights, visible_fractions;
     std::vector<TransportRows::Mirrored> mirrored;
     std::int64_t rays = 0;
   };
 
-  void cast_row(std::int32_t row, const DirectionTable& table, Scratch& scratch, Found& found) const;
+  void cast_row(std::int32_t row, const DirectionTable& table, Scratch& scratch, RowBlock& result) const;
   void cast_block(SampleSet& set, const DirectionTable& table, int block) const;
   void start_packet(const SampleSet& set, const DirectionTable& table, int first, RayPacket& packet) const;
-  void follow_mirrors(SampleSet& set, int first, RayPacket& packet) const;
+  void trace_reflections(SampleSet& set, int first, RayPacket& packet) const;
 
   const PatchSet& scene_;
   const RayScene& ray_scene_;
@@ -56,8 +58,8 @@ class RayRows {
   const Elements& elements_;
   std::uint64_t seed_;
   const bool visible_fractions_;
-  const bool separate_;
-  std::vector<char> metallic_;  ///< By primitive.
+  const bool independent_;
+  std::vector<char> metallic_;  ///< [primitives].
   bool has_metals_ = false;
 };
 

@@ -6,9 +6,9 @@
 
 namespace patchlight {
 
-/// What all patches see of the environment, by `rays` each, with weights: for rows that have none by rays. Not by way
-/// of mirrors.
-/// Adds the number of rays to `cast`. The same for any number of threads. Throws: Error (interrupted).
+/// Weighted form factors from all patches to the cells of the environment, by `rays` rays each, without specular
+/// reflection: for rows that are not found by rays.
+/// The result does not depend on the number of threads. Adds the number of rays to `cast`. Throws: Error (interrupted).
 TransportRows sky_rows(const PatchSet& scene, const RayScene& ray_scene, int rays, std::uint64_t seed,
                        std::int64_t& cast, Progress& progress);
 

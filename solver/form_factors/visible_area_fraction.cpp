@@ -13,15 +13,15 @@ namespace patchlight {
 
 namespace {
 
-constexpr float kOpen = 0.75f;                // of the most exposed place: from there on, all of a place counts
-constexpr float kLeastOpen = 0.5f;            // of the rays of the most exposed place: else all of a patch is covered
-constexpr float kMinVisibleFraction = 0.25f;  // part of a patch: the less there is, the noisier
+constexpr float kFullyOpen = 0.75f;  // openness, relative to the most open point, from which a point counts fully
+constexpr float kMinOpen = 0.5f;     // openness of the most open point below which the whole patch is covered
+constexpr float kMinVisibleFraction = 0.25f;  // smaller fractions are too noisy
 
 using Directions = std::array<Vec3f, RayPacket::kSize>;
 
-/// Directions about +Z with the density cos / pi, one in each cell of four rings and four quarters: way k is in ring
-/// k / 4 and quarter k % 4.
-Directions sphere_directions(std::uint64_t random) {
+/// Directions about +Z with the density cos / pi, one in each stratum of four rings and four quarters: direction k is
+/// in ring k / 4 and quarter k % 4.
+Directions stratified_directions(std::uint64_t random) {
   const float inside = uniform01(random << 24), turn = float(kPi / 2) * uniform01(random);
   const float cosine = std::cos(turn), sine = std::sin(turn);
   Directions directions;
@@ -42,22 +42,23 @@ float visible_area_fraction(const PatchSet& scene, const RayScene& ray_scene, co
                             std::uint64_t random, std::int64_t& cast) {
   const PatchSampler sampler(scene.primitives[patch.primitive], patch);
   const float offset = ray_scene.offset(patch.primitive);
-  std::vector<float> open(std::size_t(rays) / 4);  // of each point, by four rays that go all ways
+  std::vector<float> open(std::size_t(rays) /
+                          4);  // openness of each point, by four rays in different rings and quarters
   std::vector<std::uint8_t> backs(open.size(), 0);
   const int sets = rays / RayPacket::kSize;
   for (int first = 0; first < sets; first += RayPacket::kSize) {
     const int count = std::min(RayPacket::kSize, sets - first);
     std::array<Directions, RayPacket::kSize> directions;
     for (int lane = 0; lane < count; ++lane)
-      directions[lane] = sphere_directions(hash64(random + std::uint64_t(first + lane)));
-    for (int way = 0; way < RayPacket::kSize; ++way) {  // rays that go much the same way, from points of all sets
-      const int of_set = (way ^ way >> 2) & 3;
-      const auto point = [&](int lane) { return std::size_t(4 * (first + lane) + of_set); };
+      directions[lane] = stratified_directions(hash64(random + std::uint64_t(first + lane)));
+    for (int k = 0; k < RayPacket::kSize; ++k) {  // coherent rays, from points of all sets
+      const int point_of_set = (k ^ k >> 2) & 3;
+      const auto point = [&](int lane) { return std::size_t(4 * (first + lane) + point_of_set); };
       RayPacket packet;
       packet.clear();
       for (int lane = 0; lane < count; ++lane) {
         const Vec2f at = kronecker2(point(lane), random);
-        leave_surface(lane, ray_scene, sampler(at.x, at.y), offset, directions[lane][way], packet);
+        leave_surface(lane, ray_scene, sampler(at.x, at.y), offset, directions[lane][k], packet);
       }
       ray_scene.intersect(packet, true);
       for (int lane = 0; lane < count; ++lane) {
@@ -70,10 +71,10 @@ float visible_area_fraction(const PatchSet& scene, const RayScene& ray_scene, co
   cast += rays;
   for (std::size_t k = 0; k < open.size(); ++k)
     if (backs[k] == 0) open[k] = 1.0f;
-  const float most = *std::max_element(open.begin(), open.end());
-  if (most < kLeastOpen) return 1.0f;
+  const float max_open = *std::max_element(open.begin(), open.end());
+  if (max_open < kMinOpen) return 1.0f;
   float sum = 0;
-  for (const float visible_fractions : open) sum += std::min(1.0f, visible_fractions / (kOpen * most));
+  for (const float openness : open) sum += std::min(1.0f, openness / (kFullyOpen * max_open));
   return std::max(kMinVisibleFraction, sum / float(open.size()));
 }
 

@@ -5,13 +5,13 @@
 
 namespace patchlight {
 
-constexpr int kMinRaysForVisibleFraction = 1024;  ///< Rays, to tell it well.
+constexpr int kMinRaysForVisibleFraction = 1024;  ///< Rays for an accurate estimate.
 
-/// The part of a patch that is exposed: seen from where light is, and not under or behind something that stands there
-/// with its unlit back to it. What others see of a patch is its exposed part; so its own mean must be over that alone,
-/// or what is covered would darken the rest. A place is the more exposed, the less of its rays end on unlit backs. At
-/// least a quarter, since less cannot be told well; 1 where no place has half of its rays free.
-/// By `rays`, a multiple of 16, which it adds to `cast`.
+/// Visible area fraction of a patch: the part of its area that is not under or behind a surface with its unlit back to
+/// the patch. Other patches see only the visible part, so the patch's mean irradiance must be over that part alone, or
+/// the covered part would darken it. A point counts the less, the more of its rays hit unlit backs.
+/// In [0.25,1], since smaller fractions are too noisy; 1 where at no point half of the rays are free.
+/// `rays`: a multiple of 16; added to `cast`.
 float visible_area_fraction(const PatchSet& scene, const RayScene& ray_scene, const Patch& patch, int rays,
                             std::uint64_t random, std::int64_t& cast);
 

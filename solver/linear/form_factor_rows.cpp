@@ -9,30 +9,30 @@ namespace patchlight {
 
 namespace {
 
-/// Adds what stands at `places` of a table [elements][kWidth] to `sum` [kWidth]. Eight by eight are added as they are
-/// stored, in pairs: where they are equal that is exact.
+/// Adds the values of `columns` in a table [elements][kWidth] to `sum` [kWidth]. Groups of eight are summed pairwise in
+/// the table's precision, which is exact for equal values.
 template <class Number, int kWidth>
-VECTOR_CODE void add_equal(std::span<const std::int32_t> places, const Number* table, double* sum) {
-  const auto at = [&](std::size_t k) { return table + std::size_t(places[k]) * kWidth; };
+VECTOR_CODE void add_unweighted(std::span<const std::int32_t> columns, const Number* table, double* sum) {
+  const auto at = [&](std::size_t k) { return table + std::size_t(columns[k]) * kWidth; };
   double total[kWidth] = {};
   std::size_t k = 0;
-  for (; k + 8 <= places.size(); k += 8) {
+  for (; k + 8 <= columns.size(); k += 8) {
     const Number *a = at(k), *b = at(k + 1), *c = at(k + 2), *d = at(k + 3);
     const Number *e = at(k + 4), *f = at(k + 5), *g = at(k + 6), *h = at(k + 7);
     for (int i = 0; i < kWidth; ++i)
       total[i] += double(((a[i] + b[i]) + (c[i] + d[i])) + ((e[i] + f[i]) + (g[i] + h[i])));
   }
-  for (; k < places.size(); ++k)
+  for (; k < columns.size(); ++k)
     for (int i = 0; i < kWidth; ++i) total[i] += double(at(k)[i]);
   for (int i = 0; i < kWidth; ++i) sum[i] += total[i];
 }
 
-/// The same, each times its weight.
+/// Adds the values times their weights.
 template <class Number, int kWidth>
-VECTOR_CODE void add_weighted(std::span<const std::int32_t> places, const float* weights, const Number* table,
+VECTOR_CODE void add_weighted(std::span<const std::int32_t> columns, const float* weights, const Number* table,
                               double* sum) {
-  for (std::size_t k = 0; k < places.size(); ++k) {
-    const Number* const values = table + std::size_t(places[k]) * kWidth;
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    const Number* const values = table + std::size_t(columns[k]) * kWidth;
     for (int i = 0; i < kWidth; ++i) sum[i] += double(values[i]) * double(weights[k]);
   }
 }
@@ -47,105 +47,105 @@ FormFactorRows::FormFactorRows(const TransportRows& rows, int sky) : transport_(
 }
 
 template <class Number, int kWidth>
-void FormFactorRows::receive_packed(const RadiosityTable& radiosity, std::span<const Receiver> receivers) const {
+void FormFactorRows::gather_packed(const RadiosityTable& radiosity, std::span<const Output> outputs) const {
   const Number* const table = radiosity.values<Number>();
-  const auto sample_set = [&](std::size_t k, double* sum) {
+  const auto sum_sample_set = [&](std::size_t k, double* sum) {
     const std::uint64_t begin = transport_.starts[k];
-    const auto places = std::span(transport_.columns).subspan(begin, transport_.starts[k + 1] - begin);
+    const auto columns = std::span(transport_.columns).subspan(begin, transport_.starts[k + 1] - begin);
     std::fill(sum, sum + kWidth, 0.0);
     if (transport_.rays == 0) {
-      add_weighted<Number, kWidth>(places, transport_.weights.data() + begin, table, sum);
+      add_weighted<Number, kWidth>(columns, transport_.weights.data() + begin, table, sum);
     } else {
-      add_equal<Number, kWidth>(places, table, sum);
+      add_unweighted<Number, kWidth>(columns, table, sum);
       for (int c = 0; c < kWidth; ++c) sum[c] *= double(transport_.hit_weights[k]);
     }
     if (mirrored_starts_.empty()) return;
     for (std::uint64_t at = mirrored_starts_[k]; at < mirrored_starts_[k + 1]; ++at) {
       const auto& m = transport_.mirrored[at];
-      for (std::size_t c = 0; c < 3 * receivers.size(); ++c)
+      for (std::size_t c = 0; c < 3 * outputs.size(); ++c)
         sum[c] += double(table[std::size_t(m.patch) * kWidth + c]) * double(m.weight[int(c % 3)]);
     }
   };
   for_each_row(std::size_t(transport_.rows()), [&](std::size_t i) {
     double first[kWidth], second[kWidth];
-    sample_set(2 * i, first);
-    sample_set(2 * i + 1, second);
-    for (std::size_t f = 0; f < receivers.size(); ++f)
+    sum_sample_set(2 * i, first);
+    sum_sample_set(2 * i + 1, second);
+    for (std::size_t f = 0; f < outputs.size(); ++f)
       for (int c = 0; c < 3; ++c) {
         const double a = first[3 * f + c], b = second[3 * f + c];
-        (*receivers[f].irradiance)[i].c[c] = 0.5 * (a + b);
-        if (receivers[f].deviation) (*receivers[f].deviation)[i].c[c] = 0.5 * (a - b);
+        (*outputs[f].irradiance)[i].c[c] = 0.5 * (a + b);
+        if (outputs[f].deviation) (*outputs[f].deviation)[i].c[c] = 0.5 * (a - b);
       }
   });
 }
 
 template <class Number>
-void FormFactorRows::receive_stored(const RadiosityTable& table, std::span<const Receiver> receivers) const {
+void FormFactorRows::gather_stored(const RadiosityTable& table, std::span<const Output> outputs) const {
   if (table.width() == 4)
-    receive_packed<Number, 4>(table, receivers);
+    gather_packed<Number, 4>(table, outputs);
   else if (table.width() == 8)
-    receive_packed<Number, 8>(table, receivers);
+    gather_packed<Number, 8>(table, outputs);
   else
-    receive_packed<Number, 16>(table, receivers);
+    gather_packed<Number, 16>(table, outputs);
 }
 
-void FormFactorRows::receive(const RadiosityTable& table, std::span<const Receiver> receivers) const {
+void FormFactorRows::gather(const RadiosityTable& table, std::span<const Output> outputs) const {
   if (table.precision() == Precision::single)
-    receive_stored<float>(table, receivers);
+    gather_stored<float>(table, outputs);
   else
-    receive_stored<double>(table, receivers);
+    gather_stored<double>(table, outputs);
 }
 
-void FormFactorRows::receive(std::span<const Exchange> fields, const SpectrumField* factor, Precision precision) const {
+void FormFactorRows::gather(std::span<const Field> fields, const SpectrumField* factor, Precision precision) const {
   if (fields.empty()) return;
-  const std::size_t given = fields[0].radiosity->size();
-  RadiosityTable table(fields.size(), sky_ > 0 ? std::size_t(transport_.rows()) + std::size_t(sky_) : given, precision);
-  for_each_row(given, [&](std::size_t i) {
+  const std::size_t count = fields[0].radiosity->size();
+  RadiosityTable table(fields.size(), sky_ > 0 ? std::size_t(transport_.rows()) + std::size_t(sky_) : count, precision);
+  for_each_row(count, [&](std::size_t i) {
     for (std::size_t f = 0; f < fields.size(); ++f) {
       const Spectrum& value = (*fields[f].radiosity)[i];
       table.set(f, i, factor ? value * (*factor)[i] : value);
     }
   });
-  std::vector<Receiver> receivers;
-  for (const Exchange& field : fields) receivers.push_back(field.to);
-  receive(table, receivers);
+  std::vector<Output> outputs;
+  for (const Field& field : fields) outputs.push_back(field.output);
+  gather(table, outputs);
 }
 
-void FormFactorRows::receive(const SpectrumField& radiosity, SpectrumField& irradiance) const {
-  const Exchange field{&radiosity, {&irradiance}};
-  receive({&field, 1}, nullptr, Precision::full);
+void FormFactorRows::gather(const SpectrumField& radiosity, SpectrumField& irradiance) const {
+  const Field field{&radiosity, {&irradiance}};
+  gather({&field, 1}, nullptr, Precision::full);
 }
 
-void FormFactorRows::receive_mirrored(const SpectrumField& radiosity, SpectrumField& irradiance,
-                                      SpectrumField& deviation) const {
+void FormFactorRows::gather_mirrored(const SpectrumField& radiosity, SpectrumField& irradiance,
+                                     SpectrumField& deviation) const {
   std::fill(irradiance.begin(), irradiance.end(), Spectrum());
   std::fill(deviation.begin(), deviation.end(), Spectrum());
   for (const auto& m : transport_.mirrored) {
-    if (std::size_t(m.patch) >= radiosity.size()) continue;  // the environment, left out
+    if (std::size_t(m.patch) >= radiosity.size()) continue;  // the environment, black here
     const Spectrum received = radiosity[m.patch] * Spectrum(m.weight) * Spectrum(0.5);
     irradiance[m.row] += received;
     m.sample_set == 0 ? deviation[m.row] += received : deviation[m.row] -= received;
   }
 }
 
-SpectrumField FormFactorRows::seen() const {
-  SpectrumField seen(std::size_t(transport_.rows()));
+SpectrumField FormFactorRows::row_sums() const {
+  SpectrumField sums(std::size_t(transport_.rows()));
   for (std::size_t k = 0; k + 1 < transport_.starts.size(); ++k) {
     const std::uint64_t begin = transport_.starts[k], end = transport_.starts[k + 1];
     double sum = 0;
-    const auto places = std::span(transport_.columns).subspan(begin, end - begin);
-    const auto is_sky = [&](std::int32_t place) { return place >= transport_.rows(); };
+    const auto columns = std::span(transport_.columns).subspan(begin, end - begin);
+    const auto is_sky = [&](std::int32_t column) { return column >= transport_.rows(); };
     if (transport_.rays > 0)
-      sum = double(std::int64_t(end - begin) - (sky_ > 0 ? std::count_if(places.begin(), places.end(), is_sky) : 0)) *
+      sum = double(std::int64_t(end - begin) - (sky_ > 0 ? std::count_if(columns.begin(), columns.end(), is_sky) : 0)) *
             double(transport_.hit_weights[k]);
     else
       for (std::uint64_t at = begin; at < end; ++at)
         if (sky_ == 0 || !is_sky(transport_.columns[at])) sum += double(transport_.weights[at]);
-    seen[k / 2] += Spectrum(0.5 * sum);
+    sums[k / 2] += Spectrum(0.5 * sum);
   }
   for (const auto& m : transport_.mirrored)
-    if (sky_ == 0 || m.patch < transport_.rows()) seen[m.row] += Spectrum(m.weight) * Spectrum(0.5);
-  return seen;
+    if (sky_ == 0 || m.patch < transport_.rows()) sums[m.row] += Spectrum(m.weight) * Spectrum(0.5);
+  return sums;
 }
 
 }  // namespace patchlight

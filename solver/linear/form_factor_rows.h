@@ -13,47 +13,45 @@ class FormFactorRows {
  public:
   using Precision = RadiosityTable::Precision;
 
-  /// What a linear system's tolerance asks for.
+  /// The precision that a linear system's tolerance needs.
   static Precision precision_for(double tolerance) { return tolerance < 1e-5 ? Precision::full : Precision::single; }
 
-  /// Where to put what rows receive of a field.
-  struct Receiver {
-    SpectrumField* irradiance = nullptr;  ///< [rows], directly and by mirrors.
-    SpectrumField* deviation = nullptr;   ///< [rows], if asked for: half the difference of a row's halves.
+  /// Irradiance gathered from one field.
+  struct Output {
+    SpectrumField* irradiance = nullptr;  ///< [rows], with specular reflections.
+    SpectrumField* deviation = nullptr;   ///< [rows] Half the difference of a row's sample sets; null: not needed.
   };
-  /// A field that rows gather, and its receiver.
-  struct Exchange {
+  struct Field {
     const SpectrumField* radiosity = nullptr;  ///< [elements].
-    Receiver to;
+    Output output;
   };
 
-  /// `sky`: cells of the environment, behind as many elements as there are rows, that rows may end on; 0: rows end on
-  /// what fields have alone.
+  /// `sky`: number of environment cells, which are the columns after the patches; 0: columns are those of the fields.
   explicit FormFactorRows(const TransportRows& rows, int sky = 0);
 
-  /// What rows receive of a table's fields, each to its receiver. Sums are in double precision always.
-  void receive(const RadiosityTable& table, std::span<const Receiver> receivers) const;
+  /// Gathers each field of a table into the output of its index. Sums are always in double precision.
+  void gather(const RadiosityTable& table, std::span<const Output> outputs) const;
 
-  /// What rows receive of up to RadiosityTable::kMostFields fields, each of them times `factor` [elements] if there is
-  /// one. Fields may leave out the environment, which is black then.
-  void receive(std::span<const Exchange> fields, const SpectrumField* factor, Precision precision) const;
+  /// Gathers up to RadiosityTable::kMaxFields fields, each times `factor` [elements] unless null. Fields without values
+  /// for the environment have a black one.
+  void gather(std::span<const Field> fields, const SpectrumField* factor, Precision precision) const;
 
-  /// What rows receive of `radiosity`, in full precision.
-  void receive(const SpectrumField& radiosity, SpectrumField& irradiance) const;
+  /// Gathers `radiosity` in full precision.
+  void gather(const SpectrumField& radiosity, SpectrumField& irradiance) const;
 
-  /// What comes by mirrors alone.
-  void receive_mirrored(const SpectrumField& radiosity, SpectrumField& irradiance, SpectrumField& deviation) const;
+  /// Gathers specular reflections only.
+  void gather_mirrored(const SpectrumField& radiosity, SpectrumField& irradiance, SpectrumField& deviation) const;
 
-  /// What each row sees of all elements but the environment, mirrored ones by what mirrors reflect: 1 in a closed scene
-  /// without mirrors.
-  SpectrumField seen() const;
+  /// Sums of the rows' form factors without the environment, specular reflections included: 1 in a closed scene without
+  /// metals.
+  SpectrumField row_sums() const;
 
  private:
   template <class Number, int kWidth>
-  void receive_packed(const RadiosityTable& table, std::span<const Receiver> receivers) const;
+  void gather_packed(const RadiosityTable& table, std::span<const Output> outputs) const;
 
   template <class Number>
-  void receive_stored(const RadiosityTable& table, std::span<const Receiver> receivers) const;
+  void gather_stored(const RadiosityTable& table, std::span<const Output> outputs) const;
 
   const TransportRows& transport_;
   const int sky_;

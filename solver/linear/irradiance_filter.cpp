@@ -12,18 +12,18 @@ namespace patchlight {
 
 namespace {
 
-constexpr std::array<int, 6> kWidths{1, 5, 7, 9, 13, 19};  // windows along either side of a grid
+constexpr std::array<int, 6> kWidths{1, 5, 7, 9, 13, 19};  // window widths in patches
 
-/// Weights of a window's values in the value, at each of its places, of the parabola that fits them best: [m][m].
-std::vector<double> find_projection(int m) {
+/// Weights of a window's values in the least-squares parabola at each of its positions. Shape: [m][m].
+std::vector<double> fit_projection(int m) {
   std::vector<std::vector<double>> basis;
   for (int degree = 0; degree < std::min(m, 3); ++degree) {
     std::vector<double> q(m);
     for (int k = 0; k < m; ++k) q[k] = std::pow(2.0 * k / std::max(m - 1, 1) - 1, degree);
-    for (const auto& before : basis) {
+    for (const auto& earlier : basis) {
       double dot = 0;
-      for (int k = 0; k < m; ++k) dot += q[k] * before[k];
-      for (int k = 0; k < m; ++k) q[k] -= dot * before[k];
+      for (int k = 0; k < m; ++k) dot += q[k] * earlier[k];
+      for (int k = 0; k < m; ++k) q[k] -= dot * earlier[k];
     }
     double norm = 0;
     for (const double x : q) norm += x * x;
@@ -37,17 +37,17 @@ std::vector<double> find_projection(int m) {
   return weights;
 }
 
-/// The same, found once for each size of window.
+/// The cached weights for a window of m values.
 const std::vector<double>& projection(int m) {
-  static const auto all = [] {
-    std::array<std::vector<double>, kWidths.back() + 1> found;
-    for (int k = 1; k <= kWidths.back(); ++k) found[k] = find_projection(k);
-    return found;
+  static const auto projections = [] {
+    std::array<std::vector<double>, kWidths.back() + 1> all;
+    for (int k = 1; k <= kWidths.back(); ++k) all[k] = fit_projection(k);
+    return all;
   }();
-  return all[m];
+  return projections[m];
 }
 
-/// Smooths along one side of a grid of `lines` lines of `cells` values, `step` apart.
+/// Smooths along one axis of a grid: `lines` lines of `cells` values with a stride of `step`.
 VECTOR_CODE void smooth_lines(const SpectrumField& from, SpectrumField& to, int lines, int line_step, int cells,
                               int step, int width) {
   const int m = std::min(width, cells);
@@ -62,13 +62,13 @@ VECTOR_CODE void smooth_lines(const SpectrumField& from, SpectrumField& to, int 
     }
 }
 
-/// Sums over the square of `reach` patches to either side, without the one in the middle.
-std::vector<double> pool(const std::vector<double>& values, int nu, int nv, int reach) {
-  const auto along = [reach](const std::vector<double>& from, int lines, int line_step, int cells, int step) {
+/// Sums over the square of `radius` patches to either side, without the central patch.
+std::vector<double> neighbourhood_sums(const std::vector<double>& values, int nu, int nv, int radius) {
+  const auto along = [radius](const std::vector<double>& from, int lines, int line_step, int cells, int step) {
     std::vector<double> to(from.size());
     for (int line = 0; line < lines; ++line)
       for (int i = 0; i < cells; ++i)
-        for (int k = std::max(0, i - reach); k <= std::min(cells - 1, i + reach); ++k)
+        for (int k = std::max(0, i - radius); k <= std::min(cells - 1, i + radius); ++k)
           to[line * line_step + i * step] += from[line * line_step + k * step];
     return to;
   };
@@ -96,12 +96,12 @@ IrradianceFilter::IrradianceFilter(const PatchLookup& lookup, std::size_t primit
     : choice_(irradiance.size(), 0), bias_(irradiance.size()) {
   for (std::int32_t p = 0; p < std::int32_t(primitives); ++p) {
     const int nv = lookup.rows(p), nu = nv > 0 ? lookup.row(p, 0).cells : 0;
-    bool even = std::max(nu, nv) > 3;
-    for (int k = 1; k < nv; ++k) even = even && lookup.row(p, k).cells == nu;
-    bool seen = false;
-    for (std::int32_t i = 0; even && !seen && i < nu * nv; ++i)
-      seen = irradiance[lookup.row(p, 0).first + i].sum() != 0;
-    if (seen) grids_.push_back({lookup.row(p, 0).first, nu, nv});
+    bool is_grid = std::max(nu, nv) > 3;
+    for (int k = 1; k < nv; ++k) is_grid = is_grid && lookup.row(p, k).cells == nu;
+    bool is_lit = false;
+    for (std::int32_t i = 0; is_grid && !is_lit && i < nu * nv; ++i)
+      is_lit = irradiance[lookup.row(p, 0).first + i].sum() != 0;
+    if (is_lit) grids_.push_back({lookup.row(p, 0).first, nu, nv});
   }
   tbb::parallel_for(std::size_t(0), grids_.size(),
                     [&](std::size_t g) { choose(grids_[g], irradiance, deviation, reflectance, lit); });
@@ -109,33 +109,33 @@ IrradianceFilter::IrradianceFilter(const PatchLookup& lookup, std::size_t primit
 
 void IrradianceFilter::choose(const Grid& grid, const SpectrumField& irradiance, const SpectrumField& deviation,
                               const SpectrumField& reflectance, const SpectrumField& lit) {
-  const auto cut = [&](const SpectrumField& field) {
+  const auto slice = [&](const SpectrumField& field) {
     return SpectrumField(field.begin() + grid.first, field.begin() + grid.first + grid.patches());
   };
-  const SpectrumField all = cut(irradiance), half = cut(deviation), weight = cut(reflectance);
-  const std::size_t cells = all.size();
-  SpectrumField narrow = all, narrow_noise = half;
-  std::vector<double> noise(cells), more(cells);
-  for (std::size_t i = 0; i < cells; ++i) noise[i] = weighted_square(half[i], weight[i]);
+  const SpectrumField mean = slice(irradiance), half_difference = slice(deviation), weight = slice(reflectance);
+  const std::size_t cells = mean.size();
+  SpectrumField narrow = mean, narrow_noise = half_difference;
+  std::vector<double> noise(cells), increase(cells);  // increase: of the squared error by the wider window
+  for (std::size_t i = 0; i < cells; ++i) noise[i] = weighted_square(half_difference[i], weight[i]);
   for (std::uint8_t width = 1; width < kWidths.size(); ++width) {
     if (kWidths[width - 1] >= std::max(grid.nu, grid.nv)) break;
-    SpectrumField wide = smoothed(all, grid.nu, grid.nv, kWidths[width]);
-    SpectrumField wide_noise = smoothed(half, grid.nu, grid.nv, kWidths[width]);
+    SpectrumField wide = smoothed(mean, grid.nu, grid.nv, kWidths[width]);
+    SpectrumField wide_noise = smoothed(half_difference, grid.nu, grid.nv, kWidths[width]);
     for (std::size_t i = 0; i < cells; ++i) {
-      more[i] = weighted_square(wide[i] - narrow[i], weight[i]) -
-                weighted_square(wide_noise[i] - narrow_noise[i], weight[i]) +
-                weighted_square(wide_noise[i], weight[i]) - noise[i];
+      increase[i] = weighted_square(wide[i] - narrow[i], weight[i]) -
+                    weighted_square(wide_noise[i] - narrow_noise[i], weight[i]) +
+                    weighted_square(wide_noise[i], weight[i]) - noise[i];
       noise[i] = weighted_square(wide_noise[i], weight[i]);
     }
-    const std::vector<double> pooled = pool(more, grid.nu, grid.nv, kWidths[width]);
+    const std::vector<double> pooled = neighbourhood_sums(increase, grid.nu, grid.nv, kWidths[width]);
     for (std::size_t i = 0; i < cells; ++i) {
       std::uint8_t& choice = choice_[grid.first + i];
       if (choice + 1 != width || pooled[i] >= 0) continue;
       choice = width;
-      const double own = weighted_square(half[i], weight[i]);
-      bias_[grid.first + i] = {
-          weighted_square(wide[i] - all[i], weight[i]) - weighted_square(wide_noise[i] - half[i], weight[i]),
-          4.0 / 3 * own * own};
+      const double unfiltered = weighted_square(half_difference[i], weight[i]);
+      bias_[grid.first + i] = {weighted_square(wide[i] - mean[i], weight[i]) -
+                                   weighted_square(wide_noise[i] - half_difference[i], weight[i]),
+                               4.0 / 3 * unfiltered * unfiltered};
     }
     narrow = std::move(wide);
     narrow_noise = std::move(wide_noise);
@@ -160,8 +160,8 @@ SpectrumField IrradianceFilter::apply(const SpectrumField& field) const {
   return result;
 }
 
-double IrradianceFilter::correlated(std::size_t i) const {
-  // The weights' autocorrelation at a distance, squared and summed: 0.345 of the width along each side, very nearly.
+double IrradianceFilter::correlated_patches(std::size_t i) const {
+  // The sum of the squared autocorrelation of the weights is nearly 0.345 times the width along each axis.
   const double width = kWidths[choice_[i]];
   return choice_[i] == 0 ? 1.0 : 0.345 * 0.345 * width * width;
 }

@@ -4,31 +4,30 @@
 
 namespace patchlight {
 
-/// Smooths sampled irradiance over the patches of a primitive, where that brings it nearer to the truth.
+/// Smooths sampled irradiance over the patches of a primitive where that reduces the mean squared error.
 ///
-/// Filters fit a polynomial of second degree to a window of patches (Savitzky and Golay 1964), which keeps slopes and
-/// curvature. Which window, if any, is chosen patch by patch: from two independent halves of the samples follow,
-/// without bias, the mean square of what a filter bends and of the noise that it leaves (as in Rousselle, Knaus and
-/// Zwicker 2012).
+/// The filters fit a polynomial of second degree to a window of patches (Savitzky and Golay 1964), which keeps
+/// gradients and curvature. Each patch has its own window, or none: two independent sample sets give unbiased estimates
+/// of a filter's squared bias and remaining variance (as in Rousselle, Knaus and Zwicker 2012).
 class IrradianceFilter {
  public:
-  /// Chooses for `irradiance` [n] and its deviation (half the difference of the halves), weighted by `reflectance`.
-  /// Where `lit` [n] is zero nothing is brought in.
+  /// Chooses windows for `irradiance` [n] with its `deviation`, half the difference of its sample sets, both weighted
+  /// by `reflectance`. Patches where `lit` [n] is zero are not filtered.
   IrradianceFilter(const PatchLookup& lookup, std::size_t primitives, const SpectrumField& irradiance,
                    const SpectrumField& deviation, const SpectrumField& reflectance, const SpectrumField& lit);
 
-  /// Any field of the same samples, filtered. Linear. Shape: [n].
+  /// Filters a field of the same samples. Linear. Shape: [n].
   SpectrumField apply(const SpectrumField& field) const;
 
-  /// What the filter bends a patch's reflected irradiance by, all channels together, W2/m4.
+  /// Bias of a patch's filtered reflected irradiance, all channels together, W2/m4.
   struct Bias {
-    double square = 0.0;    ///< Estimated without bias, so that of a single patch it may be negative.
-    double variance = 0.0;  ///< Of this estimate.
+    double square = 0.0;    ///< Unbiased estimate; may be negative for a single patch.
+    double variance = 0.0;  ///< Of the estimate.
   };
   const Bias& bias(std::size_t i) const { return bias_[i]; }
 
-  /// How many patches share an error about patch i.
-  double correlated(std::size_t i) const;
+  /// Effective number of patches around patch i whose errors are correlated.
+  double correlated_patches(std::size_t i) const;
 
  private:
   struct Grid {
@@ -42,7 +41,7 @@ class IrradianceFilter {
               const SpectrumField& reflectance, const SpectrumField& lit);
 
   std::vector<Grid> grids_;
-  std::vector<std::uint8_t> choice_;  ///< [n] Index of a window's width; 0: none.
+  std::vector<std::uint8_t> choice_;  ///< [n] Index of the window's width; 0: none.
   std::vector<Bias> bias_;
 };
 

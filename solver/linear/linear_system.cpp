@@ -16,8 +16,8 @@ Spectrum ratio(const Spectrum& a, const Spectrum& b) {
   return result;
 }
 
-/// Largest root of a channel's ratio of squared norms.
-double worst(const Spectrum& square, const Spectrum& reference) {
+/// Largest ratio of norms of any channel, from their squares.
+double largest_ratio(const Spectrum& square, const Spectrum& reference) {
   double largest = 0;
   for (int k = 0; k < 3; ++k)
     if (reference.c[k] > 0) largest = std::max(largest, std::sqrt(square.c[k] / reference.c[k]));
@@ -28,8 +28,8 @@ bool is_black(const SpectrumField& field) {
   return std::all_of(field.begin(), field.end(), [](const Spectrum& value) { return value.sum() == 0; });
 }
 
-/// One source's system on its way. Between the steps stands the product of F: v of p, t of the residual, which is the
-/// paper's s halfway.
+/// State of one source's iteration. The caller computes the products v = F p and t = F r between the steps. After the
+/// first half step, r is the vector s of the paper.
 class BiCgStab {
  public:
   SpectrumField p, v, r, t;
@@ -41,18 +41,18 @@ class BiCgStab {
                                        [&](std::size_t i) { return std::array{weighted(source[i], source[i], i)}; })[0];
   }
 
-  bool has_start() const { return !is_black(x_); }
+  bool has_initial_guess() const { return !is_black(x_); }
 
-  /// Before the first step; `p` holds x, `v` F of it, if it has a start.
-  void begin(bool started) {
-    if (started) for_each_row(size(), [&](std::size_t i) { r[i] -= x_[i] - v[i]; });
+  /// Prepares the first step. With an initial guess, p = x and v = F x.
+  void begin(bool with_guess) {
+    if (with_guess) for_each_row(size(), [&](std::size_t i) { r[i] -= x_[i] - v[i]; });
     shadow_ = p = r;
     rho_ = r_square_ = shadow_square_ =
         sums_over_rows<1>(size(), [&](std::size_t i) { return std::array{weighted(r[i], r[i], i)}; })[0];
-    note(worst(r_square_, source_square_));
+    record(largest_ratio(r_square_, source_square_));
   }
 
-  /// From v = F p to the residual halfway; true if that is near enough already.
+  /// From v = F p to the intermediate residual; true if that has converged.
   bool first_half(double tolerance) {
     const auto [shadow_v] = sums_over_rows<1>(size(), [&](std::size_t i) {
       v[i] = p[i] - v[i];
@@ -63,11 +63,11 @@ class BiCgStab {
       r[i] -= alpha_ * v[i];
       return std::array{weighted(r[i], r[i], i)};
     });
-    const double halfway = worst(square, source_square_);
-    if (halfway > tolerance) return false;
+    const double intermediate = largest_ratio(square, source_square_);
+    if (intermediate > tolerance) return false;
     for_each_row(size(), [&](std::size_t i) { x_[i] += alpha_ * p[i]; });
     ++result.iterations;
-    note(halfway);
+    record(intermediate);
     return true;
   }
 
@@ -87,7 +87,7 @@ class BiCgStab {
     rho_ = rho_next;
     r_square_ = r_square;
     ++result.iterations;
-    note(worst(r_square_, source_square_));
+    record(largest_ratio(r_square_, source_square_));
     if (is_breakdown()) {
       shadow_ = p = r;
       rho_ = shadow_square_ = r_square_;
@@ -101,12 +101,12 @@ class BiCgStab {
 
   Spectrum weighted(const Spectrum& a, const Spectrum& b, std::size_t i) const { return a * b * Spectrum(areas_[i]); }
 
-  void note(double residual) {
+  void record(double residual) {
     result.residual = residual;
     result.residuals.push_back(residual);
   }
 
-  /// The shadow residual has become orthogonal to the residual: start again from here.
+  /// Whether the shadow residual has become orthogonal to the residual, so that the iteration must restart.
   bool is_breakdown() const {
     for (int k = 0; k < 3; ++k)
       if (std::abs(rho_.c[k]) < 1e-12 * std::sqrt(r_square_.c[k] * shadow_square_.c[k])) return true;
@@ -143,20 +143,20 @@ std::vector<LinearSolve> solve_irradiance(const FormFactorRows& rows, const Spec
   std::vector<BiCgStab> systems;
   for (std::size_t k = 0; k < sources.size(); ++k) systems.emplace_back(areas, sources[k], x[k]);
   std::vector<BiCgStab*> active;
-  /// to = F (reflectance from) of all that are active
+  // to = F (reflectance from) for all active systems
   const auto apply = [&](SpectrumField BiCgStab::*from, SpectrumField BiCgStab::*to) {
-    std::vector<FormFactorRows::Exchange> fields;
+    std::vector<FormFactorRows::Field> fields;
     for (BiCgStab* system : active) fields.push_back({&(system->*from), {&(system->*to)}});
-    rows.receive(fields, &reflectance, precision);
+    rows.gather(fields, &reflectance, precision);
   };
 
   for (std::size_t k = 0; k < systems.size(); ++k)
-    if (systems[k].has_start()) {
+    if (systems[k].has_initial_guess()) {
       systems[k].p = x[k];
       active.push_back(&systems[k]);
     }
   apply(&BiCgStab::p, &BiCgStab::v);
-  for (BiCgStab& system : systems) system.begin(system.has_start());
+  for (BiCgStab& system : systems) system.begin(system.has_initial_guess());
   for (;;) {
     active.clear();
     double residual = 0;

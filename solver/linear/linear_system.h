@@ -8,20 +8,21 @@
 
 namespace patchlight {
 
-/// For files: negative values count as 0. Throws: Error (bad_data), naming the light group, if one is too large.
+/// Converts to single precision; negative values become 0. Throws: Error (bad_data) naming the light group if a value
+/// is too large.
 std::vector<Color> to_colors(const SpectrumField& field, const std::string& group);
 
-/// How solving a linear system ended.
+/// Result of an iterative solve.
 struct LinearSolve {
   int iterations = 0;
-  double residual = 0.0;  ///< Norm of what is left over that of the source, of the worst channel; 0 without a source.
+  double residual = 0.0;  ///< Norm of the residual over that of the source, of the worst channel; 0 without a source.
   std::vector<double> residuals;  ///< Before each iteration and after the last.
 };
 
 /// Solves x = source + F (reflectance x) for the irradiance x of each source by BiCGSTAB (van der Vorst 1992), all
-/// channels and up to RadiosityTable::kMostFields sources side by side, in the inner product weighted by `areas`.
-/// Starts from the x given. `step` is called with the worst residual before each iteration.
-/// The same for any number of threads, and whatever stands beside a source.
+/// channels and up to RadiosityTable::kMaxFields sources together, in the inner product weighted by `areas`.
+/// `x` holds the initial guesses. `step` is called with the largest residual before each iteration.
+/// The result depends neither on the number of threads nor on the other sources.
 std::vector<LinearSolve> solve_irradiance(const FormFactorRows& rows, const SpectrumField& reflectance,
                                           const std::vector<double>& areas, const std::vector<SpectrumField>& sources,
                                           double tolerance, int max_iterations, std::vector<SpectrumField>& x,

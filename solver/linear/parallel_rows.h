@@ -10,7 +10,7 @@
 
 namespace patchlight {
 
-/// Rows that are worked on one after the other, whatever the number of threads.
+/// Rows of one task, for any number of threads.
 inline constexpr std::size_t kRowBlock = 1024;
 
 /// Calls act(i) for every i below `count`.
@@ -21,7 +21,8 @@ void for_each_row(std::size_t count, Act act) {
   });
 }
 
-/// Sums of the `kTerms` values that terms(i) returns, in an order that does not depend on the number of threads.
+/// Sums the `kTerms` values that terms(i) returns over all i below `count`, in an order that does not depend on the
+/// number of threads.
 template <std::size_t kTerms, class Terms>
 std::array<Spectrum, kTerms> sums_over_rows(std::size_t count, Terms terms) {
   std::vector<std::array<Spectrum, kTerms>> parts((count + kRowBlock - 1) / kRowBlock);

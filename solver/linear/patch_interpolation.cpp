@@ -8,23 +8,23 @@ namespace patchlight {
 Spectrum interpolate(const PatchSet& scene, const PatchLookup& lookup, std::int32_t patch, float u, float v,
                      const std::vector<Color>& field) {
   const std::int32_t primitive = scene.patches[patch].primitive;
-  const bool around = scene.primitives[primitive].shape == Primitive::Shape::sphere;
-  const auto along = [&](int row) {
+  const bool periodic = scene.primitives[primitive].shape == Primitive::Shape::sphere;
+  const auto along_row = [&](int row) {
     const PatchLookup::Row& cells = lookup.row(primitive, row);
     const float x = u * float(cells.cells) - 0.5f;
     const int k = int(std::floor(x));
     const auto at = [&](int cell) {
-      const int inside = around ? (cell + cells.cells) % cells.cells : std::clamp(cell, 0, cells.cells - 1);
-      return Spectrum(field[cells.first + inside]);
+      const int index = periodic ? (cell + cells.cells) % cells.cells : std::clamp(cell, 0, cells.cells - 1);
+      return Spectrum(field[cells.first + index]);
     };
-    const double part = double(x) - k;
-    return at(k) * Spectrum(1 - part) + at(k + 1) * Spectrum(part);
+    const double fraction = double(x) - k;
+    return at(k) * Spectrum(1 - fraction) + at(k + 1) * Spectrum(fraction);
   };
   const int rows = lookup.rows(primitive);
   const float y = std::clamp(v * float(rows) - 0.5f, 0.0f, float(rows - 1));
   const int k = std::min(int(y), std::max(rows - 2, 0));
-  const double part = double(y) - k;
-  return along(k) * Spectrum(1 - part) + along(std::min(k + 1, rows - 1)) * Spectrum(part);
+  const double fraction = double(y) - k;
+  return along_row(k) * Spectrum(1 - fraction) + along_row(std::min(k + 1, rows - 1)) * Spectrum(fraction);
 }
 
 }  // namespace patchlight

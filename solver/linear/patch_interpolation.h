@@ -4,8 +4,8 @@
 
 namespace patchlight {
 
-/// A field of patches' means [n] at (u,v) of a patch's primitive: bilinear between the middles of the patches about it,
-/// on a sphere all around; beyond the outermost middles, as there.
+/// Interpolates a field of patch means [n] at (u,v) of a patch's primitive: bilinear between patch centres, periodic in
+/// u on a sphere, constant beyond the outermost centres.
 Spectrum interpolate(const PatchSet& scene, const PatchLookup& lookup, std::int32_t patch, float u, float v,
                      const std::vector<Color>& field);
 

@@ -6,14 +6,14 @@
 
 namespace patchlight {
 
-/// Radiosity of several fields, W/m2, as rows gather it: what all of them have at an element stands side by side, in as
-/// few cache lines as it fits. Where none is set it is zero.
+/// Radiosity of several fields, W/m2, interleaved for gathering: the values of all fields at an element are adjacent,
+/// in as few cache lines as possible. Values that are not set are zero.
 class RadiosityTable {
  public:
   enum class Precision { single, full };
 
-  /// Fields that fit: what a pass over the rows costs is to come by an element at all.
-  static constexpr std::size_t kMostFields = 5;
+  /// Largest number of fields. Gathering several fields at once pays because access to an element dominates its cost.
+  static constexpr std::size_t kMaxFields = 5;
 
   RadiosityTable(std::size_t fields, std::size_t elements, Precision precision)
       : elements_(elements),
@@ -36,7 +36,7 @@ class RadiosityTable {
   /// Numbers from one element to the next: 4, 8 or 16.
   std::size_t width() const { return width_; }
 
-  /// Shape: [elements][width]; `Number` is what the precision says.
+  /// Shape: [elements][width]. `Number`: float for single precision, double for full.
   template <class Number>
   const Number* values() const {
     return reinterpret_cast<const Number*>(lines_.get());

@@ -5,7 +5,7 @@
 
 namespace patchlight {
 
-/// One value for each channel, and one that pads it for vector registers.
+/// One value for each colour channel, padded to a vector register.
 struct alignas(32) Spectrum {
   double c[4] = {0, 0, 0, 0};
 

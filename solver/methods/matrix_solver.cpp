@@ -19,7 +19,7 @@ namespace patchlight {
 
 namespace {
 
-using Exchange = FormFactorRows::Exchange;
+using Exchange = FormFactorRows::Field;
 
 constexpr int kMostIterations = 500;
 
@@ -123,10 +123,10 @@ void add_rows(const System& system, const Emission& emission, GroupSolution& sol
   solution.gathered.resize(n);
   solution.gathered_deviation.resize(n);
   const Exchange field{&emission.others, {&solution.gathered, &solution.gathered_deviation}};
-  system.rows.receive({&field, 1}, nullptr, FormFactorRows::Precision::full);
+  system.rows.gather({&field, 1}, nullptr, FormFactorRows::Precision::full);
   if (!system.transport.mirrored.empty()) {
     solution.expect_mirrors(n);
-    system.rows.receive_mirrored(emission.others, solution.by_mirrors, solution.by_mirrors_deviation);
+    system.rows.gather_mirrored(emission.others, solution.by_mirrors, solution.by_mirrors_deviation);
     for (std::size_t i = 0; i < n; ++i) {
       solution.gathered[i] -= solution.by_mirrors[i];
       solution.gathered_deviation[i] -= solution.by_mirrors_deviation[i];
@@ -136,7 +136,7 @@ void add_rows(const System& system, const Emission& emission, GroupSolution& sol
   solution.sky = true;
   SpectrumField sky = emission.others, received(n);
   std::fill_n(sky.begin(), n, Spectrum());
-  system.rows.receive(sky, received);
+  system.rows.gather(sky, received);
   solution.from_outside.resize(n);
   for (std::size_t i = 0; i < n; ++i) solution.from_outside[i] += received[i];
 }
@@ -182,7 +182,7 @@ void add_reflected_light(const System& system, std::span<GroupSolution> groups, 
   for (const GroupSolution& group : groups) add(group.gathered, sent.emplace_back(group.separate));
   std::vector<Exchange> fields;
   for (std::size_t g = 0; g < groups.size(); ++g) fields.push_back({&sent[g], {&sources[g]}});
-  system.rows.receive(fields, &system.reflectance, precision);
+  system.rows.gather(fields, &system.reflectance, precision);
   for (std::size_t g = 0; g < groups.size(); ++g) add(groups[g].by_mirrors, sources[g]);
 
   std::vector<LinearSolve> solves =
@@ -198,7 +198,7 @@ void add_reflected_light(const System& system, std::span<GroupSolution> groups, 
     fields[g] = {&sent[g], {&groups[g].reflected, &groups[g].reflected_deviation}};
     groups[g].linear = std::move(solves[g]);
   }
-  system.rows.receive(fields, &system.reflectance, precision);
+  system.rows.gather(fields, &system.reflectance, precision);
 }
 
 void warn_of_residual(const std::string& group, const LinearSolve& linear, const SolveConfig& config,
@@ -219,9 +219,9 @@ EnergyField solve_matrix(const PatchSet& scene, const SolveConfig& config, int r
   const std::size_t n = system.areas.size();
   std::vector<GroupSolution> groups;
   for (std::size_t g = 0; g < scene.light_groups.size(); ++g) groups.push_back(emitted_light(system, std::int32_t(g)));
-  for (std::size_t g = 0; g < groups.size(); g += RadiosityTable::kMostFields)
+  for (std::size_t g = 0; g < groups.size(); g += RadiosityTable::kMaxFields)
     add_reflected_light(system,
-                        std::span(groups).subspan(g).first(std::min(groups.size() - g, RadiosityTable::kMostFields)),
+                        std::span(groups).subspan(g).first(std::min(groups.size() - g, RadiosityTable::kMaxFields)),
                         config.tolerance, progress);
   SpectrumField reflected(n), reflected_deviation(n), from_outside(n);
   SpectrumField by_mirrors, by_mirrors_deviation, by_sky, by_sky_deviation;

@@ -183,8 +183,8 @@ void Refinement::add_sky(Progress& progress) {
                                       std::uint64_t(config_.seed), rays_, progress);
   SpectrumField sent(power_.size() + sky.cells.size()), received(power_.size()), deviation(power_.size()), reflectance;
   for (std::size_t k = 0; k < sky.cells.size(); ++k) sent[power_.size() + k] = Spectrum(sky.cells[k]) * Spectrum(kPi);
-  const FormFactorRows::Exchange field{&sent, {&received, &deviation}};
-  FormFactorRows(seen).receive({&field, 1}, nullptr, FormFactorRows::Precision::full);
+  const FormFactorRows::Field field{&sent, {&received, &deviation}};
+  FormFactorRows(seen).gather({&field, 1}, nullptr, FormFactorRows::Precision::full);
   for (const Patch& patch : scene_.patches) reflectance.emplace_back(patch.reflectance);
   received = IrradianceFilter(PatchLookup(scene_), scene_.primitives.size(), received, deviation, reflectance, received)
                  .apply(received);

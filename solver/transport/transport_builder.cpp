@@ -52,10 +52,10 @@ std::int64_t find_visible_fractions(const PatchSet& scene, const RayScene& ray_s
   transport.visible_fractions.assign(2 * scene.patches.size(), 1.0f);
   std::atomic<std::int64_t> cast{0};
   tbb::parallel_for(std::size_t(0), scene.patches.size(), [&](std::size_t i) {
-    _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree wants denormals flushed
+    _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree requires denormals to be flushed
     std::uint64_t random = hash64(seed + i);
     std::int64_t rays = RayPacket::kSize;
-    if (refinement_criterion(scene, ray_scene, scene.patches[i], random).to_backs)
+    if (refinement_criterion(scene, ray_scene, scene.patches[i], random).hits_backs)
       for (const std::size_t sample_set : {2 * i, 2 * i + 1}) {
         random = hash64(random);
         const float part = transport.visible_fractions[sample_set] =
@@ -103,8 +103,8 @@ std::int64_t light_number(const PatchSet& scene, const Emitter& emitter) {
 std::int64_t cast_rows(const PatchSet& scene, const RayScene& ray_scene, const SolveConfig& config, int rays,
                        TransportRows& to, Progress& progress, Shard shard) {
   const Elements elements(scene);
-  return RayRows(scene, ray_scene, scene.patches, elements, std::uint64_t(config.seed), RayRows::SampleSets::separate,
-                 true)
+  return RayRows(scene, ray_scene, scene.patches, elements, std::uint64_t(config.seed),
+                 RayRows::SampleSets::independent, true)
       .cast(rays, to, progress, shard);
 }
 

@@ -16,7 +16,7 @@ Transport cast(const PatchSet& scene, int rays) {
   const RayScene ray_scene(scene);
   Progress progress({"test", true, ""});
   Transport transport;
-  RayRows(scene, ray_scene, scene.patches, Elements(scene), 1, RayRows::SampleSets::separate, true)
+  RayRows(scene, ray_scene, scene.patches, Elements(scene), 1, RayRows::SampleSets::independent, true)
       .cast(rays, transport, progress);
   return transport;
 }
@@ -34,7 +34,7 @@ TEST(DirectionTable, SpreadsWithTheDensityOfTheCosine) {
   const DirectionTable table(1024);
   double height = 0, square = 0, across = 0;
   for (int k = 0; k < table.count(); ++k) {
-    const Vec3f d = cosine_direction(unit_of(table.x[k]), unit_of(table.y[k]));
+    const Vec3f d = cosine_direction(unit_float(table.x[k]), unit_float(table.y[k]));
     height += d.z / 1024;
     square += d.z * d.z / 1024;
     across += d.x / 1024;

@@ -43,7 +43,7 @@ double residual(const FormFactorRows& rows, const SpectrumField& reflectance, co
                 const SpectrumField& x) {
   SpectrumField reflected(kPatches), received(kPatches);
   for (int i = 0; i < kPatches; ++i) reflected[i] = reflectance[i] * x[i];
-  rows.receive(reflected, received);
+  rows.gather(reflected, received);
   double worst = 0, largest = 0;
   for (int i = 0; i < kPatches; ++i)
     for (int k = 0; k < 3; ++k) {
@@ -103,7 +103,7 @@ TEST(LinearSystem, SourcesSideBySideAreSolvedAsAlone) {
   const std::vector<double> areas(kPatches, 0.5);
   for (const double tolerance : {1e-4, 1e-9}) {
     std::vector<SpectrumField> sources, together;
-    for (int k = 0; k < int(RadiosityTable::kMostFields); ++k) {
+    for (int k = 0; k < int(RadiosityTable::kMaxFields); ++k) {
       SpectrumField& source = sources.emplace_back(random_field(0.0f, 2.0f));
       for (int i = 0; i < 7 * k; ++i) source[i] = Spectrum();  // of other numbers of iterations
       together.emplace_back(kPatches);
@@ -142,10 +142,10 @@ TEST(FormFactorRows, InSinglePrecisionLoseItsDigitsAlone) {
     const FormFactorRows rows(transport);
     const SpectrumField light = random_field(0.0f, 3.0f), even(kPatches, Spectrum(0.1f));
     SpectrumField full(kPatches), single(kPatches), of_even(kPatches);
-    rows.receive(light, full);
-    const std::vector<FormFactorRows::Exchange> fields{{&light, {&single}}, {&even, {&of_even}}};
-    rows.receive(fields, nullptr, FormFactorRows::Precision::single);
-    const SpectrumField seen = rows.seen();
+    rows.gather(light, full);
+    const std::vector<FormFactorRows::Field> fields{{&light, {&single}}, {&even, {&of_even}}};
+    rows.gather(fields, nullptr, FormFactorRows::Precision::single);
+    const SpectrumField seen = rows.row_sums();
     for (int i = 0; i < kPatches; ++i) {
       EXPECT_NEAR(single[i].c[1], full[i].c[1], 1e-6);
       EXPECT_NEAR(of_even[i].c[1], double(0.1f) * seen[i].c[1], 1e-15);  // where all is equal nothing is lost
@@ -163,12 +163,12 @@ TEST(FormFactorRows, TellHowFarTheirHalvesAreApart) {
   const FormFactorRows rows(transport);
   SpectrumField light(2), received(1), deviation(1);
   light[0] = Spectrum(4.0);
-  const FormFactorRows::Exchange field{&light, {&received, &deviation}};
-  rows.receive({&field, 1}, nullptr, FormFactorRows::Precision::full);  // halves of 2, and of 4 + 4 times the mirror's
+  const FormFactorRows::Field field{&light, {&received, &deviation}};
+  rows.gather({&field, 1}, nullptr, FormFactorRows::Precision::full);  // halves of 2, and of 4 + 4 times the mirror's
   EXPECT_DOUBLE_EQ(received[0].c[0], 0.5 * (2 + 6));
   EXPECT_DOUBLE_EQ(received[0].c[1], 0.5 * (2 + 5));
   EXPECT_DOUBLE_EQ(deviation[0].c[0], 0.5 * (2 - 6));
-  rows.receive_mirrored(light, received, deviation);
+  rows.gather_mirrored(light, received, deviation);
   EXPECT_DOUBLE_EQ(received[0].c[0], 1);
   EXPECT_DOUBLE_EQ(deviation[0].c[0], -1);
 }
