@@ -18,23 +18,25 @@ namespace {
 
 using namespace patchlight;
 
-/// What an earlier solve left, if it is whole and of this scene.
-Transport read_kept(const Job& job, const PatchSet& scene, Progress& progress) {
+/// Transport of an earlier solve, if it is intact and of this scene; else an empty one.
+Transport read_existing_transport(const Job& job, const PatchSet& scene, Progress& progress) {
   std::error_code fault;
   if (job.solve.method != "matrix" || !std::filesystem::exists(job.transport_file(), fault)) return {};
   try {
-    std::optional<Transport> kept = read_transport(job.transport_file(), transport_key(scene.geometry_key, job.solve));
-    if (!kept) return {};
-    if (kept->rows() == std::int64_t(scene.patches.size())) return std::move(*kept);
-    progress.warning("casts all rays anew: " + job.transport_file().string() + " is of another number of patches");
+    std::optional<Transport> existing =
+        read_transport(job.transport_file(), transport_key(scene.geometry_key, job.solve));
+    if (!existing) return {};
+    if (existing->rows() == std::int64_t(scene.patches.size())) return std::move(*existing);
+    progress.warning("casting all rays again: " + job.transport_file().string() +
+                     " has rows for a different number of patches");
     return {};
   } catch (const Error& error) {
-    progress.warning(std::string("casts all rays anew: ") + error.what());
+    progress.warning(std::string("casting all rays again: ") + error.what());
     return {};
   }
 }
 
-/// Casts a shard of the rows unless it is there.
+/// Casts a shard of the rows unless its file is up to date.
 void cast_shard(const Job& job, const PatchSet& scene, Shard shard, Progress& progress) {
   check_shardable(job);
   if (scene.light_groups.empty()) return progress.note("nothing in the scene emits light: no row is needed");
@@ -49,10 +51,10 @@ void cast_shard(const Job& job, const PatchSet& scene, Shard shard, Progress& pr
                             double(cast.cast) * 1e-6, progress.seconds()));
 }
 
-/// Solves with what an earlier solve or, unless 0, `shards` shards have cast.
+/// Solves with the rows of an earlier solve or, unless 0, of `shards` shards.
 void solve_job(const Job& job, const PatchSet& scene, int shards, Progress& progress) {
   if (shards > 0) check_shardable(job);
-  Transport transport = read_kept(job, scene, progress);
+  Transport transport = read_existing_transport(job, scene, progress);
   std::int64_t cast = 0;
   if (shards > 0 && transport.key.empty() && !scene.light_groups.empty())
     transport = merge_transport_shards(job, scene, shards, cast, progress);
@@ -61,7 +63,7 @@ void solve_job(const Job& job, const PatchSet& scene, int shards, Progress& prog
   energy.made = transport.made = provenance(job, progress);
   if (transport.changed && job.solve.method == "matrix") write_transport(job.transport_file(), transport);
   write_energy(job.energy_file(), scene, energy);
-  std::error_code ignored;  // transport.h5 has all that they have
+  std::error_code ignored;  // transport.h5 now has all rows of the shards
   if (shards > 0)
     for (const std::filesystem::path& file : transport_shard_files(job)) std::filesystem::remove(file, ignored);
 }
@@ -81,8 +83,8 @@ int main(int argc, char** argv) {
   return run_stage("solve", argc, argv, body, [&](CLI::App& app) {
     CLI::Option* one = add_shard_option(
         app, shard,
-        "Solve nothing: cast rows of form factors, part k of K, into transport.k-of-K.h5 unless it is there");
-    app.add_option("--merge", shards, "Take the rows from so many shards instead of casting them")
+        "Only cast part k of K of the rows of form factors into transport.k-of-K.h5, unless it is up to date");
+    app.add_option("--merge", shards, "Merge the rows of this number of shards instead of casting them")
         ->check(CLI::Range(1, kMostShards))
         ->excludes(one);
   });

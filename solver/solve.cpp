@@ -26,28 +26,29 @@ std::unique_ptr<FormFactorSource> make_form_factors(const PatchSet& scene, const
   return std::make_unique<RayFormFactors>(scene, std::uint64_t(config.seed));
 }
 
-/// Solves with more and more rays a row until the stated bound is below the target, or memory ends.
+/// Solves with more and more rays a row until the error bound is below the target, or memory runs out.
 EnergyField solve_to_target(const PatchSet& scene, SolveConfig config, Transport& transport, Progress& progress) {
-  constexpr int kMostRays = 1 << 22;
-  constexpr double kMargin = 1.2;  // more than the error promises, since every solve that falls short is lost
+  constexpr int kMaxRays = 1 << 22;
+  constexpr double kMargin = 1.2;  // more rays than predicted, since a solve above the target must be repeated
   if (config.error_target > 0) config.tolerance = std::min(config.tolerance, config.error_target / 20);
-  const bool kept = transport.key == transport_key(scene.geometry_key, config);
+  const bool has_rows = transport.key == transport_key(scene.geometry_key, config);
   std::int64_t cast = 0;
-  for (int rays = kept && config.error_target > 0 ? std::max(config.rays, transport.rays) : config.rays;;) {
+  for (int rays = has_rows && config.error_target > 0 ? std::max(config.rays, transport.rays) : config.rays;;) {
     EnergyField energy = solve_matrix(scene, config, rays, transport, progress);
     energy.rays = cast += energy.rays;
     const double bound = energy.estimate->error_bound;
     if (config.error_target == 0 || bound <= config.error_target) return energy;
     const double factor = std::clamp(kMargin * std::pow(bound / config.error_target, 2), 1.5, 8.0);
-    const int more = int(std::min(factor * rays, double(kMostRays)));
+    const int more = int(std::min(factor * rays, double(kMaxRays)));
     if (more <= rays || memory_needed(scene, config, more) > memory_allowed(config)) {
       progress.warning(
-          fmt::format("the error's bound stays at {:.2g}%: more than {} rays a patch would need more than "
+          fmt::format("the error bound stays at {:.2g}%: more than {} rays a patch need more memory than "
                       "--memory allows, or solve.error_target ({}%) is too small for these patches",
                       100 * bound, rays, 100 * config.error_target));
       return energy;
     }
-    progress.note(fmt::format("error below {:.2g}% with {} rays a patch: on with {}", 100 * bound, rays, more));
+    progress.note(
+        fmt::format("error below {:.2g}% with {} rays a patch: continuing with {} rays", 100 * bound, rays, more));
     rays = more;
   }
 }
@@ -58,7 +59,7 @@ std::string summary(const PatchSet& scene, const EnergyField& energy) {
   if (energy.rays > 0) text += fmt::format("{:.3g} million rays, ", double(energy.rays) * 1e-6);
   text += fmt::format("residual {:.2g}, ", energy.residual);
   if (energy.estimate)
-    text += fmt::format("error {:.2g}% (below {:.2g}% in 19 of 20), balance {:.2g}%, reciprocity {:.2g}%, ",
+    text += fmt::format("error {:.2g}% (95% bound {:.2g}%), balance {:.2g}%, reciprocity {:.2g}%, ",
                         100 * energy.estimate->error, 100 * energy.estimate->error_bound,
                         100 * energy.estimate->balance, 100 * energy.estimate->reciprocity);
   return text + fmt::format("{:.2f} s", energy.seconds);
@@ -70,7 +71,7 @@ EnergyField solve(const PatchSet& scene, const SolveConfig& config, Transport& t
   check_available(config);
   const auto start = std::chrono::steady_clock::now();
   if (scene.light_groups.empty())
-    progress.warning("nothing in the scene emits light: all is black; give a material an emission");
+    progress.warning("nothing in the scene emits light, so the result is black: give a material an emission");
   check_memory(scene, config);
   EnergyField energy = config.method == "matrix"
                            ? solve_to_target(scene, config, transport, progress)

@@ -6,12 +6,13 @@
 
 namespace patchlight {
 
-/// Irradiance that each light group of `scene` causes, directly and by reflection, by the method of `config`. The
-/// method `matrix` takes from `transport` what it holds and adds what is missing; the other leaves it alone.
-/// Throws: Error (unavailable) without OpenGL for hemicubes; (interrupted).
+/// Irradiance by each light group of `scene`, direct and indirect, by the method of `config`. The matrix method and the
+/// display solution use `transport` and add what is missing in it.
+/// Throws: Error (unavailable) without OpenGL for hemicubes; (over_limit) for too little memory; (bad_data) for light
+/// too strong for single precision; (interrupted).
 EnergyField solve(const PatchSet& scene, const SolveConfig& config, Transport& transport, Progress& progress);
 
-/// The same without a transport to begin with.
+/// Solves from an empty transport.
 EnergyField solve(const PatchSet& scene, const SolveConfig& config, Progress& progress);
 
 }  // namespace patchlight

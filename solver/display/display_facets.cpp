@@ -14,18 +14,18 @@ namespace patchlight {
 
 namespace {
 
-constexpr std::array<int, 4> kCornerOf{0, 1, 3, 2};  // of a primitive, by rows of growing u
-constexpr float kNudge = 0.02f;                      // of a facet: how far vertices stay off where surfaces may meet
-constexpr float kCovered = 0.5f;                     // of the exposure of open places, below which a vertex is covered
+constexpr std::array<int, 4> kCornerOf{0, 1, 3, 2};  // corners of a primitive, u first
+constexpr float kNudge = 0.02f;   // in (u,v): distance of vertices from edges, where surfaces may meet
+constexpr float kCovered = 0.5f;  // fraction of lit rays below which a vertex is covered
 
 bool is_one_patch(const PatchLookup& lookup, std::int32_t primitive) {
   return lookup.rows(primitive) == 1 && lookup.row(primitive, 0).cells == 1;
 }
 
-/// Numbers vertices at the corners of close facets by their smooth vertices; -1: none.
-std::vector<std::int32_t> place_vertices(const PatchSet& scene, const PatchLookup& lookup,
-                                         std::span<const std::int32_t> near_patches,
-                                         std::vector<DisplayMesh::Vertex>& vertices) {
+/// Adds vertices at the corners of near facets. Returns their numbers by smooth vertex; -1: none.
+std::vector<std::int32_t> add_vertices(const PatchSet& scene, const PatchLookup& lookup,
+                                       std::span<const std::int32_t> near_patches,
+                                       std::vector<DisplayMesh::Vertex>& vertices) {
   std::vector<std::int32_t> number;
   for (const std::int32_t patch : near_patches) {
     const Primitive& primitive = scene.primitives[scene.patches[patch].primitive];
@@ -61,7 +61,7 @@ std::vector<bool> covered(const PatchSet& scene, const RayScene& ray_scene,
 void add_display_facets(const PatchSet& scene, const RayScene& ray_scene, const PatchLookup& lookup,
                         std::span<const std::int32_t> near_patches, DisplayMesh& mesh) {
   std::vector<DisplayMesh::Vertex> vertices;
-  const std::vector<std::int32_t> number = place_vertices(scene, lookup, near_patches, vertices);
+  const std::vector<std::int32_t> number = add_vertices(scene, lookup, near_patches, vertices);
   if (vertices.empty()) return;
   const std::vector<bool> is_covered = covered(scene, ray_scene, vertices);
   for (std::int32_t i = 0; i < std::int32_t(scene.patches.size()); ++i) {
@@ -81,9 +81,9 @@ void add_display_facets(const PatchSet& scene, const RayScene& ray_scene, const 
     if (*std::max_element(facet.corners.begin(), facet.corners.end()) >= 0) mesh.facets.push_back(facet);
   }
   const auto count = std::int32_t(vertices.size());
-  const auto make_room = [&](std::int32_t& vertex) { vertex += vertex >= mesh.gathered ? count : 0; };
-  for (auto& cell : mesh.cells) std::for_each(cell.corners.begin(), cell.corners.end(), make_room);
-  for (auto& pair : mesh.midpoints) std::for_each(pair.begin(), pair.end(), make_room);
+  const auto shift_index = [&](std::int32_t& vertex) { vertex += vertex >= mesh.gathered ? count : 0; };
+  for (auto& cell : mesh.cells) std::for_each(cell.corners.begin(), cell.corners.end(), shift_index);
+  for (auto& pair : mesh.midpoints) std::for_each(pair.begin(), pair.end(), shift_index);
   mesh.vertices.insert(mesh.vertices.begin() + mesh.gathered, vertices.begin(), vertices.end());
   mesh.gathered += count;
 }

@@ -8,9 +8,9 @@
 
 namespace patchlight {
 
-/// Gives the smooth vertices of `close` facets, patches of curved meshes that stand near to other surfaces, irradiance
-/// of their own: the mean of the facets about a vertex would blur what stands beside it into its dark foot. Adds them
-/// and all facets about them to `mesh`. Vertices that are covered take what the facet's others have.
+/// Adds the smooth vertices of `near_patches`, patches of curved meshes near other surfaces, to `mesh`, with all facets
+/// around them: the mean of the facets around a vertex would blur the dark contact. Covered vertices take the
+/// irradiance of another vertex of their facet.
 void add_display_facets(const PatchSet& scene, const RayScene& ray_scene, const PatchLookup& lookup,
                         std::span<const std::int32_t> near_patches, DisplayMesh& mesh);
 

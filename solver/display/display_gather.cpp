@@ -17,9 +17,10 @@ namespace patchlight {
 
 namespace {
 
-constexpr int kPasses = 3;  // the first sees whole patches only; the third is for what stands on them
+// The first pass uses means of whole patches; the third serves surfaces that stand on divided patches.
+constexpr int kPasses = 3;
 
-/// The mesh's elements, each with its patch and the vertices that it lies between.
+/// The mesh's elements, each with its patch and the vertices around it.
 class LeafElements {
  public:
   LeafElements(const PatchSet& scene, const DisplayMesh& mesh) : cells_(mesh.cells), patch_of_(mesh.cells.size(), -1) {
@@ -45,8 +46,8 @@ class LeafElements {
   std::vector<std::int32_t> patch_of_;  ///< [cells].
 };
 
-/// Of elements of leaves, as textures and shaders have it there; of whole patches, what they have. Shape:
-/// [mesh.elements].
+/// Reflectance of the leaves' elements from textures and shaders, for patches that are not divided that of the patch.
+/// Shape: [mesh.elements].
 SpectrumField leaf_reflectance(const PatchSet& scene, const DisplayMesh& mesh, const LeafElements& leaves) {
   constexpr int kAcross = 4;
   std::vector<MaterialShader> shaders = compile_shaders(scene);
@@ -63,7 +64,7 @@ SpectrumField leaf_reflectance(const PatchSet& scene, const DisplayMesh& mesh, c
     if (!divided || (!shaded && !is_colored(scene, patch.primitive))) continue;
     for_each_leaf(scene, mesh, i, [&](std::int32_t element, const Patch& leaf) {
       const PatchSampler sampler(primitive, leaf);
-      const int across = leaf.u0 == leaf.u1 ? 1 : kAcross;  // a corner is of no size
+      const int across = leaf.u0 == leaf.u1 ? 1 : kAcross;  // a corner has no size
       Spectrum sum;
       int count = 0;
       for (int k = 0; k < across * across; ++k) {
@@ -80,12 +81,12 @@ SpectrumField leaf_reflectance(const PatchSet& scene, const DisplayMesh& mesh, c
   return reflectance;
 }
 
-/// One light group's display solution in the making.
+/// Display solution of one light group while it is gathered.
 class Gather {
  public:
   Gather(const PatchSet& scene, const Transport& transport, const std::vector<Emitter>& emitters,
          const LeafElements& leaves, const SpectrumField& leaf_reflectance, EnergyField::Group& group,
-         RadiosityTable& sent, std::size_t field)
+         RadiosityTable& radiosity, std::size_t field)
       : scene_(scene),
         transport_(transport),
         mesh_(transport.display->mesh),
@@ -96,63 +97,65 @@ class Gather {
         light_group_(std::int32_t(std::find(scene.light_groups.begin(), scene.light_groups.end(), group.name) -
                                   scene.light_groups.begin())),
         patches_(scene.patches.size()),
-        sent_(sent),
+        radiosity_(radiosity),
         field_(field) {
-    emit();
-    send_sky();
+    set_emission();
+    set_sky_radiosity();
     interpolate_photons();
   }
 
-  /// Sends what rows are to gather: in the first pass of patches, then of what the pass before found at the leaves.
+  /// Sets the radiosity to gather: in the first pass from patches, later from the previous pass's irradiance at leaves.
   FormFactorRows::Output begin_pass() {
     if (at_vertices_.empty()) {
       for (std::size_t i = 0; i < patches_; ++i)
-        sent_.set(field_, i,
-                  others_[i] + Spectrum(scene_.patches[i].reflectance) *
-                                   (Spectrum(group_.direct[i]) + Spectrum(group_.indirect[i])));
-      leaves_.for_each([&](std::size_t patch, std::int32_t element, auto) { send(patch, element, from_patch(patch)); });
+        radiosity_.set(field_, i,
+                       gathered_emission_[i] + Spectrum(scene_.patches[i].reflectance) *
+                                                   (Spectrum(group_.direct[i]) + Spectrum(group_.indirect[i])));
+      leaves_.for_each([&](std::size_t patch, std::int32_t element, auto) {
+        set_radiosity(patch, element, irradiance_of_patch(patch));
+      });
       at_vertices_.resize(mesh_.gathered);
     } else {
       leaves_.for_each([&](std::size_t patch, std::int32_t element, std::span<const std::int32_t> corners) {
         Spectrum sum;
-        for (const std::int32_t corner : corners) sum += at_vertex(corner);
-        send(patch, element, sum * Spectrum(1.0 / double(corners.size())));
+        for (const std::int32_t corner : corners) sum += irradiance_at_vertex(corner);
+        set_radiosity(patch, element, sum * Spectrum(1.0 / double(corners.size())));
       });
     }
     return {&at_vertices_};
   }
 
-  /// Adds what comes from emitters by way of mirrors.
+  /// Adds specular reflections of explicitly sampled emitters.
   void end_pass(const FormFactorRows& rows) {
     if (!group_.by_photons.empty()) {
       for (std::int32_t i = 0; i < mesh_.gathered; ++i) at_vertices_[i] += by_photons_[i];
     } else if (!transport_.display->rows.mirrored.empty()) {
-      SpectrumField by_mirrors(mesh_.gathered), deviation(mesh_.gathered);
-      rows.gather_mirrored(emitted_explicitly(), by_mirrors, deviation);
-      for (std::int32_t i = 0; i < mesh_.gathered; ++i) at_vertices_[i] += by_mirrors[i];
+      SpectrumField mirrored(mesh_.gathered), deviation(mesh_.gathered);
+      rows.gather_mirrored(explicit_exitance(), mirrored, deviation);
+      for (std::int32_t i = 0; i < mesh_.gathered; ++i) at_vertices_[i] += mirrored[i];
     }
   }
 
   void finish() { group_.display = to_colors(at_vertices_, group_.name); }
 
  private:
-  /// Light of emitters: of those apart, at leaves; of others, wherever rays end on them.
-  void emit() {
-    others_.resize(patches_);
+  /// Sets direct light of explicitly sampled emitters at leaves, and the emission that rays gather from other emitters.
+  void set_emission() {
+    gathered_emission_.resize(patches_);
     direct_.assign(mesh_.elements, Color(0.0f));
     for (std::size_t i = 0; i < patches_; ++i)
-      if (is_of_group(i)) others_[i] = Spectrum(scene_.patches[i].emission);
+      if (is_of_group(i)) gathered_emission_[i] = Spectrum(scene_.patches[i].emission);
     for (std::size_t e = 0; e < emitters_.size(); ++e) {
       const Transport::Emitter& emitter = transport_.emitters[e];
       const Color exitance = exitance_of(emitters_[e]);
-      std::fill_n(others_.begin() + emitter.first_patch, emitter.patches, Spectrum());
+      std::fill_n(gathered_emission_.begin() + emitter.first_patch, emitter.patches, Spectrum());
       if (exitance == Color(0.0f)) continue;
       for (std::int32_t k = 0; k < mesh_.elements; ++k)
         direct_[k] += exitance * (0.5f * (emitter.display[2 * k] + emitter.display[2 * k + 1]));
     }
   }
 
-  /// Of an emitter that is sampled apart; zero in other groups.
+  /// Exitance of an explicitly sampled emitter; zero if it is in another group.
   Color exitance_of(const Emitter& emitter) const {
     if (emitter.light < 0)
       return is_of_group(emitter.first_patch) ? scene_.patches[emitter.first_patch].emission : Color(0.0f);
@@ -160,26 +163,26 @@ class Gather {
     return light.light_group == light_group_ ? light.strength : Color(0.0f);
   }
 
-  void send_sky() {
+  void set_sky_radiosity() {
     if (!scene_.environment) return;
     const Environment& sky = *scene_.environment;
     if (sky.light_group != light_group_) return;
     for (std::size_t k = 0; k < sky.cells.size(); ++k)
-      sent_.set(field_, patches_ + mesh_.elements + k, Spectrum(sky.cells[k]) * Spectrum(kPi));
+      radiosity_.set(field_, patches_ + mesh_.elements + k, Spectrum(sky.cells[k]) * Spectrum(kPi));
   }
 
-  /// What patches and their elements emit that are sampled apart.
-  SpectrumField emitted_explicitly() const {
-    SpectrumField separate(sent_.elements());
+  /// Exitance of explicitly sampled patches and of their elements. Shape: [elements].
+  SpectrumField explicit_exitance() const {
+    SpectrumField exitance(radiosity_.elements());
     for (const auto& emitter : transport_.emitters)
       for (std::int32_t j = emitter.first_patch; j < emitter.first_patch + emitter.patches; ++j)
-        if (is_of_group(j)) separate[j] = Spectrum(scene_.patches[j].emission);
+        if (is_of_group(j)) exitance[j] = Spectrum(scene_.patches[j].emission);
     leaves_.for_each(
-        [&](std::size_t patch, std::int32_t element, auto) { separate[patches_ + element] = separate[patch]; });
-    return separate;
+        [&](std::size_t patch, std::int32_t element, auto) { exitance[patches_ + element] = exitance[patch]; });
+    return exitance;
   }
 
-  /// Caustics are patches' means, here as where patches are whole.
+  /// Interpolates caustics, which are patch means, at the vertices.
   void interpolate_photons() {
     if (group_.by_photons.empty()) return;
     const PatchLookup lookup(scene_);
@@ -191,39 +194,39 @@ class Gather {
     return scene_.primitives[scene_.patches[i].primitive].light_group == light_group_;
   }
 
-  void send(std::size_t patch, std::int32_t element, const Spectrum& irradiance) {
-    sent_.set(field_, patches_ + element,
-              others_[patch] + leaf_reflectance_[element] * (Spectrum(direct_[element]) + irradiance));
+  void set_radiosity(std::size_t patch, std::int32_t element, const Spectrum& irradiance) {
+    radiosity_.set(field_, patches_ + element,
+                   gathered_emission_[patch] + leaf_reflectance_[element] * (Spectrum(direct_[element]) + irradiance));
   }
 
-  Spectrum from_patch(std::size_t i) const {
+  Spectrum irradiance_of_patch(std::size_t i) const {
     Spectrum sum(group_.indirect[i]);
     if (!group_.gathered_direct.empty()) sum += Spectrum(group_.gathered_direct[i]);
     return sum;
   }
 
-  Spectrum at_vertex(std::int32_t i) const {
+  Spectrum irradiance_at_vertex(std::int32_t i) const {
     if (i < mesh_.gathered) return at_vertices_[i];
     const std::size_t k = i - (mesh_.vertices.size() - mesh_.midpoints.size());
-    if (k >= mesh_.midpoints.size()) return from_patch(mesh_.vertices[i].patch);
-    return (at_vertex(mesh_.midpoints[k][0]) + at_vertex(mesh_.midpoints[k][1])) * Spectrum(0.5);
+    if (k >= mesh_.midpoints.size()) return irradiance_of_patch(mesh_.vertices[i].patch);
+    return (irradiance_at_vertex(mesh_.midpoints[k][0]) + irradiance_at_vertex(mesh_.midpoints[k][1])) * Spectrum(0.5);
   }
 
   const PatchSet& scene_;
   const Transport& transport_;
   const DisplayMesh& mesh_;
-  const std::vector<Emitter>& emitters_;  ///< Those of `transport_`.
+  const std::vector<Emitter>& emitters_;  ///< As in `transport_`.
   const LeafElements& leaves_;
   const SpectrumField& leaf_reflectance_;
   EnergyField::Group& group_;
   const std::int32_t light_group_;
   const std::size_t patches_;
-  RadiosityTable& sent_;  ///< Of patches, of the mesh's elements, and of the environment's cells.
+  RadiosityTable& radiosity_;  ///< [patches, mesh elements, environment cells].
   const std::size_t field_;
-  SpectrumField others_;       ///< [patches], emitted by those that are not sampled apart.
-  SpectrumField by_photons_;   ///< [gathered], of emitters apart; empty: rows tell it.
-  std::vector<Color> direct_;  ///< [mesh elements], of emitters apart.
-  SpectrumField at_vertices_;  ///< [gathered]; empty before the first pass.
+  SpectrumField gathered_emission_;  ///< [patches] Exitance of emitters that are not sampled explicitly.
+  SpectrumField by_photons_;         ///< [gathered] Light of explicitly sampled emitters by metals; empty: none.
+  std::vector<Color> direct_;        ///< [mesh elements] Direct irradiance by explicitly sampled emitters.
+  SpectrumField at_vertices_;        ///< [gathered]; empty before the first pass.
 };
 
 }  // namespace
@@ -236,14 +239,14 @@ void gather_display(const PatchSet& scene, const Transport& transport, std::vect
   const std::size_t elements = scene.patches.size() + transport.display->mesh.elements + scene.sky_cells();
   for (std::size_t first = 0; first < groups.size(); first += RadiosityTable::kMaxFields) {
     const std::size_t count = std::min(groups.size() - first, RadiosityTable::kMaxFields);
-    RadiosityTable sent(count, elements, RadiosityTable::Precision::single);
+    RadiosityTable radiosity(count, elements, RadiosityTable::Precision::single);
     std::vector<Gather> gathers;
     for (std::size_t f = 0; f < count; ++f)
-      gathers.emplace_back(scene, transport, emitters, leaves, reflectance, groups[first + f], sent, f);
+      gathers.emplace_back(scene, transport, emitters, leaves, reflectance, groups[first + f], radiosity, f);
     for (int pass = 0; pass < kPasses; ++pass) {
-      std::vector<FormFactorRows::Output> receivers;
-      for (Gather& gather : gathers) receivers.push_back(gather.begin_pass());
-      rows.gather(sent, receivers);
+      std::vector<FormFactorRows::Output> outputs;
+      for (Gather& gather : gathers) outputs.push_back(gather.begin_pass());
+      rows.gather(radiosity, outputs);
       for (Gather& gather : gathers) gather.end_pass(rows);
     }
     for (Gather& gather : gathers) gather.finish();

@@ -7,9 +7,9 @@
 
 namespace patchlight {
 
-/// Sets each group's `display`: irradiance that the display mesh's vertices gather of a solution, in passes, each of
-/// which sees what the one before it found at the leaves. Throws: Error (bad_data) for irradiance beyond single
-/// precision.
+/// Sets each group's `display`: the irradiance that the display mesh's vertices gather from a solution, in several
+/// passes, each of which uses the irradiance that the previous one found at the leaves.
+/// Throws: Error (bad_data) if the irradiance is too large for single precision.
 void gather_display(const PatchSet& scene, const Transport& transport, std::vector<EnergyField::Group>& groups);
 
 }  // namespace patchlight

@@ -18,14 +18,15 @@ namespace patchlight {
 namespace {
 
 // Measured: smaller values cost more vertices than they are worth.
-constexpr float kNear = 0.25f;    // size over harmonic mean distance from which a patch gets vertices of its own
-constexpr float kSplit = 0.25f;   // and from which it is cut
-constexpr float kContact = 4.0f;  // and from which it is cut a last time: where things touch or stand just off a wall
+// Thresholds of the size of a patch or cell over the harmonic mean distance.
+constexpr float kNear = 0.25f;    // for vertices of its own
+constexpr float kSplit = 0.25f;   // for refinement
+constexpr float kContact = 4.0f;  // for refinement to the last level, at contacts and small gaps
 
-/// How cells lie among other surfaces.
-struct PartRefinement {
-  float refinement_criterion = 0.0f;  ///< Size over harmonic mean distance.
-  bool cut = false;                   ///< Something stands between the corners.
+/// Measures for the refinement of a patch or cell.
+struct CellMeasure {
+  float criterion = 0.0f;  ///< Size over harmonic mean distance.
+  bool cut = false;        ///< A surface stands between the corners.
 };
 
 class Builder {
@@ -35,30 +36,30 @@ class Builder {
 
   DisplayMesh build(std::int64_t& cast) {
     mesh_.roots.assign(scene_.patches.size(), -1);
-    plant(cast);
+    add_roots(cast);
     std::vector<std::int32_t> level;
     for (std::size_t i = 0; i < mesh_.cells.size(); ++i) level.push_back(std::int32_t(i));
-    for (int depth = 0; !level.empty(); ++depth) level = grow(level, depth, cast);
+    for (int depth = 0; !level.empty(); ++depth) level = refine(level, depth, cast);
     add_display_vertices(scene_, ray_scene_, lookup_, smooth_, mesh_);
     for (auto& cell : mesh_.cells) {
       if (cell.children < 0) cell.leaf = mesh_.elements;
       mesh_.elements += cell.elements();
     }
-    add_display_facets(scene_, ray_scene_, lookup_, close_facets_, mesh_);
+    add_display_facets(scene_, ray_scene_, lookup_, near_facets_, mesh_);
     cast += std::int64_t(mesh_.vertices.size()) * RayPacket::kSize;
     return std::move(mesh_);
   }
 
  private:
-  /// Roots for patches that are too close to others, and for those about them, so that what borders on whole patches is
-  /// smooth enough for what they say.
-  void plant(std::int64_t& cast) {
-    const std::vector<PartRefinement> found = refinement_of(scene_.patches, cast);
+  /// Adds roots for patches near other surfaces and for their neighbours, so that irradiance varies little where
+  /// divided patches border on undivided ones.
+  void add_roots(std::int64_t& cast) {
+    const std::vector<CellMeasure> measures = measure(scene_.patches, cast);
     const DirectFactors::FindNeighbours neighbours = grid_neighbours(scene_, lookup_);
-    for (std::int32_t i = 0; i < std::int32_t(found.size()); ++i) {
-      if (found[i].refinement_criterion < kNear && !found[i].cut) continue;
+    for (std::int32_t i = 0; i < std::int32_t(measures.size()); ++i) {
+      if (measures[i].criterion < kNear && !measures[i].cut) continue;
       if (is_facet(scene_.patches[i].primitive)) {
-        close_facets_.push_back(i);
+        near_facets_.push_back(i);
         continue;
       }
       mesh_.roots[i] = 0;
@@ -69,31 +70,31 @@ class Builder {
       if (mesh_.roots[i] < 0) continue;
       mesh_.roots[i] = std::int32_t(mesh_.cells.size());
       mesh_.cells.emplace_back();
-      parts_.push_back(scene_.patches[i]);
+      cell_patches_.push_back(scene_.patches[i]);
     }
   }
 
-  /// Cuts those of a level's cells that need it, if there may be another level. Returns the new ones.
-  std::vector<std::int32_t> grow(const std::vector<std::int32_t>& level, int depth, std::int64_t& cast) {
-    const auto is_to_be_cut = [&](const PartRefinement& at) {
-      if (depth + 1 < kDisplayLevels) return at.refinement_criterion >= kSplit || at.cut;
-      return depth < kDisplayLevels && at.refinement_criterion >= kContact;
+  /// Divides the cells of a level that need it. Returns the new cells.
+  std::vector<std::int32_t> refine(const std::vector<std::int32_t>& level, int depth, std::int64_t& cast) {
+    const auto needs_refinement = [&](const CellMeasure& cell) {
+      if (depth + 1 < kDisplayLevels) return cell.criterion >= kSplit || cell.cut;
+      return depth < kDisplayLevels && cell.criterion >= kContact;
     };
     std::vector<Patch> parts;
-    for (const std::int32_t i : level) parts.push_back(parts_[i]);
-    const std::vector<PartRefinement> found = refinement_of(parts, cast);
+    for (const std::int32_t i : level) parts.push_back(cell_patches_[i]);
+    const std::vector<CellMeasure> measures = measure(parts, cast);
     std::vector<std::int32_t> next;
     for (std::size_t k = 0; k < level.size(); ++k) {
       DisplayMesh::Cell& cell = mesh_.cells[level[k]];
-      if (!is_to_be_cut(found[k])) {
-        cell.cut = found[k].cut;
+      if (!needs_refinement(measures[k])) {
+        cell.cut = measures[k].cut;
         continue;
       }
       cell.children = std::int32_t(mesh_.cells.size());
       for (const Patch& quarter : quarters(scene_, parts[k])) {
         next.push_back(std::int32_t(mesh_.cells.size()));
         mesh_.cells.emplace_back();
-        parts_.push_back(quarter);
+        cell_patches_.push_back(quarter);
       }
     }
     return next;
@@ -103,19 +104,20 @@ class Builder {
     return (lookup_.rows(i) == 1 || lookup_.row(i, 0).cells == 1) && smooth_.is_smooth(scene_.primitives[i]);
   }
 
-  std::vector<PartRefinement> refinement_of(const std::vector<Patch>& parts, std::int64_t& cast) const {
+  std::vector<CellMeasure> measure(const std::vector<Patch>& parts, std::int64_t& cast) const {
     constexpr int kBlock = 256;
-    std::vector<PartRefinement> found(parts.size());
+    std::vector<CellMeasure> measures(parts.size());
     const int count = int(parts.size());
     tbb::parallel_for(0, (count + kBlock - 1) / kBlock, [&](int block) {
       _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree requires denormals to be flushed
       for (int k = block * kBlock; k < std::min((block + 1) * kBlock, count); ++k)
-        found[k] = {refinement_criterion(scene_, ray_scene_, parts[k], hash64(seed_ ^ hash64(std::uint64_t(k)))).value,
-                    is_cut(scene_, ray_scene_, parts[k])};
+        measures[k] = {
+            refinement_criterion(scene_, ray_scene_, parts[k], hash64(seed_ ^ hash64(std::uint64_t(k)))).value,
+            is_cut(scene_, ray_scene_, parts[k])};
     });
     cast += std::int64_t(count) * (RayPacket::kSize + 6);
     Progress::check_interrupted();
-    return found;
+    return measures;
   }
 
   const PatchSet& scene_;
@@ -124,8 +126,8 @@ class Builder {
   const SmoothEdges smooth_;
   const std::uint64_t seed_;
   DisplayMesh mesh_;
-  std::vector<Patch> parts_;                ///< [cells].
-  std::vector<std::int32_t> close_facets_;  ///< Patches.
+  std::vector<Patch> cell_patches_;        ///< [cells].
+  std::vector<std::int32_t> near_facets_;  ///< Patches.
 };
 
 }  // namespace

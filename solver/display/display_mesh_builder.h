@@ -8,11 +8,10 @@
 
 namespace patchlight {
 
-/// Cuts patches into quadtrees where they are large for how near other surfaces are: by the harmonic mean of the
-/// distances that a few rays go (Ward, Rubinstein and Clear 1988), and where something stands on them. Facets of curved
-/// meshes stay whole.
+/// Refines patches into quadtrees where they are large relative to the harmonic mean distance to other surfaces (Ward,
+/// Rubinstein and Clear 1988), or where other surfaces stand on them. Facets of curved meshes are not divided.
 ///
-/// The same for any number of threads. Adds the number of rays to `cast`. Throws: Error (interrupted).
+/// The result does not depend on the number of threads. Adds the number of rays to `cast`. Throws: Error (interrupted).
 DisplayMesh build_display_mesh(const PatchSet& scene, const RayScene& ray_scene, const PatchLookup& lookup,
                                std::uint64_t seed, std::int64_t& cast);
 

@@ -14,15 +14,15 @@ namespace patchlight {
 
 namespace {
 
-constexpr int kOfPatch = 2;  // rays of a patch for one of a vertex: there are many vertices where it matters,
-constexpr int kLeast = 128;  // but few rays of one show as blotches
-constexpr int kFewer = 8;    // of a vertex, for one of those that ask for the direct light of an element
+constexpr int kPatchRaysPerVertexRay = 2;   // vertices are dense where irradiance varies
+constexpr int kMinVertexRays = 128;         // with fewer rays vertices show as blotches
+constexpr int kVertexRaysPerShadowRay = 8;  // rays of a vertex over the sample budget of an element's direct light
 
 std::uint64_t display_seed(const SolveConfig& config) {
   return hash64(std::uint64_t(config.seed));
 }
 
-/// Vertices that gather, as patches of no size, with the smooth normals of curved meshes.
+/// The gathering vertices as patches of no size, with the smooth normals of curved meshes.
 std::vector<Patch> receivers(const PatchSet& scene, const DisplayMesh& mesh) {
   const SmoothNormals normals(scene);
   std::vector<Patch> points;
@@ -34,37 +34,39 @@ std::vector<Patch> receivers(const PatchSet& scene, const DisplayMesh& mesh) {
   return points;
 }
 
-/// Leaves stand in the order of their places, as far as they can in a row.
-int row_neighbours(const std::vector<Patch>& leaves, std::int32_t i, DirectFactors::NeighbourList& near) {
+/// Finds neighbours of a leaf by index, since consecutive leaves are mostly adjacent.
+int leaf_neighbours(const std::vector<Patch>& leaves, std::int32_t i, DirectFactors::NeighbourList& near) {
   int count = 0;
   for (std::int32_t j = std::max(0, i - 4); j <= std::min(std::int32_t(leaves.size()) - 1, i + 4); ++j)
     if (j != i && leaves[j].primitive == leaves[i].primitive) near[count++] = j;
   return count;
 }
 
-std::int64_t complete(const PatchSet& scene, const SolveConfig& config, int rays, Transport& transport,
-                      Progress& progress) {
+/// Casts and samples what `transport` lacks for the display solution. Returns the number of rays.
+std::int64_t complete_display(const PatchSet& scene, const SolveConfig& config, int rays, Transport& transport,
+                              Progress& progress) {
   const auto is_complete = [&] {
     return transport.display && std::all_of(transport.emitters.begin(), transport.emitters.end(),
                                             [](const Transport::Emitter& e) { return !e.display.empty(); });
   };
   if (is_complete()) return 0;
   const RayScene ray_scene(scene);
-  std::int64_t cast = 0, for_mesh = 0;
+  std::int64_t cast = 0, mesh_rays = 0;
   if (!transport.display) {
-    cast = cast_display(scene, ray_scene, config, rays, transport.display.emplace(), for_mesh, progress);
-    cast += for_mesh;
+    cast = cast_display(scene, ray_scene, config, rays, transport.display.emplace(), mesh_rays, progress);
+    cast += mesh_rays;
   }
   const std::vector<Patch> leaves = leaf_patches(scene, transport.display->mesh);
   const DirectFactors direct(
-      scene, ray_scene, leaves, [&](std::int32_t i, auto& near) { return row_neighbours(leaves, i, near); },
+      scene, ray_scene, leaves, [&](std::int32_t i, auto& near) { return leaf_neighbours(leaves, i, near); },
       display_seed(config));
   const std::vector<Emitter> emitters = explicit_emitters(scene);
   for (std::size_t k = 0; k < emitters.size(); ++k) {
     if (k == transport.emitters.size())
       transport.emitters.push_back({emitters[k].first_patch, emitters[k].patches, {}, {}});
     if (transport.emitters[k].display.empty())
-      transport.emitters[k].display = direct.sample(emitters[k], emitters.size(), rays / kFewer, cast).factors;
+      transport.emitters[k].display =
+          direct.sample(emitters[k], emitters.size(), rays / kVertexRaysPerShadowRay, cast).factors;
     progress.update(double(k + 1) / double(emitters.size()), "direct light of the display solution");
   }
   transport.changed = true;
@@ -74,13 +76,13 @@ std::int64_t complete(const PatchSet& scene, const SolveConfig& config, int rays
 }  // namespace
 
 int display_rays(int rays) {
-  return std::max(std::min(rays, kLeast), rays / kOfPatch);
+  return std::max(std::min(rays, kMinVertexRays), rays / kPatchRaysPerVertexRay);
 }
 
 std::int64_t cast_display(const PatchSet& scene, const RayScene& ray_scene, const SolveConfig& config, int rays,
-                          Transport::Display& display, std::int64_t& for_mesh, Progress& progress, Shard shard) {
+                          Transport::Display& display, std::int64_t& mesh_rays, Progress& progress, Shard shard) {
   const std::uint64_t seed = display_seed(config);
-  display.mesh = build_display_mesh(scene, ray_scene, PatchLookup(scene), seed, for_mesh);
+  display.mesh = build_display_mesh(scene, ray_scene, PatchLookup(scene), seed, mesh_rays);
   const std::vector<Patch> points = receivers(scene, display.mesh);
   const Elements elements(scene, ray_scene, display.mesh);
   return RayRows(scene, ray_scene, points, elements, seed, RayRows::SampleSets::joint)
@@ -90,7 +92,8 @@ std::int64_t cast_display(const PatchSet& scene, const RayScene& ray_scene, cons
 void add_display_solution(const PatchSet& scene, const SolveConfig& config, Transport& transport, EnergyField& energy,
                           Progress& progress) {
   if (scene.light_groups.empty()) return;
-  energy.rays += complete(scene, config, display_rays(std::max(config.rays, transport.rays)), transport, progress);
+  energy.rays +=
+      complete_display(scene, config, display_rays(std::max(config.rays, transport.rays)), transport, progress);
   gather_display(scene, transport, energy.groups);
   energy.display = transport.display->mesh;
 }

@@ -8,21 +8,21 @@
 
 namespace patchlight {
 
-/// Adds the display solution to `energy`: where patches are too large for how irradiance varies, a final gather at the
-/// vertices of a DisplayMesh. It sees patches and, in their place, the mesh's leaves: with their own direct light, and
-/// with what a first gather brought their corners, which is what mends creases and contacts.
+/// Adds the display solution to `energy`: a final gather at the vertices of a DisplayMesh, where irradiance varies too
+/// much within patches. It gathers from patches and, where they are divided, from the mesh's leaves, with the leaves'
+/// direct light and the irradiance of an earlier gather at their corners, which improves creases and contacts.
 ///
-/// What needs rays goes into `transport`, and into energy.rays how many, unless it is there already.
-/// The same for any number of threads. Throws: Error (interrupted).
+/// Rows that `transport` lacks are cast, added to it, and counted in energy.rays. The result does not depend on the
+/// number of threads. Throws: Error (interrupted), (bad_data).
 void add_display_solution(const PatchSet& scene, const SolveConfig& config, Transport& transport, EnergyField& energy,
                           Progress& progress);
 
-/// Rays of a vertex of the display mesh, where a patch has `rays`.
+/// Rays of a display mesh vertex where patches have `rays` rays.
 int display_rays(int rays);
 
-/// Builds the display mesh, which adds to `for_mesh` the number of rays, and casts the rows of a shard's vertices with
-/// `rays` each. Returns the number of these. Throws: Error (interrupted).
+/// Builds the display mesh, adding its number of rays to `mesh_rays`, and casts the rows of a shard's vertices with
+/// `rays` rays each. Returns the number of the rows' rays. Throws: Error (interrupted).
 std::int64_t cast_display(const PatchSet& scene, const RayScene& ray_scene, const SolveConfig& config, int rays,
-                          Transport::Display& display, std::int64_t& for_mesh, Progress& progress, Shard shard = {});
+                          Transport::Display& display, std::int64_t& mesh_rays, Progress& progress, Shard shard = {});
 
 }  // namespace patchlight

@@ -13,12 +13,12 @@ namespace patchlight {
 
 namespace {
 
-constexpr int kSteps = 1 << kDisplayLevels;  // of the finest cells along a patch
-constexpr float kCovered = 0.75f;            // of the exposure of other corners, below which a corner has no say: more
-                                             // than what is left at the very edge of a panel near by
-constexpr float kNudge = 0.02f;              // of a finest cell: how far vertices stay off where surfaces may meet
+constexpr int kSteps = 1 << kDisplayLevels;  // finest cells along a patch
+constexpr float kMinVisibility = 0.75f;      // visibility, relative to the most visible corner of a leaf, below which a
+                                             // corner is hidden; higher than at the edge of a panel near a wall
+constexpr float kNudge = 0.02f;  // of a finest cell: distance of vertices from edges, where surfaces may meet
 
-/// A place on the lattice of a primitive's finest cells; on a sphere, of a ring's.
+/// A node of the lattice of a primitive's finest cells; on a sphere, of a ring's.
 struct Node {
   std::int32_t row_first = 0;  ///< First patch of the ring, or of the plane.
   std::int32_t x = 0, y = 0;
@@ -126,17 +126,17 @@ class Vertices {
     });
     for (const Leaf& leaf : leaves_) {
       DisplayMesh::Cell& cell = mesh_.cells[leaf.cell];
-      float most = 0;
-      for (const std::int32_t k : cell.corners) most = std::max(most, visible[k]);
+      float largest = 0;
+      for (const std::int32_t k : cell.corners) largest = std::max(largest, visible[k]);
       for (const std::int32_t k : cell.corners) {
-        if (visible[k] >= kCovered * most) continue;
+        if (visible[k] >= kMinVisibility * largest) continue;
         mesh_.vertices[k].hidden = true;
         cell.cut = true;
       }
     }
   }
 
-  /// Whether a place touches a whole patch, or a neighbour that it meets smoothly.
+  /// Whether a point lies on an undivided patch, or on an edge shared smoothly with a neighbour.
   bool is_border(std::int32_t i, float u, float v, float u_step, float v_step) const {
     const Primitive& primitive = scene_.primitives[i];
     const bool sphere = primitive.shape == Primitive::Shape::sphere;
@@ -150,7 +150,7 @@ class Vertices {
     return false;
   }
 
-  /// Vertices between the ends of a leaf's edge belong to smaller leaves beside it.
+  /// Finds vertices of smaller leaves on the edge of a leaf.
   void find_midpoints(const Node& a, const Node& b) {
     if (std::abs(b.x - a.x) + std::abs(b.y - a.y) < 2) return;
     const Node middle{a.row_first, (a.x + b.x) / 2, (a.y + b.y) / 2};
@@ -193,7 +193,7 @@ class Vertices {
   std::vector<Leaf> leaves_;
   std::unordered_map<Node, std::int32_t, NodeHash> numbers_;
   std::vector<Kind> kinds_;                             ///< [vertices].
-  std::vector<std::array<std::int32_t, 3>> midpoints_;  ///< A vertex, and the two that it lies between.
+  std::vector<std::array<std::int32_t, 3>> midpoints_;  ///< A vertex and the two vertices it lies between.
 };
 
 }  // namespace

@@ -8,23 +8,23 @@
 
 namespace patchlight {
 
-constexpr int kDisplayLevels = 3;  ///< How often a patch may be halved along each side.
+constexpr int kDisplayLevels = 3;  ///< Largest number of subdivisions of a patch.
 
-/// Which edges of quads meet others without a crease.
+/// Finds the edges of quads that join other quads smoothly.
 class SmoothEdges {
  public:
   explicit SmoothEdges(const PatchSet& scene);
 
   bool is_smooth(const Primitive& primitive) const;
-  /// Edges lie at v = 0, u = 1, v = 1, u = 0.
+  /// Edges 0 to 3 are at v = 0, u = 1, v = 1, u = 0.
   bool is_smooth(const Primitive& primitive, int edge) const;
 
  private:
   std::unordered_map<std::uint64_t, int> count_;
 };
 
-/// Gives the leaves of a mesh their corners: those of neighbours are one vertex. Leaves some of whose corners are much
-/// less exposed than others are cut.
+/// Adds the vertices at the corners of a mesh's leaves, shared by neighbours. Leaves with corners of much lower
+/// visibility than others are marked as cut.
 void add_display_vertices(const PatchSet& scene, const RayScene& ray_scene, const PatchLookup& lookup,
                           const SmoothEdges& smooth, DisplayMesh& mesh);
 

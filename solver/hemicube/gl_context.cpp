@@ -18,7 +18,7 @@ bool initialized(EGLDisplay display) {
   return display != EGL_NO_DISPLAY && eglInitialize(display, nullptr, nullptr) == EGL_TRUE;
 }
 
-/// A GPU's display. Software devices are left out: the surfaceless platform starts faster.
+/// Display of a GPU. Software devices are skipped: the surfaceless platform starts faster.
 EGLDisplay gpu_display() {
   if (!epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_EXT_device_enumeration") ||
       !epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_EXT_device_query"))
@@ -70,9 +70,9 @@ struct GlContext::State {
   EGLDisplay display = EGL_NO_DISPLAY;
   EGLContext context = EGL_NO_CONTEXT;
 
-  bool open(EGLDisplay on) {
-    if (on == EGL_NO_DISPLAY) return false;
-    display = on;
+  bool open(EGLDisplay candidate) {
+    if (candidate == EGL_NO_DISPLAY) return false;
+    display = candidate;
     context = make_context(display);
     return context != EGL_NO_CONTEXT && eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context);
   }
@@ -80,7 +80,7 @@ struct GlContext::State {
 
 GlContext::GlContext() : state_(std::make_unique<State>()) {
   if (state_->open(gpu_display()) || state_->open(surfaceless_display())) return;
-  throw Error(ExitCode::unavailable, "no OpenGL 4.5 context can be had", "EGL",
+  throw Error(ExitCode::unavailable, "no OpenGL 4.5 context is available", "EGL",
               "install Mesa's libegl1 and libgl1-mesa-dri or the GPU's driver, or use `solve.form_factors: rays`");
 }
 

@@ -4,15 +4,15 @@
 
 namespace patchlight {
 
-/// An OpenGL 4.5 core context without a window, current on the thread that made it: on a GPU where EGL offers one, else
+/// An OpenGL 4.5 core context without a window, current on the thread that created it: on a GPU if EGL offers one, else
 /// on Mesa's software rasteriser.
 class GlContext {
  public:
-  /// Throws: Error (unavailable) where no such context can be had.
+  /// Throws: Error (unavailable) if there is no such context.
   GlContext();
   ~GlContext();
 
-  /// As the driver names itself.
+  /// The driver's GL_RENDERER string.
   std::string renderer() const;
 
  private:
@@ -20,7 +20,7 @@ class GlContext {
   std::unique_ptr<State> state_;
 };
 
-/// Compiles and links a program. A fault of the sources asserts.
+/// Compiles and links a program. Aborts if a source has errors.
 unsigned link_program(const char* vertex_source, const char* fragment_source);
 
 }  // namespace patchlight

@@ -12,7 +12,8 @@ namespace patchlight {
 
 namespace {
 
-// Hemicubes are drawn above each other before their cells are read back: narrow images keep a tile's rows together.
+// Several hemicubes are drawn one above the other and then read back at once: narrow images keep a tile's rows
+// adjacent.
 constexpr int kImageHeight = 3072;
 
 }  // namespace
@@ -66,15 +67,19 @@ std::vector<float> hemicube_weights(int resolution) {
 }
 
 HemicubeFormFactors::HemicubeFormFactors(const PatchSet& scene, int resolution, std::uint64_t seed)
-    : scene_(scene), resolution_(resolution), seed_(seed), renderer_(scene), row_(scene.patches.size() + 1, 0.0f) {
+    : scene_(scene),
+      resolution_(resolution),
+      seed_(seed),
+      renderer_(scene),
+      factor_of_id_(scene.patches.size() + 1, 0.0f) {
   if (resolution % 2 != 0)
-    throw Error(ExitCode::bad_config, "an odd number of cells", "solve.hemicube_resolution",
-                "its side faces are halves: take an even number");
-  sums_ = hemicube_weights(resolution);
-  for (std::size_t i = 1; i < sums_.size(); ++i)
-    if (i % std::size_t(resolution) != 0) sums_[i] += sums_[i - 1];
-  ends_.resize(std::size_t(resolution));
-  reached_.resize(sums_.size() + 1);
+    throw Error(ExitCode::bad_config, "the number of cells is odd", "solve.hemicube_resolution",
+                "use an even number: side faces are half as high as the top");
+  prefix_sums_ = hemicube_weights(resolution);
+  for (std::size_t i = 1; i < prefix_sums_.size(); ++i)
+    if (i % std::size_t(resolution) != 0) prefix_sums_[i] += prefix_sums_[i - 1];
+  run_ends_.resize(std::size_t(resolution));
+  visible_ids_.resize(prefix_sums_.size() + 1);
 }
 
 std::size_t HemicubeFormFactors::batch(std::span<const Shot> shots) const {
@@ -87,12 +92,12 @@ std::vector<std::span<const FormFactor>> HemicubeFormFactors::rows(std::span<con
   for (std::size_t k = 0; k < shots.size(); ++k) draw(shots[k], height * int(k));
   const std::vector<std::uint32_t>& ids = renderer_.read();
   factors_.clear();
-  std::vector<std::size_t> columns;
+  std::vector<std::size_t> row_ends;
   for (std::size_t k = 0; k < shots.size(); ++k)
-    columns.push_back(gather(ids.data() + std::size_t(height) * k * resolution_));
+    row_ends.push_back(gather(ids.data() + std::size_t(height) * k * resolution_));
   std::vector<std::span<const FormFactor>> result;
   std::size_t begin = 0;
-  for (const std::size_t end : columns) {
+  for (const std::size_t end : row_ends) {
     result.push_back(std::span(factors_).subspan(begin, end - begin));
     begin = end;
   }
@@ -104,12 +109,12 @@ void HemicubeFormFactors::draw(const Shot& shot, int bottom) {
   const Primitive& primitive = scene_.primitives[patch.primitive];
   const std::uint64_t hash = hash64(seed_ ^ hash64(std::uint64_t(shot.patch)));
   SurfacePoint point{patch.center, patch.normal};
-  const bool has_holes = has_alpha_mask(scene_, patch);
-  if (shot.skip > 0 || has_holes) {
+  const bool has_mask = has_alpha_mask(scene_, patch);
+  if (shot.skip > 0 || has_mask) {
     const PatchSampler sampler(primitive, patch);
-    Vec2f x = kronecker2(shot.skip, hash);
-    if (has_holes) x = covered_point(scene_, patch, sampler, x, hash64(hash + shot.skip));
-    point = sampler(x.x, x.y);
+    Vec2f uv = kronecker2(shot.skip, hash);
+    if (has_mask) uv = covered_point(scene_, patch, sampler, uv, hash64(hash + shot.skip));
+    point = sampler(uv.x, uv.y);
   }
   const float angle = uniform01(hash64(hash + shot.skip)) * float(kPi / 2);
   for (HemicubeFace& face : hemicube_faces(renderer_.to_local(point.position), point.normal, angle,
@@ -120,33 +125,33 @@ void HemicubeFormFactors::draw(const Shot& shot, int bottom) {
   }
 }
 
-/// Sums a hemicube's cells by patch behind `factors_`; returns where they end.
+/// Appends the sums of a hemicube's cells by patch to `factors_`; returns the new size.
 std::size_t HemicubeFormFactors::gather(const std::uint32_t* ids) {
-  // Without branches, which would be mispredicted at every other run of equal cells.
+  // Branch-free: branches would be mispredicted at about every other run of equal cells.
   const int n = resolution_;
-  int* const columns = ends_.data();
+  int* const ends = run_ends_.data();
   std::size_t count = 0;
   for (int j = 0; j < 3 * n; ++j) {
     const std::uint32_t* id = ids + std::size_t(j) * n;
-    const float* sum = sums_.data() + std::size_t(j) * n;
+    const float* sum = prefix_sums_.data() + std::size_t(j) * n;
     int runs = 0;
     for (int i = 0; i + 1 < n; ++i) {
-      columns[runs] = i;
+      ends[runs] = i;
       runs += id[i] != id[i + 1];
     }
-    columns[runs++] = n - 1;
-    float before = 0;
+    ends[runs++] = n - 1;
+    float previous = 0;
     for (int k = 0; k < runs; ++k) {
-      const std::uint32_t seen = id[columns[k]];
-      reached_[count] = seen;
-      count += row_[seen] == 0;
-      row_[seen] += sum[columns[k]] - before;
-      before = sum[columns[k]];
+      const std::uint32_t visible = id[ends[k]];
+      visible_ids_[count] = visible;
+      count += factor_of_id_[visible] == 0;
+      factor_of_id_[visible] += sum[ends[k]] - previous;
+      previous = sum[ends[k]];
     }
   }
-  for (const std::uint32_t seen : std::span(reached_).first(count)) {
-    if (seen > 0) factors_.push_back({std::int32_t(seen - 1), row_[seen]});
-    row_[seen] = 0;
+  for (const std::uint32_t visible : std::span(visible_ids_).first(count)) {
+    if (visible > 0) factors_.push_back({std::int32_t(visible - 1), factor_of_id_[visible]});
+    factor_of_id_[visible] = 0;
   }
   return factors_.size();
 }

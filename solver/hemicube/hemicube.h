@@ -5,28 +5,28 @@
 
 namespace patchlight {
 
-/// The five views of a hemicube of `resolution` cells along an edge, and where each stands in its image of `resolution`
-/// columns and three times as many rows: the top face, then the upper halves of the four sides, rows growing away from
-/// the surface.
+/// One of the five views of a hemicube with `resolution` cells along an edge, and its rows in the hemicube's image of
+/// `resolution` columns and 3 * `resolution` rows: first the top face, then the upper halves of the four sides, whose
+/// rows start at the surface.
 struct HemicubeFace {
   GlView view;
   int row;   ///< First row of the image.
-  int rows;  ///< `resolution` for the top, half of it for a side.
+  int rows;  ///< `resolution` for the top, half as many for a side.
 };
 
-/// Faces of the hemicube about a point of a surface, turned by `angle` (rad) about the normal. `size`: edge length of
-/// the patch, m; the near plane stands at 1e-4 of it.
+/// Faces of the hemicube at a point of a surface, rotated by `angle` (rad) about the normal. `size`: edge length of the
+/// patch, m; the near plane is at 1e-4 of it.
 std::array<HemicubeFace, 5> hemicube_faces(const Vec3f& point, const Vec3f& normal, float angle, float size,
                                            int resolution);
 
-/// Form factor of each cell of that image as seen from the middle of the bottom; their sum is made exactly 1.
+/// Form factor of each cell of the image from the centre of the hemicube's base, normalised to a sum of 1.
 /// Top: dA / (pi (x^2 + y^2 + 1)^2), sides: z dA / (pi (y^2 + z^2 + 1)^2), at the cells' centres.
 /// Shape: [3 * resolution * resolution].
 /// Source: Cohen and Greenberg 1985, with the 1 / pi and the square.
 std::vector<float> hemicube_weights(int resolution);
 
-/// Form factors by hemicubes, drawn with OpenGL: the first of a patch about its centre, further ones about other points
-/// of it, each turned at random against aliasing. A row is divided by the sum of all cells.
+/// Form factors by hemicubes, drawn with OpenGL: the first of a patch at its centre, further ones at other points of
+/// it, each with a random rotation against aliasing. Weights of the cells are normalised, so that full rows sum to 1.
 class HemicubeFormFactors : public FormFactorSource {
  public:
   /// Throws: Error (unavailable) without OpenGL; (bad_config) for an odd resolution.
@@ -43,10 +43,10 @@ class HemicubeFormFactors : public FormFactorSource {
   int resolution_;
   std::uint64_t seed_;
   PatchIdRenderer renderer_;
-  std::vector<float> sums_;             ///< Of a cell and those before it in its row of the image.
-  std::vector<int> ends_;               ///< Last cells of the runs of equal ids in a row of the image.
-  std::vector<float> row_;              ///< By id; zero between rows.
-  std::vector<std::uint32_t> reached_;  ///< Ids of the row in the making.
+  std::vector<float> prefix_sums_;          ///< Of the cells' weights in each row of the image.
+  std::vector<int> run_ends_;               ///< Last cells of the runs of equal ids in a row of the image.
+  std::vector<float> factor_of_id_;         ///< By id; zero between hemicubes.
+  std::vector<std::uint32_t> visible_ids_;  ///< Ids of the current hemicube.
   std::vector<FormFactor> factors_;
 };
 

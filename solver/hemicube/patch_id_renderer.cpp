@@ -23,13 +23,13 @@ struct Vertex {
   Vec3f position;
   Vec2f st, shape;
   QuadSide front, back;
-  std::int32_t mask;  ///< Which of the cut-outs.
+  std::int32_t mask;  ///< Index of the alpha mask record.
 };
 
-// As the shaders lay them out (std430).
+// Records in the std430 layout of the shaders.
 struct SphereRecord {
   std::array<float, 4> ball;
-  std::array<std::int32_t, 4> rings;  ///< First ring and their number, of the outside and of the inside.
+  std::array<std::int32_t, 4> rings;  ///< First ring and number of rings of the outside, then of the inside.
 };
 
 struct AlphaMaskRecord {
@@ -40,7 +40,7 @@ struct AlphaMaskRecord {
   std::array<float, 2> factor;
 };
 
-std::string with_masks(const std::string& shader) {
+std::string with_mask_define(const std::string& shader) {
   const std::size_t first_line = shader.find('\n') + 1;
   return shader.substr(0, first_line) + "#define MASKED\n" + shader.substr(first_line);
 }
@@ -62,13 +62,13 @@ void upload_storage(unsigned binding, const std::vector<T>& values) {
                GL_STATIC_DRAW);
 }
 
-QuadSide side_of(const PatchLookup& lookup, std::int32_t primitive) {
+QuadSide quad_side(const PatchLookup& lookup, std::int32_t primitive) {
   if (primitive < 0) return {};
   const PatchLookup::Row& row = lookup.row(primitive, 0);
   return {row.first + 1, row.cells, lookup.rows(primitive)};
 }
 
-Vec3d middle_of(const PatchSet& scene) {
+Vec3d patch_bounds_center(const PatchSet& scene) {
   Imath::Box3d bounds;
   for (const Patch& patch : scene.patches) bounds.extendBy(patch.center);
   return bounds.center();
@@ -76,10 +76,10 @@ Vec3d middle_of(const PatchSet& scene) {
 
 }  // namespace
 
-PatchIdRenderer::PatchIdRenderer(const PatchSet& scene) : origin_(middle_of(scene)) {
+PatchIdRenderer::PatchIdRenderer(const PatchSet& scene) : origin_(patch_bounds_center(scene)) {
   const PatchLookup lookup(scene);
   sphere_program_ = link_program(kSphereVertexShader, kSphereFragmentShader);
-  whole_ = upload_quads(scene, lookup, false);
+  opaque_ = upload_quads(scene, lookup, false);
   if (!scene.masks.empty()) {
     masked_ = upload_quads(scene, lookup, true);
     upload_masks(scene);
@@ -108,13 +108,14 @@ PatchIdRenderer::Quads PatchIdRenderer::upload_quads(const PatchSet& scene, cons
     const std::array<int, 6> order{0, 1, 2, 0, 2, 3};
     for (int k = 0; k < (p.is_triangle() ? 3 : 6); ++k)
       vertices.push_back(
-          {to_local(p.corners[order[k]]), st[order[k]], shape, side_of(lookup, i), side_of(lookup, p.back), masks});
+          {to_local(p.corners[order[k]]), st[order[k]], shape, quad_side(lookup, i), quad_side(lookup, p.back), masks});
     ++masks;
   }
   Quads quads;
   quads.vertices = int(vertices.size());
-  quads.program = masked ? link_program(with_masks(kQuadVertexShader).c_str(), with_masks(kQuadFragmentShader).c_str())
-                         : link_program(kQuadVertexShader, kQuadFragmentShader);
+  quads.program =
+      masked ? link_program(with_mask_define(kQuadVertexShader).c_str(), with_mask_define(kQuadFragmentShader).c_str())
+             : link_program(kQuadVertexShader, kQuadFragmentShader);
   glGenVertexArrays(1, &quads.array);
   glBindVertexArray(quads.array);
   upload(GL_ARRAY_BUFFER, vertices);
@@ -129,7 +130,7 @@ PatchIdRenderer::Quads PatchIdRenderer::upload_quads(const PatchSet& scene, cons
   return quads;
 }
 
-/// In the order of the masked quads.
+/// Uploads alpha mask records in the order of the masked quads.
 void PatchIdRenderer::upload_masks(const PatchSet& scene) const {
   std::vector<std::uint32_t> texels;
   std::vector<std::int32_t> starts;
@@ -192,7 +193,7 @@ void PatchIdRenderer::begin(int width, int height) {
     int largest = 0;
     glGetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &largest);
     if (std::max(width, height) > largest)
-      throw Error(ExitCode::over_limit, "the OpenGL driver draws no image so large",
+      throw Error(ExitCode::over_limit, "the image is larger than the OpenGL driver's limit",
                   std::to_string(largest) + " pixels", "lower solve.hemicube_resolution or the preview's resolution");
     glDeleteRenderbuffers(1, &ids_);
     glDeleteRenderbuffers(1, &depth_);
@@ -228,7 +229,7 @@ void PatchIdRenderer::draw(const GlView& view, int x, int y, int width, int heig
     glUniform2f(glGetUniformLocation(program, "height"), scale, -1.0f - scale * view.bottom);
     glUniform1f(glGetUniformLocation(program, "near"), view.near);
   };
-  for (const Quads& quads : {whole_, masked_}) {
+  for (const Quads& quads : {opaque_, masked_}) {
     if (quads.vertices == 0) continue;
     set_view(quads.program);
     glBindVertexArray(quads.array);
@@ -240,7 +241,7 @@ void PatchIdRenderer::draw(const GlView& view, int x, int y, int width, int heig
     glUniform1i(glGetUniformLocation(sphere_program_, "self"), self);
     glUniform1i(glGetUniformLocation(sphere_program_, "self_inside"), view.self_inside);
     glBindVertexArray(sphere_array_);
-    glEnable(GL_CULL_FACE);  // far sides of the boxes alone: each pixel once, from inside too
+    glEnable(GL_CULL_FACE);  // only back faces of the boxes: each pixel once, from inside too
     glCullFace(GL_FRONT);
     glDrawArraysInstanced(GL_TRIANGLES, 0, 36, spheres_);
     glDisable(GL_CULL_FACE);

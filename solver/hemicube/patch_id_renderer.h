@@ -18,15 +18,15 @@ struct GlView {
   float bottom = -1.0f;  ///< The image plane's lower and upper edge at distance 1.
   float top = 1.0f;
   float near = 1e-4f;
-  std::int32_t self = -1;    ///< The primitive that the eye is on.
-  bool self_inside = false;  ///< Whether that is the inside of a sphere.
+  std::int32_t self = -1;    ///< Primitive whose surface the eye is on; -1: none.
+  bool self_inside = false;  ///< Whether the eye is on the inside of a sphere.
 };
 
-/// Draws the ids of patches with OpenGL: coarse primitives, the patch found from (u,v) in the fragment shader, so that
-/// the cost does not depend on the number of patches; spheres are ray cast in the fragment shader, and masks looked up.
+/// Draws patch ids with OpenGL. It draws whole primitives and the fragment shader finds the patch from (u,v), so the
+/// cost does not depend on the number of patches. The fragment shader also intersects spheres and tests alpha masks.
 ///
-/// Ids are patch + 1; 0: nothing, or the unlit back of a single-sided surface. Depth is reversed, with an infinite
-/// far plane, in floating point: it is as sharp far away as nearby.
+/// Ids are patch + 1; 0: background, or the unlit back of a single-sided surface. Depth is reversed floating point with
+/// an infinite far plane: its relative precision is the same at all distances.
 class PatchIdRenderer {
  public:
   /// Throws: Error (unavailable) without OpenGL.
@@ -35,7 +35,7 @@ class PatchIdRenderer {
 
   Vec3f to_local(const Vec3d& world) const { return Vec3f(world - origin_); }
 
-  /// Makes an image of `width` x `height` ids and clears it. Throws: Error (over_limit) if the driver cannot.
+  /// Allocates and clears an image of `width` x `height` ids. Throws: Error (over_limit) if the driver cannot.
   void begin(int width, int height);
 
   /// Draws a view into a rectangle of the image, from its lower left corner.
@@ -45,7 +45,7 @@ class PatchIdRenderer {
   const std::vector<std::uint32_t>& read();
 
  private:
-  /// Quads that one program draws.
+  /// Quads that one shader program draws.
   struct Quads {
     unsigned program = 0, array = 0;
     int vertices = 0;
@@ -59,9 +59,9 @@ class PatchIdRenderer {
   Vec3d origin_{0.0};
   int width_ = 0, height_ = 0;
   unsigned framebuffer_ = 0, ids_ = 0, depth_ = 0;
-  Quads whole_, masked_;
+  Quads opaque_, masked_;
   unsigned sphere_program_ = 0, sphere_array_ = 0;
-  std::vector<std::int32_t> sphere_of_;  ///< By primitive: which of the drawn spheres it is, or -1.
+  std::vector<std::int32_t> sphere_of_;  ///< [primitives] Index of the drawn sphere; -1: not a sphere.
   int spheres_ = 0;
   std::vector<std::uint32_t> pixels_;
 };

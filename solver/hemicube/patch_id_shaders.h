@@ -1,6 +1,6 @@
 #pragma once
 
-// GLSL of PatchIdRenderer. With MASKED defined, those of quads look at masks.
+// GLSL of PatchIdRenderer. With MASKED defined, the shaders of quads do alpha tests.
 
 namespace patchlight {
 
@@ -12,7 +12,7 @@ layout(location = 3) in ivec3 front;
 layout(location = 4) in ivec3 back;
 #ifdef MASKED
 layout(location = 5) in int mask;
-flat out int cutout;
+flat out int mask_index;
 #endif
 uniform vec3 eye;
 uniform mat3 axes;        // rows: right / width, up, forward
@@ -29,7 +29,7 @@ void main() {
   grids[0] = back;
   grids[1] = front;
 #ifdef MASKED
-  cutout = mask;
+  mask_index = mask;
 #endif
 }
 )";
@@ -49,16 +49,16 @@ vec2 inverse_bilinear(float a, float b, float s, float t) {
 }
 
 #ifdef MASKED
-struct Cutout {
+struct AlphaMask {
   vec4 texcoords[2];  // of corners 0 and 1, 2 and 3
   vec4 alphas;        // of the corners
   ivec4 image;        // first texel, width, height, nearest
   ivec2 wraps;
-  vec2 factor;        // and cutoff
+  vec2 factor;        // alpha factor, cutoff
 };
-layout(std430, binding = 3) readonly buffer Cutouts { Cutout cutouts[]; };
-layout(std430, binding = 4) readonly buffer Texels { uint texels[]; };  // bytes, four in each
-flat in int cutout;
+layout(std430, binding = 3) readonly buffer AlphaMasks { AlphaMask masks[]; };
+layout(std430, binding = 4) readonly buffer Texels { uint texels[]; };  // four bytes in each
+flat in int mask_index;
 
 int wrapped(int k, int count, int wrap) {
   if (wrap == 1) return clamp(k, 0, count - 1);
@@ -67,30 +67,30 @@ int wrapped(int k, int count, int wrap) {
   return k < count ? k : period - 1 - k;
 }
 
-float texel(Cutout of, int x, int y) {
-  int k = of.image.x + wrapped(y, of.image.z, of.wraps.y) * of.image.y + wrapped(x, of.image.y, of.wraps.x);
+float texel(AlphaMask mask, int x, int y) {
+  int k = mask.image.x + wrapped(y, mask.image.z, mask.wraps.y) * mask.image.y + wrapped(x, mask.image.y, mask.wraps.x);
   return float(texels[k >> 2] >> 8 * (k & 3) & 255u) / 255.0;
 }
 
-bool is_there(vec2 uv) {
-  Cutout of = cutouts[cutout];
-  vec2 place = mix(mix(of.texcoords[0].xy, of.texcoords[0].zw, uv.x), mix(of.texcoords[1].zw, of.texcoords[1].xy, uv.x), uv.y);
-  place = place * vec2(of.image.yz) - (of.image.w != 0 ? 0.0 : 0.5);
-  ivec2 low = ivec2(floor(place));
-  vec2 part = place - floor(place);
-  float alpha = texel(of, low.x, low.y);
-  if (of.image.w == 0)
-    alpha = mix(mix(alpha, texel(of, low.x + 1, low.y), part.x),
-                mix(texel(of, low.x, low.y + 1), texel(of, low.x + 1, low.y + 1), part.x), part.y);
-  float own = mix(mix(of.alphas.x, of.alphas.y, uv.x), mix(of.alphas.w, of.alphas.z, uv.x), uv.y);
-  return of.factor.x * alpha * own >= of.factor.y;
+bool passes_alpha_test(vec2 uv) {
+  AlphaMask mask = masks[mask_index];
+  vec2 texel_position = mix(mix(mask.texcoords[0].xy, mask.texcoords[0].zw, uv.x), mix(mask.texcoords[1].zw, mask.texcoords[1].xy, uv.x), uv.y);
+  texel_position = texel_position * vec2(mask.image.yz) - (mask.image.w != 0 ? 0.0 : 0.5);
+  ivec2 low = ivec2(floor(texel_position));
+  vec2 fraction = texel_position - floor(texel_position);
+  float alpha = texel(mask, low.x, low.y);
+  if (mask.image.w == 0)
+    alpha = mix(mix(alpha, texel(mask, low.x + 1, low.y), fraction.x),
+                mix(texel(mask, low.x, low.y + 1), texel(mask, low.x + 1, low.y + 1), fraction.x), fraction.y);
+  float vertex_alpha = mix(mix(mask.alphas.x, mask.alphas.y, uv.x), mix(mask.alphas.w, mask.alphas.z, uv.x), uv.y);
+  return mask.factor.x * alpha * vertex_alpha >= mask.factor.y;
 }
 #endif
 
 void main() {
   vec2 uv = inverse_bilinear(corner.x, corner.y, at.x, at.y);
 #ifdef MASKED
-  if (!is_there(uv)) discard;
+  if (!passes_alpha_test(uv)) discard;
 #endif
   ivec3 grid = gl_FrontFacing ? grids[1] : grids[0];
   if (!gl_FrontFacing) uv.x = 1.0 - uv.x;
@@ -100,7 +100,7 @@ void main() {
 )";
 
 inline constexpr const char* kSphereVertexShader = R"(#version 450 core
-struct Sphere { vec4 ball; ivec4 rings; };  // centre, radius; first ring and their number, outside and inside
+struct Sphere { vec4 ball; ivec4 rings; };  // centre, radius; first ring and number of rings, outside then inside
 layout(std430, binding = 1) readonly buffer Spheres { Sphere spheres[]; };
 uniform vec3 eye;
 uniform mat3 axes;

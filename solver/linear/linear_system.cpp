@@ -24,10 +24,6 @@ double largest_ratio(const Spectrum& square, const Spectrum& reference) {
   return largest;
 }
 
-bool is_black(const SpectrumField& field) {
-  return std::all_of(field.begin(), field.end(), [](const Spectrum& value) { return value.sum() == 0; });
-}
-
 /// State of one source's iteration. The caller computes the products v = F p and t = F r between the steps. After the
 /// first half step, r is the vector s of the paper.
 class BiCgStab {
@@ -121,15 +117,18 @@ class BiCgStab {
 
 }  // namespace
 
+void throw_overflow(const std::string& group) {
+  throw Error(ExitCode::bad_data, "light group `" + group + "` is too strong for single precision", "energy.h5",
+              "lower the emission of its emitters and brighten frames by `lights` or the exposure");
+}
+
 std::vector<Color> to_colors(const SpectrumField& field, const std::string& group) {
   std::vector<Color> colors;
   colors.reserve(field.size());
   for (const Spectrum& s : field) {
     Color c;
     for (int k = 0; k < 3; ++k) c[k] = float(std::max(s.c[k], 0.0));
-    if (!std::isfinite(c.x + c.y + c.z))
-      throw Error(ExitCode::bad_data, "light group `" + group + "` is too strong for single precision", "energy.h5",
-                  "give its emitters less, and frames more by `lights` or the exposure");
+    if (!std::isfinite(c.x + c.y + c.z)) throw_overflow(group);
     colors.push_back(c);
   }
   return colors;

@@ -8,6 +8,9 @@
 
 namespace patchlight {
 
+/// Throws: Error (bad_data): a light group's irradiance is too large for single precision.
+[[noreturn]] void throw_overflow(const std::string& group);
+
 /// Converts to single precision; negative values become 0. Throws: Error (bad_data) naming the light group if a value
 /// is too large.
 std::vector<Color> to_colors(const SpectrumField& field, const std::string& group);

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <vector>
 
 #include "pipeline/model/math.h"
@@ -37,5 +38,14 @@ struct alignas(32) Spectrum {
 
 /// A value for each patch or element.
 using SpectrumField = std::vector<Spectrum>;
+
+inline bool is_black(const SpectrumField& field) {
+  return std::all_of(field.begin(), field.end(), [](const Spectrum& value) { return value.sum() == 0; });
+}
+
+/// Adds `field`, which may be empty, to `sum`.
+inline void add(const SpectrumField& field, SpectrumField& sum) {
+  for (std::size_t i = 0; i < field.size(); ++i) sum[i] += field[i];
+}
 
 }  // namespace patchlight

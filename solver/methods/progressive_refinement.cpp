@@ -6,47 +6,42 @@
 #include <cmath>
 #include <numeric>
 
-#include "pipeline/model/error.h"
-#include "pipeline/optics/lights/direct_light.h"
-#include "solver/direct/direct_factors.h"
-#include "solver/form_factors/sky_rows.h"
-#include "solver/linear/irradiance_filter.h"
+#include "solver/linear/linear_system.h"
+#include "solver/methods/external_irradiance.h"
 
 namespace patchlight {
 
 namespace {
 
-constexpr std::uint32_t kPacket = 16;      // rays are cast by sixteens
-constexpr double kMostRays = 1 << 22;      // of one shot
-constexpr int kRaysBesideHemicubes = 256;  // for each patch, by which lights without extent are looked at
-constexpr double kOvershootUntil = 1e-2;  // of the residual: it saves a fifth of the shots until here, and costs beyond
+constexpr std::uint32_t kPacketRays = 16;
+constexpr double kMaxShotRays = 1 << 22;
+constexpr int kRaysBesideHemicubes = 256;    // shadow rays of a patch where form factors are by hemicubes
+constexpr double kOvershootResidual = 1e-2;  // overshooting saves a fifth of the shots above it, and costs more below
 
 double channel_sum(const Vec3d& c) {
   return c.x + c.y + c.z;
 }
-Vec3d positive(const Vec3d& c) {
-  return {std::max(c.x, 0.0), std::max(c.y, 0.0), std::max(c.z, 0.0)};
-}
 
-/// Every k-th value and the last, some hundreds at most.
+/// Every k-th value and the last, about 500 at most.
 std::vector<double> thinned(const std::vector<double>& values) {
-  constexpr std::size_t kMost = 500;
-  const std::size_t step = values.size() / kMost + 1;
+  constexpr std::size_t kMaxValues = 500;
+  const std::size_t step = values.size() / kMaxValues + 1;
   std::vector<double> result;
   for (std::size_t i = 0; i + 1 < values.size(); i += step) result.push_back(values[i]);
   if (!values.empty()) result.push_back(values.back());
   return result;
 }
 
+/// Light group while it is solved. Fields have shape [n].
 struct Group {
-  std::vector<Vec3d> direct;    ///< Irradiance of emitters that frames sample apart, W/m2.
+  std::vector<Vec3d> direct;    ///< Irradiance of explicitly sampled emitters, W/m2.
   std::vector<Vec3d> gathered;  ///< Irradiance of the other emitters, W/m2.
   std::vector<Vec3d> indirect;  ///< Irradiance, W/m2.
-  std::vector<Vec3d> unshot;    ///< Reflected and not passed on yet, W/m2.
-  double emitted = 0.0;         ///< W, sum of channels; of lights without extent, what arrives.
-  double source_norm = 0.0;     ///< Of rho D.
+  std::vector<Vec3d> unshot;    ///< Reflected and not shot yet, W/m2.
+  double emitted = 0.0;         ///< W, sum of channels; of lights and the environment, the power that arrives.
+  double source_norm = 0.0;     ///< Of the reflected direct light rho D.
   double unshot_norm = 0.0;
-  Vec3d ambient{0.0};  ///< Irradiance that the unshot light is going to cause on average, W/m2.
+  Vec3d ambient{0.0};  ///< Estimated mean irradiance by the unshot light, W/m2.
 };
 
 class Refinement {
@@ -71,8 +66,7 @@ class Refinement {
     reflectance_ /= area_;
   }
 
-  void add_lights();
-  void add_sky(Progress& progress);
+  void add_external_light(Progress& progress);
   void shoot_emitters(Progress& progress);
   void shoot_reflections(Progress& progress);
   EnergyField result() const;
@@ -83,27 +77,27 @@ class Refinement {
     return index >= 0 && patch.emission != Color(0.0f) ? &groups_[index] : nullptr;
   }
 
-  double rays_of(double share) const { return share * config_.rays * double(power_.size()); }
+  double rays_for(double share) const { return share * config_.rays * double(power_.size()); }
 
-  /// A shot that carries `share` of what all groups emit, each counted as one.
+  /// A shot with `share` of the emitted power of all groups, each of which counts as 1.
   Shot make_shot(std::int32_t patch, double share) {
     Shot shot{patch, 0, used_[patch]};
     if (by_rays_) {
-      const double packets = std::ceil(rays_of(share) / kPacket);
-      shot.rays = std::uint32_t(std::clamp(packets, 1.0, kMostRays / kPacket)) * kPacket;
+      const double packets = std::ceil(rays_for(share) / kPacketRays);
+      shot.rays = std::uint32_t(std::clamp(packets, 1.0, kMaxShotRays / kPacketRays)) * kPacketRays;
     }
     used_[patch] += by_rays_ ? shot.rays : 1;
     return shot;
   }
 
-  /// Calls pass_on(shot, its row of form factors) for every shot, in order.
-  template <class PassOn>
-  void shoot(std::span<const Shot> shots, PassOn pass_on) {
+  /// Calls distribute(shot, its row of form factors) for every shot, in order.
+  template <class Distribute>
+  void shoot(std::span<const Shot> shots, Distribute distribute) {
     while (!shots.empty()) {
       const std::span<const Shot> batch = shots.first(form_factors_.batch(shots));
       const std::vector<std::span<const FormFactor>> rows = form_factors_.rows(batch);
       for (std::size_t k = 0; k < batch.size(); ++k) {
-        pass_on(batch[k], rows[k]);
+        distribute(batch[k], rows[k]);
         rays_ += batch[k].rays;
       }
       shots_ += std::int64_t(batch.size());
@@ -112,8 +106,8 @@ class Refinement {
     }
   }
 
-  /// Gives `flux` (W) of a group out along a row.
-  void pass_on(Group& group, std::vector<Vec3d>& irradiance, const Vec3d& flux, std::span<const FormFactor> row) {
+  /// Distributes `flux` (W) of a group by a row of form factors.
+  void distribute(Group& group, std::vector<Vec3d>& irradiance, const Vec3d& flux, std::span<const FormFactor> row) {
     double received = 0;
     for (const FormFactor& f : row) {
       const Patch& patch = scene_.patches[f.patch];
@@ -126,8 +120,8 @@ class Refinement {
     received_flux_ += received * channel_sum(positive(flux)) / group.emitted;
   }
 
-  void take_stock();
-  std::vector<Shot> most_unshot();
+  void sum_unshot();
+  std::vector<Shot> brightest_shots();
 
   double residual() const {
     double largest = 0;
@@ -141,112 +135,85 @@ class Refinement {
   FormFactorSource& form_factors_;
   const bool by_rays_;
   std::vector<Group> groups_;
-  std::vector<double> power_;        ///< Unshot power of each patch, over what its groups emit.
-  std::vector<std::uint64_t> used_;  ///< Samples that each patch has used.
+  std::vector<double> power_;        ///< [n] Unshot power, over the emitted power of its groups.
+  std::vector<std::uint64_t> used_;  ///< [n] Samples that the patch has used.
   double area_ = 0.0;                ///< m2
-  Vec3d reflectance_{0.0};           ///< Mean over the area.
+  Vec3d reflectance_{0.0};           ///< Area-weighted mean.
   double shot_flux_ = 0.0, received_flux_ = 0.0;
   std::int64_t shots_ = 0;
   std::int64_t rays_ = 0;
-  std::vector<double> residuals_;  ///< Of what is unshot, before the first batch and after each.
+  std::vector<double> residuals_;  ///< Before the first batch and after each.
 };
 
-/// What lights without extent bring straight: nothing shoots there, so patches look at them.
-void Refinement::add_lights() {
-  const RayScene ray_scene(scene_);
-  const PatchLookup lookup(scene_);
-  const DirectFactors factors(scene_, ray_scene, scene_.patches, grid_neighbours(scene_, lookup),
-                              std::uint64_t(config_.seed));
-  for (const Emitter& emitter : explicit_emitters(scene_)) {
-    if (emitter.light < 0) continue;
-    const Light& light = scene_.lights[emitter.light];
-    Group& group = groups_[light.light_group];
-    const int rays = by_rays_ ? config_.rays : kRaysBesideHemicubes;
-    const std::vector<float> of_sample_sets = factors.sample(emitter, scene_.lights.size(), rays, rays_).factors;
+/// Adds the direct light of lights and the environment, which have no patches to shoot from.
+void Refinement::add_external_light(Progress& progress) {
+  if (scene_.lights.empty() && !scene_.environment) return;
+  const ExternalIrradiance external(scene_, by_rays_ ? config_.rays : kRaysBesideHemicubes,
+                                    std::uint64_t(config_.seed));
+  const auto add = [&](Group& group, std::vector<Vec3d> Group::*direct, const std::vector<Vec3d>& irradiance) {
     for (std::size_t i = 0; i < power_.size(); ++i) {
       const Patch& patch = scene_.patches[i];
-      const Vec3d added =
-          positive(Vec3d(light.strength) * (0.5 * (double(of_sample_sets[2 * i]) + of_sample_sets[2 * i + 1])));
-      group.direct[i] += added;
-      group.unshot[i] += added * Vec3d(patch.reflectance);
-      group.emitted += patch.covered_area() * channel_sum(added);
+      (group.*direct)[i] += irradiance[i];
+      group.unshot[i] += irradiance[i] * Vec3d(patch.reflectance);
+      group.emitted += patch.covered_area() * channel_sum(irradiance[i]);
     }
-  }
-}
-
-/// The same of the environment.
-void Refinement::add_sky(Progress& progress) {
-  const Environment& sky = *scene_.environment;
-  Group& group = groups_[sky.light_group];
-  const RayScene ray_scene(scene_);
-  const TransportRows seen = sky_rows(scene_, ray_scene, by_rays_ ? config_.rays : kRaysBesideHemicubes,
-                                      std::uint64_t(config_.seed), rays_, progress);
-  SpectrumField sent(power_.size() + sky.cells.size()), received(power_.size()), deviation(power_.size()), reflectance;
-  for (std::size_t k = 0; k < sky.cells.size(); ++k) sent[power_.size() + k] = Spectrum(sky.cells[k]) * Spectrum(kPi);
-  const FormFactorRows::Field field{&sent, {&received, &deviation}};
-  FormFactorRows(seen).gather({&field, 1}, nullptr, FormFactorRows::Precision::full);
-  for (const Patch& patch : scene_.patches) reflectance.emplace_back(patch.reflectance);
-  received = IrradianceFilter(PatchLookup(scene_), scene_.primitives.size(), received, deviation, reflectance, received)
-                 .apply(received);
-  for (std::size_t i = 0; i < power_.size(); ++i) {
-    const Patch& patch = scene_.patches[i];
-    const Vec3d added = positive(Vec3d(received[i].c[0], received[i].c[1], received[i].c[2]));
-    group.gathered[i] += added;
-    group.unshot[i] += added * Vec3d(patch.reflectance);
-    group.emitted += patch.covered_area() * channel_sum(added);
-  }
+  };
+  for (const Emitter& emitter : explicit_emitters(scene_))
+    if (emitter.light >= 0)
+      add(groups_[scene_.lights[emitter.light].light_group], &Group::direct, external.of_light(emitter, rays_));
+  if (scene_.environment)
+    add(groups_[scene_.environment->light_group], &Group::gathered, external.of_environment(rays_, progress));
 }
 
 void Refinement::shoot_emitters(Progress& progress) {
-  if (!scene_.lights.empty()) add_lights();
-  if (scene_.environment) add_sky(progress);
-  // An emitter's light is seen directly: its hemicubes stand on many points, one for every 32 patches of the scene.
+  add_external_light(progress);
+  // Direct light shows the most detail: an emitter gets many hemicubes, all together one for every 32 patches.
   const double points = double(power_.size()) / 32;
   std::vector<Shot> shots;
-  std::vector<int> parts(power_.size());
+  std::vector<int> shots_of_patch(power_.size());
   for (std::size_t i = 0; i < power_.size(); ++i) {
     const Patch& patch = scene_.patches[i];
     const Group* group = emitting_group(patch);
     if (!group) continue;
     const double share =
         patch.covered_area() * channel_sum(Vec3d(patch.emission)) / (group->emitted * double(groups_.size()));
-    parts[i] = int(std::ceil(by_rays_ ? rays_of(share) / kMostRays : std::min(share * points, 64.0)));
-    for (int k = 0; k < parts[i]; ++k) shots.push_back(make_shot(std::int32_t(i), share / parts[i]));
+    shots_of_patch[i] = int(std::ceil(by_rays_ ? rays_for(share) / kMaxShotRays : std::min(share * points, 64.0)));
+    for (int k = 0; k < shots_of_patch[i]; ++k) shots.push_back(make_shot(std::int32_t(i), share / shots_of_patch[i]));
   }
-  std::vector<char> separate(power_.size(), 0);
+  std::vector<char> is_explicit(power_.size(), 0);
   for (const Emitter& emitter : explicit_emitters(scene_))
-    std::fill_n(separate.begin() + emitter.first_patch, emitter.patches, 1);
+    std::fill_n(is_explicit.begin() + emitter.first_patch, emitter.patches, 1);
   shoot(shots, [&](const Shot& shot, std::span<const FormFactor> row) {
     const Patch& patch = scene_.patches[shot.patch];
     Group& group = *emitting_group(patch);
-    pass_on(group, separate[shot.patch] ? group.direct : group.gathered,
-            Vec3d(patch.emission) * (patch.covered_area() / parts[shot.patch]), row);
+    distribute(group, is_explicit[shot.patch] ? group.direct : group.gathered,
+               Vec3d(patch.emission) * (patch.covered_area() / shots_of_patch[shot.patch]), row);
     progress.update(0.0, "direct light");
   });
-  take_stock();
+  sum_unshot();
   for (Group& group : groups_) group.source_norm = group.unshot_norm;
 }
 
 void Refinement::shoot_reflections(Progress& progress) {
   const double first = residual();
   residuals_ = {first};
-  const std::int64_t most_shots = config_.max_shots * std::int64_t(power_.size());
-  while (residual() > config_.tolerance && shots_ < most_shots) {
-    const bool overshoot = !by_rays_ && residual() > kOvershootUntil;
-    shoot(most_unshot(), [&](const Shot& shot, std::span<const FormFactor> row) {
+  const std::int64_t max_shots = config_.max_shots * std::int64_t(power_.size());
+  while (residual() > config_.tolerance && shots_ < max_shots) {
+    const bool overshoot = !by_rays_ && residual() > kOvershootResidual;
+    shoot(brightest_shots(), [&](const Shot& shot, std::span<const FormFactor> row) {
       const Patch& patch = scene_.patches[shot.patch];
       for (Group& group : groups_) {
         Vec3d& unshot = group.unshot[shot.patch];
         if (unshot == Vec3d(0.0)) continue;
-        Vec3d ahead(0.0);  // at most as much again, lest patches that shoot together overdo it
+        Vec3d overshot(0.0);  // at most the unshot light again, since the patches of a batch also light each other
         for (int k = 0; overshoot && k < 3; ++k)
-          ahead[k] = std::clamp(double(patch.reflectance[k]) * group.ambient[k], 0.0, std::max(unshot[k], 0.0));
-        const Vec3d shot_now = unshot + ahead;
-        unshot = -ahead;
-        pass_on(group, group.indirect, shot_now * patch.covered_area(), row);
+          overshot[k] = std::clamp(double(patch.reflectance[k]) * group.ambient[k], 0.0, std::max(unshot[k], 0.0));
+        const Vec3d shot_now = unshot + overshot;
+        unshot = -overshot;
+        distribute(group, group.indirect, shot_now * patch.covered_area(), row);
       }
     });
-    take_stock();
+    sum_unshot();
     residuals_.push_back(residual());
     progress.update(std::log(first / std::max(residual(), 1e-300)) / std::log(first / config_.tolerance),
                     fmt::format("unshot {:.2g}, {} shots", residual(), shots_), rays_);
@@ -258,10 +225,10 @@ void Refinement::shoot_reflections(Progress& progress) {
                     shots_, residual(), config_.max_shots, config_.tolerance));
 }
 
-/// Sums up what is unshot.
-void Refinement::take_stock() {
+/// Updates the norms, powers and ambient terms of the unshot light.
+void Refinement::sum_unshot() {
   std::fill(power_.begin(), power_.end(), 0.0);
-  const double kept = shot_flux_ > 0 ? received_flux_ / shot_flux_ : 0.0;
+  const double hit_fraction = shot_flux_ > 0 ? received_flux_ / shot_flux_ : 0.0;
   for (Group& group : groups_) {
     double square = 0;
     Vec3d sum(0.0);
@@ -273,13 +240,13 @@ void Refinement::take_stock() {
       if (group.emitted > 0) power_[i] += area * std::abs(channel_sum(unshot)) / group.emitted;
     }
     group.unshot_norm = std::sqrt(square);
-    group.ambient = positive(sum * (kept / area_) / (Vec3d(1.0) - reflectance_ * kept));
+    group.ambient = positive(sum * (hit_fraction / area_) / (Vec3d(1.0) - reflectance_ * hit_fraction));
   }
 }
 
-/// The thirty-second part of all patches that has the most unshot power: choosing costs a shot O(1), and a batch is
-/// large enough for threads to share.
-std::vector<Shot> Refinement::most_unshot() {
+/// Shots of the 1/32 of all patches with the most unshot power: selecting them costs O(1) a shot, and a batch is large
+/// enough for all threads.
+std::vector<Shot> Refinement::brightest_shots() {
   std::vector<std::int32_t> order(power_.size());
   std::iota(order.begin(), order.end(), 0);
   const std::size_t count = std::min(order.size(), std::max<std::size_t>(64, order.size() / 32));
@@ -307,9 +274,7 @@ EnergyField Refinement::result() const {
       to.gathered_direct.emplace_back(Vec3f(from.gathered[i]));
       to.indirect.emplace_back(Vec3f(positive(from.indirect[i] + (receives_light ? from.ambient : Vec3d(0.0)))));
       const Color sum = to.direct.back() + to.indirect.back();
-      if (!std::isfinite(sum.x + sum.y + sum.z))
-        throw Error(ExitCode::bad_data, "light group `" + to.name + "` is too strong for single precision", "energy.h5",
-                    "give its emitters less, and frames more by `lights` or the exposure");
+      if (!std::isfinite(sum.x + sum.y + sum.z)) throw_overflow(to.name);
     }
     if (std::all_of(from.gathered.begin(), from.gathered.end(), [](const Vec3d& v) { return v == Vec3d(0.0); }))
       to.gathered_direct.clear();

@@ -6,20 +6,21 @@
 
 namespace patchlight {
 
-/// Shoots the emitters' light, then again and again what the patches with the most unshot power reflect (Cohen et al.
-/// 1988), until the residual is below `config.tolerance`.
+/// Progressive refinement (Cohen et al. 1988): shoots the emitters' light, then repeatedly the reflected light of the
+/// patches with the most unshot power, until the residual is below `config.tolerance`.
 ///
-/// By rays: every ray of a group carries about the same power, 1 / (config.rays * patches) of what the group emits, so
-/// that dim groups and dim patches are no noisier than bright ones; a shot takes 16 rays at least. By hemicubes: an
-/// emitting patch shoots from several of its points, and early shots give more than is unshot, by what the patch is
-/// about to receive (overshooting: Feda and Purgathofer 1992); what was too much is shot as negative light. Patches
-/// shoot in batches, chosen, cast and summed in an order that does not depend on the number of threads.
+/// By rays: every ray of a group carries about the same power, 1 / (config.rays * patches) of the group's emitted
+/// power, so that dim groups and patches are no noisier than bright ones; a shot has at least 16 rays. By hemicubes: an
+/// emitting patch shoots from several points, and early shots add the light that the patch is expected to receive
+/// (overshooting: Feda and Purgathofer 1992); excess is later shot as negative light. Patches shoot in batches, in an
+/// order that does not depend on the number of threads.
 ///
-/// What is unshot in the end counts as an ambient irradiance of the patches that its group reaches (Cohen et al. 1988,
-/// with the part of the light that escapes).
+/// The light unshot at the end becomes an ambient irradiance of the patches that its group lights (Cohen et al. 1988,
+/// with light that escapes).
 ///
-/// The residual is that of R = rho D + rho F R for the reflected radiosity R: the norm of what is unshot over that of
-/// rho D, the largest of all groups.
+/// The residual is that of R = rho D + rho F R for the reflected radiosity R: the norm of the unshot light over that of
+/// rho D, largest of all groups.
+/// Throws: Error (interrupted); (bad_data) if a light group is too strong for single precision.
 EnergyField progressive_refinement(const PatchSet& scene, const SolveConfig& config, FormFactorSource& form_factors,
                                    Progress& progress);
 

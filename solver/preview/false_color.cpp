@@ -11,7 +11,7 @@ namespace patchlight {
 
 namespace {
 
-// Glyphs of 3 x 5 pixels, rows from the top, the left pixel in the highest bit.
+// Glyphs of 3 x 5 pixels; rows from the top, leftmost pixel in the highest bit.
 struct Glyph {
   char letter;
   std::array<std::uint8_t, 5> rows;
@@ -76,9 +76,9 @@ void draw_scale(Image& image, float largest, const std::string& unit) {
   fill(image, left - size, top - size, right + size, bottom + size, Color(0.0f));
   for (int y = top; y < bottom; ++y)
     fill(image, left, y, right, y + 1, false_color(1.0f - float(y - top) / float(bottom - top)));
-  for (const float part : {0.0f, 0.5f, 1.0f})
-    draw_text(image, fmt::format("{:.3g}", part * largest), left - 2 * size,
-              bottom - int(part * float(bottom - top)) - 3 * size, size);
+  for (const float fraction : {0.0f, 0.5f, 1.0f})
+    draw_text(image, fmt::format("{:.3g}", fraction * largest), left - 2 * size,
+              bottom - int(fraction * float(bottom - top)) - 3 * size, size);
   draw_text(image, unit, right + size, 4 * size, size);
 }
 

@@ -20,7 +20,7 @@ namespace {
 constexpr int kSupersampling = 2;  // along each axis
 const Color kHighlight(1.0f, 0.15f, 0.1f);
 
-/// A well-spread colour for every patch.
+/// A pseudo-random colour of a patch.
 Color patch_color(std::uint32_t i) {
   const std::uint64_t x = hash64(i);
   const float hue = 6 * uniform01(x), value = 0.55f + 0.4f * uniform01(x << 24);
@@ -58,7 +58,7 @@ GlView camera_view(const Camera& camera, const PatchIdRenderer& renderer, const 
   return view;
 }
 
-/// Means of blocks of pixels, turned upright: OpenGL's rows run from the bottom.
+/// Averages blocks of pixels and flips rows, since OpenGL's start at the bottom.
 Image shrink(const std::vector<Color>& pixels, int width, int height, int factor) {
   Image image{width / factor, height / factor, {}, {}};
   for (int y = image.height - 1; y >= 0; --y)
@@ -86,10 +86,10 @@ std::vector<Color> paint(const std::vector<std::uint32_t>& ids, int width, bool 
   return pixels;
 }
 
-/// The five faces as a cross: the top in the middle, each side joined to it along its upper edge.
-Image fold_out(const Image& faces, int n) {
+/// Arranges the five faces as a cross: the top in the middle, each side attached to it at its upper edge.
+Image unfold(const Image& faces, int n) {
   Image cross{2 * n, 2 * n, std::vector<Color>(std::size_t(4) * n * n, Color(0.0f)), {}};
-  const auto from = [&](int row, int i, int j) -> const Color& {  // rows of an upright image of 3 n rows
+  const auto from = [&](int row, int i, int j) -> const Color& {  // rows count from the bottom
     return faces.pixels[std::size_t(3 * n - 1 - (row + j)) * n + i];
   };
   const auto to = [&](int x, int y) -> Color& { return cross.pixels[std::size_t(2 * n - 1 - y) * 2 * n + x]; };
@@ -117,7 +117,7 @@ Image draw_hemicube(const Job& job, const PatchSet& scene, std::int64_t index, P
     face.view.self_inside = primitive.sphere_radius < 0;
     renderer.draw(face.view, 0, face.row, n, face.rows);
   }
-  return fold_out(shrink(paint(renderer.read(), n, false, patch_color), n, 3 * n, 1), n);
+  return unfold(shrink(paint(renderer.read(), n, false, patch_color), n, 3 * n, 1), n);
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 #include "pipeline/stage/stage.h"
 #include "solver/preview/preview.h"
 
-// A program of its own, so that solving does not have to load what writes images.
+// A separate program, so that solving does not load the libraries for images.
 int main(int argc, char** argv) {
   using namespace patchlight;
   PreviewOptions preview;

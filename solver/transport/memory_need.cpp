@@ -12,18 +12,18 @@ namespace patchlight {
 
 namespace {
 
-// Measured: largest resident sets of solves with 10,000 to a million patches, 1 to 3 light groups, 16 to 1024 rays.
-constexpr double kBase = 40e6;
-constexpr double kOfPatch = 600;         // each, as below
-constexpr double kOfShardPatch = 150;    // each, without its row
-constexpr double kOfGroup = 300;         // of a patch and light group
-constexpr double kOfEmitter = 10;        // of a patch and emitter
-constexpr double kOfPhotons = 26;        // of a patch and emitter where there are metals
-constexpr double kOfProgressive = 350;   // of a patch and light group
-constexpr double kOfRay = 4;             // a row's: the patch it ends on
-constexpr double kOfDisplay = 250;       // of a patch, and
-constexpr double kDisplayRows = 1.2;     // rows of as many rays as a patch has: of vertices, at most
-constexpr double kOfHemicubePatch = 16;  // in two hemicubes: patch and form factor
+// Bytes, measured: peak resident sets of solves with 10,000 to 1,000,000 patches, 1 to 3 light groups, 16 to 1024 rays.
+constexpr double kBaseBytes = 40e6;
+constexpr double kBytesPerPatch = 600;
+constexpr double kBytesPerShardPatch = 150;        // of a patch of a shard's scene, without its row
+constexpr double kBytesPerGroup = 300;             // of a patch and light group, for the matrix method
+constexpr double kBytesPerEmitter = 10;            // of a patch and emitter
+constexpr double kBytesOfPhotons = 26;             // of a patch and emitter in scenes with metals
+constexpr double kBytesPerProgressiveGroup = 350;  // of a patch and light group, for progressive refinement
+constexpr double kBytesPerRay = 4;                 // of a row's ray: its column
+constexpr double kBytesOfDisplay = 250;            // of a patch, for the display solution
+constexpr double kDisplayRayRatio = 1.2;  // upper bound of the rays of the display mesh over the rays of the patches
+constexpr double kBytesPerHemicubePatch = 16;  // of a patch visible in a row's two hemicubes: column and weight
 
 bool has_metals(const PatchSet& scene) {
   return std::any_of(scene.primitives.begin(), scene.primitives.end(),
@@ -37,19 +37,22 @@ double gibibytes(double bytes) {
 }  // namespace
 
 double memory_needed(const PatchSet& scene, const SolveConfig& config, int rays) {
-  const double display = config.display ? kOfDisplay + kDisplayRows * kOfRay * rays : 0.0;
+  const double display = config.display ? kBytesOfDisplay + kDisplayRayRatio * kBytesPerRay * rays : 0.0;
   const auto n = double(scene.patches.size()), groups = double(scene.light_groups.size());
-  if (config.method == "progressive") return kBase + n * (kOfPatch + display + kOfProgressive * groups);
+  if (config.method == "progressive")
+    return kBaseBytes + n * (kBytesPerPatch + display + kBytesPerProgressiveGroup * groups);
   const double cells = 3.0 * config.hemicube_resolution * config.hemicube_resolution;
-  const double row = config.form_factors == "rays" ? kOfRay * rays : kOfHemicubePatch * std::min(n, cells);
+  const double row = config.form_factors == "rays" ? kBytesPerRay * rays : kBytesPerHemicubePatch * std::min(n, cells);
   const bool photons = config.form_factors == "rays" && has_metals(scene);
-  const double emitter = kOfEmitter + (photons ? kOfPhotons : 0.0);
-  return kBase + n * (kOfPatch + display + kOfGroup * groups + emitter * double(explicit_emitters(scene).size()) + row);
+  const double emitter = kBytesPerEmitter + (photons ? kBytesOfPhotons : 0.0);
+  return kBaseBytes + n * (kBytesPerPatch + display + kBytesPerGroup * groups +
+                           emitter * double(explicit_emitters(scene).size()) + row);
 }
 
 double shard_memory_needed(const PatchSet& scene, const SolveConfig& config, int shards) {
-  const double rows = kOfRay * config.rays * (config.display ? 1 + kDisplayRows : 1.0);
-  return kBase + double(scene.patches.size()) * (kOfShardPatch + (config.display ? kOfDisplay : 0.0) + rows / shards);
+  const double rows = kBytesPerRay * config.rays * (config.display ? 1 + kDisplayRayRatio : 1.0);
+  return kBaseBytes + double(scene.patches.size()) *
+                          (kBytesPerShardPatch + (config.display ? kBytesOfDisplay : 0.0) + rows / shards);
 }
 
 double memory_allowed(const SolveConfig& config) {
@@ -63,7 +66,7 @@ void check_memory(const PatchSet& scene, const SolveConfig& config, int shards) 
   const double allowed = memory_allowed(config);
   if (needed <= allowed) return;
   throw Error(ExitCode::over_limit,
-              fmt::format("{} patches may need {:.3g} GiB, and {} {:.3g}", scene.patches.size(), gibibytes(needed),
+              fmt::format("{} patches may need {:.3g} GiB, but {} {:.3g} GiB", scene.patches.size(), gibibytes(needed),
                           config.memory > 0 ? "--memory allows" : "the machine has", gibibytes(allowed)),
               "--memory",
               "raise it, or use a larger import.patch_area or " +

@@ -4,17 +4,17 @@
 
 namespace patchlight {
 
-/// Bytes that a solve with `rays` a row is going to take at most, within a fifth; of hemicubes within a factor of
-/// three, since no one knows yet how many patches they see.
+/// Upper bound of the memory of a solve with `rays` rays a row, bytes, within 20%; for hemicubes within a factor of 3,
+/// since the number of visible patches is unknown.
 double memory_needed(const PatchSet& scene, const SolveConfig& config, int rays);
 
-/// Bytes that casting one of `shards` shards of the rows is going to take at most.
+/// Upper bound of the memory for casting one of `shards` shards of the rows, bytes.
 double shard_memory_needed(const PatchSet& scene, const SolveConfig& config, int shards);
 
-/// The most that it may take, by `config` or as the machine has it, bytes.
+/// The memory limit of `config`, or else the machine's memory, bytes.
 double memory_allowed(const SolveConfig& config);
 
-/// Throws: Error (over_limit) for a solve, or one of `shards` shards of its rows, that needs more than it may take.
+/// Throws: Error (over_limit) if a solve, or one of `shards` shards of its rows, needs more memory than allowed.
 void check_memory(const PatchSet& scene, const SolveConfig& config, int shards = 0);
 
 }  // namespace patchlight

@@ -22,9 +22,9 @@ namespace patchlight {
 
 namespace {
 
-constexpr double kPhotons = 0.125;  // of all emitters together, for each ray of the rows
+constexpr double kPhotonsPerRay = 0.125;  // photons of all emitters, relative to the rays of all rows
 
-/// Two hemicubes a row, one for each half.
+/// Draws two hemicubes for each row, one for each sample set.
 void draw_rows(const PatchSet& scene, const SolveConfig& config, Transport& transport, Progress& progress) {
   HemicubeFormFactors hemicubes(scene, config.hemicube_resolution, std::uint64_t(config.seed));
   std::vector<Shot> shots;
@@ -45,8 +45,8 @@ void draw_rows(const PatchSet& scene, const SolveConfig& config, Transport& tran
   }
 }
 
-/// Tells which parts of patches that see unlit backs are exposed, and makes their rows rows of these. Returns the
-/// number of rays that that took.
+/// Estimates the visible area fractions of patches that see unlit backs, and divides their rows' weights by them.
+/// Returns the number of rays.
 std::int64_t find_visible_fractions(const PatchSet& scene, const RayScene& ray_scene, std::uint64_t seed,
                                     Transport& transport) {
   transport.visible_fractions.assign(2 * scene.patches.size(), 1.0f);
@@ -58,18 +58,18 @@ std::int64_t find_visible_fractions(const PatchSet& scene, const RayScene& ray_s
     if (refinement_criterion(scene, ray_scene, scene.patches[i], random).hits_backs)
       for (const std::size_t sample_set : {2 * i, 2 * i + 1}) {
         random = hash64(random);
-        const float part = transport.visible_fractions[sample_set] =
+        const float fraction = transport.visible_fractions[sample_set] =
             visible_area_fraction(scene, ray_scene, scene.patches[i], kMinRaysForVisibleFraction, random, rays);
         for (std::uint64_t at = transport.starts[sample_set]; at < transport.starts[sample_set + 1]; ++at)
-          transport.weights[at] /= part;
+          transport.weights[at] /= fraction;
       }
     cast += rays;
   });
   return cast;
 }
 
-/// Lets rows end on what others, of the same patches, end on too.
-void add_rows(const TransportRows& more, TransportRows& rows) {
+/// Appends the columns of `more` to the rows of the same patches.
+void append_columns(const TransportRows& more, TransportRows& rows) {
   TransportRows sum;
   sum.starts.push_back(0);
   for (std::size_t k = 0; k + 1 < rows.starts.size(); ++k) {
@@ -85,43 +85,43 @@ void add_rows(const TransportRows& more, TransportRows& rows) {
   rows.weights = std::move(sum.weights);
 }
 
-/// See Transport::Emitter::light.
-std::int64_t light_number(const PatchSet& scene, const Emitter& emitter) {
+/// Identifies a light by its geometry: see Transport::Emitter::light.
+std::int64_t light_id(const PatchSet& scene, const Emitter& emitter) {
   if (emitter.light < 0) return 0;
   const Light& light = scene.lights[emitter.light];
-  std::uint64_t number = hash64(std::uint64_t(light.kind) + 1);
-  const auto add = [&](double x) { number = hash64(number ^ std::bit_cast<std::uint64_t>(x + 0.0)); };
+  std::uint64_t id = hash64(std::uint64_t(light.kind) + 1);
+  const auto add = [&](double x) { id = hash64(id ^ std::bit_cast<std::uint64_t>(x + 0.0)); };
   for (const Vec3d& v : {light.position, light.direction})
     for (int k = 0; k < 3; ++k) add(v[k]);
   add(light.inner);
   add(light.outer);
-  return std::max<std::int64_t>(std::int64_t(number >> 1), 1);
+  return std::max<std::int64_t>(std::int64_t(id >> 1), 1);
 }
 
 }  // namespace
 
 std::int64_t cast_rows(const PatchSet& scene, const RayScene& ray_scene, const SolveConfig& config, int rays,
-                       TransportRows& to, Progress& progress, Shard shard) {
+                       TransportRows& rows, Progress& progress, Shard shard) {
   const Elements elements(scene);
   return RayRows(scene, ray_scene, scene.patches, elements, std::uint64_t(config.seed),
                  RayRows::SampleSets::independent, true)
-      .cast(rays, to, progress, shard);
+      .cast(rays, rows, progress, shard);
 }
 
 std::int64_t complete_transport(const PatchSet& scene, const SolveConfig& config, int rays, Transport& transport,
                                 Progress& progress) {
   if (scene.light_groups.empty()) return 0;
   const std::string key = transport_key(scene.geometry_key, config);
-  const std::vector<Emitter> wanted = explicit_emitters(scene);
-  const auto is_of = [&](const Transport::Emitter& kept, const Emitter& emitter) {
-    return kept.first_patch == emitter.first_patch && kept.patches == emitter.patches &&
-           kept.light == light_number(scene, emitter);
+  const std::vector<Emitter> emitters = explicit_emitters(scene);
+  const auto is_same = [&](const Transport::Emitter& sampled, const Emitter& emitter) {
+    return sampled.first_patch == emitter.first_patch && sampled.patches == emitter.patches &&
+           sampled.light == light_id(scene, emitter);
   };
   const bool hemicubes = config.form_factors == "hemicube";
   const bool same_rows =
       transport.key == key && transport.sky == scene.sky_cells() && (hemicubes || transport.rays >= rays);
   if (same_rows &&
-      std::equal(transport.emitters.begin(), transport.emitters.end(), wanted.begin(), wanted.end(), is_of))
+      std::equal(transport.emitters.begin(), transport.emitters.end(), emitters.begin(), emitters.end(), is_same))
     return 0;
 
   const std::uint64_t seed = std::uint64_t(config.seed);
@@ -133,35 +133,36 @@ std::int64_t complete_transport(const PatchSet& scene, const SolveConfig& config
     if (hemicubes) {
       draw_rows(scene, config, transport, progress);
       cast += find_visible_fractions(scene, ray_scene, seed, transport);
-      if (scene.environment) add_rows(sky_rows(scene, ray_scene, rays, seed, cast, progress), transport);
+      if (scene.environment) append_columns(sky_rows(scene, ray_scene, rays, seed, cast, progress), transport);
     } else {
       cast += cast_rows(scene, ray_scene, config, rays, transport, progress);
     }
     transport.key = key;
     transport.sky = scene.sky_cells();
   }
-  std::vector<Transport::Emitter> emitters;
+  std::vector<Transport::Emitter> sampled;
   const DirectFactors direct(scene, ray_scene, scene.patches, grid_neighbours(scene, lookup), seed);
   const Photons photons(scene, ray_scene, seed);
-  for (const Emitter& emitter : wanted) {
-    const auto at = std::find_if(transport.emitters.begin(), transport.emitters.end(),
-                                 [&](const Transport::Emitter& e) { return is_of(e, emitter) && !e.factors.empty(); });
+  for (const Emitter& emitter : emitters) {
+    const auto at =
+        std::find_if(transport.emitters.begin(), transport.emitters.end(),
+                     [&](const Transport::Emitter& e) { return is_same(e, emitter) && !e.factors.empty(); });
     if (at != transport.emitters.end()) {
-      emitters.push_back(std::move(*at));
+      sampled.push_back(std::move(*at));
     } else {
-      Transport::Emitter& added = emitters.emplace_back(direct.sample(emitter, wanted.size(), rays, cast));
-      added.light = light_number(scene, emitter);
-      const double share = kPhotons * rays * double(scene.patches.size()) / double(wanted.size());
-      if (!hemicubes && photons.has_metals()) added.mirrored = photons.shoot(emitter, std::int64_t(share), cast);
+      Transport::Emitter& added = sampled.emplace_back(direct.sample(emitter, emitters.size(), rays, cast));
+      added.light = light_id(scene, emitter);
+      const double count = kPhotonsPerRay * rays * double(scene.patches.size()) / double(emitters.size());
+      if (!hemicubes && photons.has_metals()) added.mirrored = photons.shoot(emitter, std::int64_t(count), cast);
       for (std::size_t k = 0; k < added.factors.size() && !transport.visible_fractions.empty(); ++k) {
-        const float part = transport.visible_fractions[k];
-        added.factors[k] /= part;
-        if (!added.mirrored.empty()) added.mirrored[k] /= part;
+        const float fraction = transport.visible_fractions[k];
+        added.factors[k] /= fraction;
+        if (!added.mirrored.empty()) added.mirrored[k] /= fraction;
       }
     }
-    progress.update(double(emitters.size()) / double(wanted.size()), "direct light");
+    progress.update(double(sampled.size()) / double(emitters.size()), "direct light");
   }
-  transport.emitters = std::move(emitters);
+  transport.emitters = std::move(sampled);
   transport.changed = true;
   return cast;
 }

@@ -16,60 +16,60 @@ namespace patchlight {
 namespace {
 
 template <class Values>
-void append(Values& to, const Values& more) {
-  to.insert(to.end(), more.begin(), more.end());
+void append(Values& values, const Values& more) {
+  values.insert(values.end(), more.begin(), more.end());
 }
 
 /// Appends the rows of the next shard.
-void append_rows(TransportRows& to, const TransportRows& more) {
-  const auto before = std::int32_t(to.rows());
-  const std::uint64_t start = to.starts.back();
-  for (std::size_t k = 1; k < more.starts.size(); ++k) to.starts.push_back(start + more.starts[k]);
-  append(to.columns, more.columns);
-  append(to.hit_weights, more.hit_weights);
+void append_rows(TransportRows& rows, const TransportRows& more) {
+  const auto first_row = std::int32_t(rows.rows());
+  const std::uint64_t start = rows.starts.back();
+  for (std::size_t k = 1; k < more.starts.size(); ++k) rows.starts.push_back(start + more.starts[k]);
+  append(rows.columns, more.columns);
+  append(rows.hit_weights, more.hit_weights);
   for (TransportRows::Mirrored m : more.mirrored) {
-    m.row += before;
-    to.mirrored.push_back(m);
+    m.row += first_row;
+    rows.mirrored.push_back(m);
   }
-  if (to.visible_fractions.empty() && more.visible_fractions.empty()) return;
-  to.visible_fractions.resize(2 * std::size_t(before), 1.0f);
-  append(to.visible_fractions, more.visible_fractions);
-  to.visible_fractions.resize(2 * std::size_t(to.rows()), 1.0f);
+  if (rows.visible_fractions.empty() && more.visible_fractions.empty()) return;
+  rows.visible_fractions.resize(2 * std::size_t(first_row), 1.0f);
+  append(rows.visible_fractions, more.visible_fractions);
+  rows.visible_fractions.resize(2 * std::size_t(rows.rows()), 1.0f);
 }
 
-/// Rows that other shards are appended to.
-TransportRows no_rows(const TransportRows& like, std::int64_t rows) {
-  TransportRows none;
-  none.rays = like.rays;
-  none.starts.reserve(2 * std::size_t(rows) + 1);
-  none.starts.push_back(0);
-  none.columns.reserve(std::size_t(rows) * std::size_t(like.rays));  // what is not needed is never touched
-  return none;
+/// No rows yet, with capacity for `count` rows of as many rays as those of `example`.
+TransportRows reserved_rows(const TransportRows& example, std::int64_t count) {
+  TransportRows rows;
+  rows.rays = example.rays;
+  rows.starts.reserve(2 * std::size_t(count) + 1);
+  rows.starts.push_back(0);
+  rows.columns.reserve(std::size_t(count) * std::size_t(example.rays));  // unused pages are never committed
+  return rows;
 }
 
-/// `before`: what the shards before it make.
-TransportShard read_shard(const Job& job, const PatchSet& scene, Shard shard, const Transport& before) {
+/// Reads and checks a shard. `merged`: the shards before it.
+TransportShard read_shard(const Job& job, const PatchSet& scene, Shard shard, const Transport& merged) {
   const std::filesystem::path file = transport_shard_file(job, shard);
-  const std::string mend = fmt::format("run patchlight-solve --shard {}/{}", shard.index, shard.count);
+  const std::string command = fmt::format("run patchlight-solve --shard {}/{}", shard.index, shard.count);
   std::error_code fault;
   if (!std::filesystem::exists(file, fault))
-    throw Error(ExitCode::missing_input, "a shard of transport.h5 is missing", file.string(), mend);
-  const auto refuse = [&](const std::string& what) {
-    throw Error(ExitCode::bad_data, "a shard of transport.h5 that " + what, file.string(), mend + " again");
+    throw Error(ExitCode::missing_input, "a shard of transport.h5 is missing", file.string(), command);
+  const auto refuse = [&](const std::string& problem) {
+    throw Error(ExitCode::bad_data, "this shard of transport.h5 " + problem, file.string(), command + " again");
   };
-  const DisplayMesh* mesh = before.display ? &before.display->mesh : nullptr;
-  TransportShard read = read_transport_shard(file, std::int64_t(scene.patches.size()), scene.sky_cells(), mesh);
-  if (read.key != transport_shard_key(job, scene, shard)) refuse("was cast for other settings or another scene");
-  const auto is_part = [&](const TransportRows& rows, std::size_t all) {
+  const DisplayMesh* mesh = merged.display ? &merged.display->mesh : nullptr;
+  TransportShard result = read_transport_shard(file, std::int64_t(scene.patches.size()), scene.sky_cells(), mesh);
+  if (result.key != transport_shard_key(job, scene, shard)) refuse("was cast for another scene or other settings");
+  const auto is_complete = [&](const TransportRows& rows, std::size_t all) {
     return rows.rays > 0 && rows.rows() == std::int64_t(shard.last(all) - shard.first(all));
   };
   const bool starts_display = job.solve.display && shard.index == 1;
-  if (!is_part(read.rows, scene.patches.size()) || (shard.index > 1 && read.rows.rays != before.rays) ||
-      read.mesh.has_value() != starts_display || read.display_rows.has_value() != job.solve.display)
-    refuse("has other rows than it should");
-  if (job.solve.display && !is_part(*read.display_rows, std::size_t((mesh ? mesh : &*read.mesh)->gathered)))
-    refuse("has other rows of the display solution than it should");
-  return read;
+  if (!is_complete(result.rows, scene.patches.size()) || (shard.index > 1 && result.rows.rays != merged.rays) ||
+      result.mesh.has_value() != starts_display || result.display_rows.has_value() != job.solve.display)
+    refuse("does not have the expected rows");
+  if (job.solve.display && !is_complete(*result.display_rows, std::size_t((mesh ? mesh : &*result.mesh)->gathered)))
+    refuse("does not have the expected rows of the display solution");
+  return result;
 }
 
 }  // namespace
@@ -81,13 +81,13 @@ TransportShard cast_transport_shard(const PatchSet& scene, const SolveConfig& co
   result.cast = cast_rows(scene, ray_scene, config, config.rays, result.rows, progress, shard);
   if (!config.display) return result;
   Transport::Display display;
-  std::int64_t for_mesh = 0;
+  std::int64_t mesh_rays = 0;
   const int rays = display_rays(std::max(config.rays, result.rows.rays));
-  result.cast += cast_display(scene, ray_scene, config, rays, display, for_mesh, progress, shard);
+  result.cast += cast_display(scene, ray_scene, config, rays, display, mesh_rays, progress, shard);
   result.display_rows = std::move(display.rows);
   if (shard.index > 1) return result;
   result.mesh = std::move(display.mesh);
-  result.cast += for_mesh;
+  result.cast += mesh_rays;
   return result;
 }
 
@@ -97,11 +97,11 @@ Transport merge_transport_shards(const Job& job, const PatchSet& scene, int coun
   const auto patches = std::int64_t(scene.patches.size());
   for (int k = 1; k <= count; ++k) {
     TransportShard shard = read_shard(job, scene, {k, count}, transport);
-    if (k == 1) static_cast<TransportRows&>(transport) = no_rows(shard.rows, patches);
+    if (k == 1) static_cast<TransportRows&>(transport) = reserved_rows(shard.rows, patches);
     append_rows(transport, shard.rows);
     if (shard.mesh) {
       const std::int32_t vertices = shard.mesh->gathered;
-      transport.display = {std::move(*shard.mesh), no_rows(*shard.display_rows, vertices)};
+      transport.display = {std::move(*shard.mesh), reserved_rows(*shard.display_rows, vertices)};
     }
     if (shard.display_rows) append_rows(transport.display->rows, *shard.display_rows);
     cast += shard.cast;

@@ -111,10 +111,10 @@ TEST_F(TransportShards, AreRefusedWhereOneIsMissingOrOfSomethingElse) {
   job_.solve.seed = 2;
   cast({2, 3});
   job_.solve.seed = 1;
-  EXPECT_ERROR(merge(3), ExitCode::bad_data, "that was cast for other settings");
+  EXPECT_ERROR(merge(3), ExitCode::bad_data, "was cast for another scene or other settings");
   std::filesystem::copy_file(transport_shard_file(job_, {3, 3}), transport_shard_file(job_, {2, 3}),
                              std::filesystem::copy_options::overwrite_existing);
-  EXPECT_ERROR(merge(3), ExitCode::bad_data, "that was cast for other settings");
+  EXPECT_ERROR(merge(3), ExitCode::bad_data, "was cast for another scene or other settings");
   folder_.write("transport.2-of-3.h5", "damaged");
   EXPECT_ERROR(merge(3), ExitCode::bad_data, "transport.2-of-3.h5");
 
@@ -128,10 +128,10 @@ TEST_F(TransportShards, AreRefusedWhereOneIsMissingOrOfSomethingElse) {
   fewer.rows.visible_fractions.clear();
   fewer.rows.mirrored.clear();
   write_transport_shard(transport_shard_file(job_, {2, 3}), fewer);
-  EXPECT_ERROR(merge(3), ExitCode::bad_data, "that has other rows than it should");
+  EXPECT_ERROR(merge(3), ExitCode::bad_data, "does not have the expected rows");
   rows.display_rows.reset();
   write_transport_shard(transport_shard_file(job_, {2, 3}), rows);
-  EXPECT_ERROR(merge(3), ExitCode::bad_data, "that has other rows than it should");
+  EXPECT_ERROR(merge(3), ExitCode::bad_data, "does not have the expected rows");
 }
 
 }  // namespace

@@ -1,0 +1,54 @@
+#pragma once
+#include <vector>
+
+#include "pipeline/model/patch_set.h"
+#include "pipeline/model/transport.h"
+#include "pipeline/optics/lights/direct_light.h"
+#include "pipeline/stage/progress.h"
+#include "solver/linear/linear_system.h"
+
+namespace patchlight {
+
+/// The linear system that all light groups share.
+struct RadiositySystem {
+  const PatchSet& scene;
+  const Transport& transport;
+  const FormFactorRows rows;
+  const std::vector<Emitter> emitters;  ///< As in `transport`.
+  std::vector<double> areas;            ///< [n] Covered area, m2.
+  SpectrumField reflectance;            ///< [n].
+
+  RadiositySystem(const PatchSet& patches, const Transport& from);
+};
+
+/// Unfiltered irradiance of one light group, W/m2, by component, and deviations: half the difference between the sample
+/// sets. Shape of each field: [n], or empty where the group has no such light.
+struct GroupSolution {
+  SpectrumField explicit_direct;  ///< Direct light of explicitly sampled emitters.
+  SpectrumField gathered_direct;  ///< Direct light of the other emitters and the environment.
+  SpectrumField mirrored;         ///< Light of emitters by specular reflection.
+  SpectrumField by_photons;       ///< The part of `mirrored` that photons brought.
+  SpectrumField reflected;        ///< Light that patches reflect diffusely.
+  SpectrumField explicit_deviation, gathered_deviation, mirrored_deviation, reflected_deviation;
+  SpectrumField external_irradiance;  ///< The light of lights and the environment, which no patch emits.
+  bool has_sky = false;               ///< Whether gathered_direct has light of the environment.
+  LinearSolve linear;
+
+  void resize_mirrored(std::size_t patches) {
+    mirrored.resize(patches);
+    mirrored_deviation.resize(patches);
+  }
+
+  /// `factors`: [2 n], of both sample sets of each patch.
+  template <class Factor>
+  void add_external(const Spectrum& strength, const std::vector<Factor>& factors) {
+    external_irradiance.resize(factors.size() / 2);
+    for (std::size_t i = 0; i < external_irradiance.size(); ++i)
+      external_irradiance[i] += strength * (Spectrum(factors[2 * i]) + Spectrum(factors[2 * i + 1])) * Spectrum(0.5);
+  }
+};
+
+/// Solves for the irradiance of all light groups of the scene. Throws: Error (interrupted).
+std::vector<GroupSolution> solve_groups(const RadiositySystem& system, double tolerance, Progress& progress);
+
+}  // namespace patchlight
