@@ -4,9 +4,10 @@
 
 #include <algorithm>
 #include <cctype>
-#include <regex>
 #include <set>
 #include <sstream>
+
+#include "pipeline/system/text_scanner.h"
 
 namespace patchlight {
 
@@ -18,16 +19,29 @@ struct Range {
   int first = 0, last = 0, step = 1;
 };
 
+/// Takes a number of one to seven digits. Returns whether there was one.
+bool take_number(TextScanner& text, int& number) {
+  const std::string digits(text.take_digits());
+  if (digits.empty() || digits.size() > 7) return false;
+  number = std::stoi(digits);
+  return true;
+}
+
+/// FIRST, FIRST-LAST or FIRST-LASTxSTEP, with `..` for `-` and `:` for `x`. Returns whether `part` is one.
+bool read_range(const std::string& part, Range& range) {
+  TextScanner text(part);
+  if (!take_number(text, range.first)) return false;
+  range.last = range.first;
+  if (text.done()) return true;
+  if (!text.skip_any({"-", ".."}) || !take_number(text, range.last)) return false;
+  return text.done() || (text.skip_any({"x", ":"}) && take_number(text, range.step) && text.done());
+}
+
 /// `part` has no spaces.
 Range parse_range(const std::string& part) {
-  static const std::regex pattern(R"((\d{1,7})(?:(?:-|\.\.)(\d{1,7})(?:[x:](\d{1,7}))?)?)");
-  std::smatch match;
-  if (part.size() > kLongestPart || !std::regex_match(part, match, pattern))
-    throw "expected frames such as 1-120 or 1,5..9,20-40x2, not `" + part.substr(0, kLongestPart) + "`";
   Range range;
-  range.first = range.last = std::stoi(match[1]);
-  if (match[2].matched) range.last = std::stoi(match[2]);
-  if (match[3].matched) range.step = std::stoi(match[3]);
+  if (part.size() > kLongestPart || !read_range(part, range))
+    throw "expected frames such as 1-120 or 1,5..9,20-40x2, not `" + part.substr(0, kLongestPart) + "`";
   if (range.last < range.first) throw "expected a range of frames that begins before it ends, not `" + part + "`";
   if (range.step == 0) throw "expected a step of at least 1, not `" + part + "`";
   return range;

@@ -4,7 +4,6 @@
 #include <sys/stat.h>
 
 #include <algorithm>
-#include <regex>
 #include <tuple>
 #include <vector>
 
@@ -14,6 +13,7 @@
 #include "pipeline/model/error.h"
 #include "pipeline/system/content_hash.h"
 #include "pipeline/system/temporary_file.h"
+#include "pipeline/system/text_scanner.h"
 
 namespace patchlight {
 
@@ -43,13 +43,26 @@ bool link_over(const fs::path& from, const fs::path& to) {
   }
 }
 
+/// Whether the text continues with a hyphen and a key.
+bool skip_key(TextScanner& text) {
+  constexpr std::size_t kDigits = 32;
+  return text.skip("-") &&
+         text.take([](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); }).size() == kDigits;
+}
+
+/// patches-HASH-KEY.EXTENSION, or another output's name in place of patches-HASH.
+bool is_kept_name(const std::string& name) {
+  TextScanner text(name);
+  const bool named = text.skip("patches") ? skip_key(text) : text.skip_any({"energy", "transport", "frame"});
+  return named && skip_key(text) && text.skip_any({".h5", ".exr", ".png"}) && text.done();
+}
+
 /// Files that are kept here, by their names: what others put there is not ours.
 std::vector<fs::path> kept_files(const fs::path& folder) {
-  static const std::regex ours("(patches-[0-9a-f]{32}|energy|transport|frame)-[0-9a-f]{32}[.](h5|exr|png)");
   std::vector<fs::path> files;
   std::error_code fault;
   for (fs::directory_iterator entry(folder, fault), end; !fault && entry != end; entry.increment(fault))
-    if (std::regex_match(entry->path().filename().string(), ours)) files.push_back(entry->path());
+    if (is_kept_name(entry->path().filename().string())) files.push_back(entry->path());
   return files;
 }
 

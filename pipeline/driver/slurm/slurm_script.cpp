@@ -3,7 +3,8 @@
 #include <fmt/format.h>
 
 #include <fstream>
-#include <regex>
+
+#include "pipeline/system/text_scanner.h"
 
 namespace patchlight {
 
@@ -16,6 +17,16 @@ std::string quoted(const std::string& text) {
   return result + "'";
 }
 
+/// STAGE.EXTENSION or STAGE.TASK.JOB.EXTENSION.
+bool is_slurm_file(const std::string& name) {
+  TextScanner text(name);
+  if (!text.skip_any({"import.", "rows.", "solve.", "trace."})) return false;
+  if (!text.take_digits().empty() && !(text.skip(".") && !text.take_digits().empty() && text.skip("."))) return false;
+  for (const std::string_view extension : {"sh", "log", "jsonl", "end", "end.new"})
+    if (text.rest() == extension) return true;
+  return false;
+}
+
 }  // namespace
 
 std::filesystem::path slurm_folder(const Job& job) {
@@ -23,11 +34,10 @@ std::filesystem::path slurm_folder(const Job& job) {
 }
 
 std::vector<std::filesystem::path> slurm_files(const std::filesystem::path& folder) {
-  static const std::regex ours("(import|rows|solve|trace)([.][0-9]+[.][0-9]+)?[.](sh|log|jsonl|end|end[.]new)");
   std::vector<std::filesystem::path> files;
   std::error_code fault;
   for (std::filesystem::directory_iterator entry(folder, fault), end; !fault && entry != end; entry.increment(fault))
-    if (std::regex_match(entry->path().filename().string(), ours)) files.push_back(entry->path());
+    if (is_slurm_file(entry->path().filename().string())) files.push_back(entry->path());
   return files;
 }
 

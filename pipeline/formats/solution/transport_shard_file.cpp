@@ -2,29 +2,38 @@
 
 #include <fmt/format.h>
 
-#include <regex>
-
 #include "pipeline/formats/solution/display_mesh_file.h"
 #include "pipeline/formats/solution/transport_rows_file.h"
 #include "pipeline/hdf5/provenance_file.h"
 #include "pipeline/job/stage_keys.h"
 #include "pipeline/model/error.h"
 #include "pipeline/system/content_hash.h"
+#include "pipeline/system/text_scanner.h"
 
 namespace patchlight {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+/// transport.k-of-K.h5
+bool is_shard_name(const std::string& name) {
+  TextScanner text(name);
+  return text.skip("transport.") && !text.take_digits().empty() && text.skip("-of-") && !text.take_digits().empty() &&
+         text.skip(".h5") && text.done();
+}
+
+}  // namespace
 
 fs::path transport_shard_file(const Job& job, Shard shard) {
   return job.output / fmt::format("transport.{}-of-{}.h5", shard.index, shard.count);
 }
 
 std::vector<fs::path> transport_shard_files(const Job& job) {
-  static const std::regex name("transport[.][0-9]+-of-[0-9]+[.]h5");
   std::vector<fs::path> files;
   std::error_code fault;
   for (fs::directory_iterator entry(job.output, fault), end; !fault && entry != end; entry.increment(fault))
-    if (std::regex_match(entry->path().filename().string(), name)) files.push_back(entry->path());
+    if (is_shard_name(entry->path().filename().string())) files.push_back(entry->path());
   return files;
 }
 

@@ -4,9 +4,9 @@
 
 #include <array>
 #include <cmath>
-#include <regex>
 
 #include "pipeline/job/schema/value_parsing.h"
+#include "pipeline/system/text_scanner.h"
 
 namespace patchlight {
 
@@ -14,15 +14,36 @@ namespace {
 
 using Node = YAML::Node;
 
+/// Takes the number of a size: up to 12 digits, and up to 6 decimals. Empty: there is none.
+std::string take_size_number(TextScanner& text) {
+  const std::string whole(text.take_digits());
+  if (whole.empty() || whole.size() > 12) return "";
+  if (!text.skip(".")) return whole;
+  const std::string decimals(text.take_digits());
+  return decimals.empty() || decimals.size() > 6 ? "" : whole + "." + decimals;
+}
+
+/// Takes a unit such as K, KB, KiB, B or none. Returns its power of 1024.
+std::size_t take_size_unit(TextScanner& text) {
+  static constexpr std::string_view kUnits = "KMGT";
+  const std::size_t unit = text.done() ? kUnits.npos : kUnits.find(text.rest()[0]);
+  if (unit == kUnits.npos) {
+    text.skip("B");
+    return 0;
+  }
+  text.skip(kUnits.substr(unit, 1));
+  text.skip_any({"iB", "B"});
+  return 1 + unit;
+}
+
 std::uint64_t parse_size(const Node& node) {
   const std::string expected = "expected a size such as 10GiB or 500MiB, or 0";
-  static const std::regex size("([0-9]{1,12}(?:\\.[0-9]{1,6})?) *(?:([KMGT])(?:i?B)?|B)?");
-  std::smatch parts;
-  const std::string text = node.IsScalar() ? node.Scalar() : "";
-  if (!std::regex_match(text, parts, size)) throw expected;
-  const std::string unit = parts[2].str();
-  const auto power = unit.empty() ? 0 : 1 + std::string("KMGT").find(unit);
-  const double bytes = std::stod(parts[1].str()) * std::pow(1024.0, double(power));
+  TextScanner text(node.IsScalar() ? node.Scalar() : std::string_view());
+  const std::string number = take_size_number(text);
+  text.take([](char c) { return c == ' '; });
+  const std::size_t power = take_size_unit(text);
+  if (number.empty() || !text.done()) throw expected;
+  const double bytes = std::stod(number) * std::pow(1024.0, double(power));
   if (bytes > 1e18) throw expected;
   return std::uint64_t(bytes);
 }

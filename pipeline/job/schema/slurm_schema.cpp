@@ -1,10 +1,11 @@
+#include <algorithm>
 #include <array>
-#include <regex>
 
 #include "pipeline/job/schema/job_schema.h"
 #include "pipeline/job/schema/key_kinds.h"
 #include "pipeline/job/schema/value_parsing.h"
 #include "pipeline/model/shard.h"
+#include "pipeline/system/text_scanner.h"
 
 namespace patchlight {
 
@@ -12,30 +13,63 @@ namespace {
 
 using Node = YAML::Node;
 
-JobKey text_key(const std::string& path, std::string& value, const char* good, const std::string& expected,
-                const std::string& help) {
+/// Names of partitions: one word that is no option.
+bool is_partition(const std::string& text) {
+  return !text.empty() && text[0] != '-' &&
+         std::none_of(text.begin(), text.end(), [](unsigned char c) { return c <= ' '; });
+}
+
+/// MINUTES, [H:]M:SS, or DAYS-H with up to two more parts of two digits.
+bool is_time_limit(const std::string& limit) {
+  TextScanner text(limit);
+  if (text.take_digits().empty()) return false;
+  if (text.done()) return true;
+  if (text.skip("-")) {
+    if (text.take_digits().empty()) return false;
+    for (int part = 0; part < 2 && text.skip(":"); ++part)
+      if (text.take_digits().size() != 2) return false;
+    return text.done();
+  }
+  if (!text.skip(":")) return false;
+  std::string_view last = text.take_digits();
+  if (!last.empty() && text.skip(":")) last = text.take_digits();
+  return last.size() == 2 && text.done();
+}
+
+JobKey text_key(const std::string& path, std::string& value, bool (*is_good)(const std::string&),
+                const std::string& expected, const std::string& help) {
   return {path, help,
-          [&value, good, expected](const Node& n) {
+          [&value, is_good, expected](const Node& n) {
             const std::string read = parse<std::string>(n, expected);
-            if (!std::regex_match(read, std::regex(good))) throw "expected " + expected;
+            if (!is_good(read)) throw "expected " + expected;
             value = read;
           },
           [&value] { return Node(value); }};
 }
 
+/// The name in `--name` or `--name=value`; empty: `option` is neither.
+std::string_view long_option_name(const std::string& option) {
+  const auto is_letter = [](char c) { return c >= 'a' && c <= 'z'; };
+  const auto is_of_name = [&](char c) { return is_letter(c) || (c >= '0' && c <= '9') || c == '-'; };
+  TextScanner text(option);
+  if (!text.skip("--") || text.done() || !is_letter(text.rest()[0])) return {};
+  const std::string_view name = text.take(is_of_name);
+  if (text.skip("=")) text.take([](unsigned char c) { return c >= ' '; });
+  return text.done() ? name : std::string_view();
+}
+
 /// Long options that do not undo what the driver itself tells sbatch.
 void read_options(const Node& node, std::vector<std::string>& options) {
-  static const std::regex option("--([a-z][a-z0-9-]*)(=[^\\x00-\\x1f]*)?");
   static constexpr std::array<const char*, 15> kOwn{"requeue", "no-requeue", "array",     "chdir", "dependency",
                                                     "error",   "input",      "job-name",  "help",  "output",
                                                     "export",  "parsable",   "test-only", "wait",  "wrap"};
   const std::string expected = "a list of long options of sbatch, such as [--mem=8G, --qos=high]";
   options.clear();
   for (const std::string& text : parse<std::vector<std::string>>(node, expected)) {
-    std::smatch parts;
-    if (!std::regex_match(text, parts, option)) throw "expected " + expected;
+    const std::string_view name = long_option_name(text);
+    if (name.empty()) throw "expected " + expected;
     for (const char* own : kOwn)
-      if (parts[1] == own) throw "expected other options than --" + std::string(own) + ", which Patchlight sets itself";
+      if (name == own) throw "expected other options than --" + std::string(own) + ", which Patchlight sets itself";
     options.push_back(text);
   }
 }
@@ -43,15 +77,13 @@ void read_options(const Node& node, std::vector<std::string>& options) {
 }  // namespace
 
 std::vector<JobKey> slurm_keys(SlurmConfig& slurm) {
-  static constexpr const char* kName = "[^\\x00-\\x20-][^\\x00-\\x20]*";
-  static constexpr const char* kTime = "[0-9]+|([0-9]+:)?[0-9]+:[0-9]{2}|[0-9]+-[0-9]+(:[0-9]{2}){0,2}";
   return {
       integer_key("slurm.shards", slurm.shards, 1, kMostShards,
                   "tasks that rows of form factors are shared by, and frames; 1: not shared"),
       integer_key("slurm.cpus", slurm.cpus, 1, 4096, "of a task, unless --threads says how many"),
-      text_key("slurm.partition", slurm.partition, kName, "the name of a partition, or several with commas",
+      text_key("slurm.partition", slurm.partition, is_partition, "the name of a partition, or several with commas",
                "where tasks run; absent: as Slurm has it"),
-      text_key("slurm.time", slurm.time, kTime, "a time as sbatch takes it: minutes, 1:30:00 or 2-12",
+      text_key("slurm.time", slurm.time, is_time_limit, "a time as sbatch takes it: minutes, 1:30:00 or 2-12",
                "most that a task may take; absent: as Slurm has it"),
       {"slurm.options", "more for sbatch, as [--mem=8G]", [&slurm](const Node& n) { read_options(n, slurm.options); },
        [&slurm] { return Node(slurm.options); }},
