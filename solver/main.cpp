@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <optional>
 
 #include "pipeline/formats/patches/patch_file.h"
@@ -80,12 +79,14 @@ int main(int argc, char** argv) {
     else
       solve_job(job, scene, shards, progress);
   };
-  return run_stage("solve", argc, argv, body, [&](CLI::App& app) {
-    CLI::Option* one = add_shard_option(
-        app, shard,
-        "Only cast part k of K of the rows of form factors into transport.k-of-K.h5, unless it is up to date");
-    app.add_option("--merge", shards, "Merge the rows of this number of shards instead of casting them")
-        ->check(CLI::Range(1, kMostShards))
-        ->excludes(one);
-  });
+  return run_stage(
+      "solve", argc, argv, body,
+      {{.name = "--shard",
+        .value = &shard,
+        .help = "Only cast part k of K of the rows of form factors into transport.k-of-K.h5, unless it is up to date"},
+       {.name = "--merge",
+        .value = &shards,
+        .help = "Merge the rows of this number of shards instead of casting them",
+        .range = {{1, kMostShards}},
+        .excludes = "--shard"}});
 }

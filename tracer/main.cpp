@@ -1,4 +1,3 @@
-#include <CLI/CLI.hpp>
 #include <optional>
 
 #include "pipeline/formats/patches/patch_file.h"
@@ -16,12 +15,14 @@ int main(int argc, char** argv) {
     if (relight) return relight_frames(job, scene, skip_fresh, progress);
     trace_frames(job, scene, read_energy(job.energy_file(), scene), skip_fresh, shard.value_or(Shard()), progress);
   };
-  return run_stage("trace", argc, argv, body, [&](CLI::App& app) {
-    app.add_flag("--skip-fresh", skip_fresh,
-                 "Skip frames that are up to date, and share the others with processes that render the same job");
-    CLI::Option* shard_option = add_shard_option(app, shard, "Render only frames k, k + K, k + 2K, ...");
-    app.add_flag("--relight", relight,
-                 "Trace nothing: make frames under other `lights` from the layers `light_groups` of existing frames")
-        ->excludes(shard_option);
-  });
+  return run_stage(
+      "trace", argc, argv, body,
+      {{.name = "--skip-fresh",
+        .value = &skip_fresh,
+        .help = "Skip frames that are up to date, and share the others with processes that render the same job"},
+       {.name = "--shard", .value = &shard, .help = "Render only frames k, k + K, k + 2K, ..."},
+       {.name = "--relight",
+        .value = &relight,
+        .help = "Trace nothing: make frames under other `lights` from the layers `light_groups` of existing frames",
+        .excludes = "--shard"}});
 }

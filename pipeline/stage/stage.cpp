@@ -4,10 +4,8 @@
 #include <sys/resource.h>
 #include <tbb/global_control.h>
 
-#include <CLI/CLI.hpp>
 #include <new>
 #include <optional>
-#include <regex>
 
 #include "pipeline/job/reader/job_reader.h"
 #include "pipeline/model/error.h"
@@ -15,51 +13,41 @@
 
 namespace patchlight {
 
-std::string patchlight_version() {
-  return "patchlight " PATCHLIGHT_VERSION;
+Option job_argument(std::string& file) {
+  return {.name = "JOB.yaml",
+          .value = &file,
+          .help = "The job file",
+          .required = true,
+          .completion = Option::Completion::file};
 }
 
-void add_common_options(CLI::App& app, CommonOptions& options) {
-  app.add_option("--set", options.sets, "Override a key of the job: key.path=value")->allow_extra_args(false);
-  app.add_option("--output", options.output, "Folder for outputs, instead of the job's")
-      ->check([](const std::string& folder) { return folder.empty() ? std::string("an empty name") : std::string(); });
-  app.add_option("--threads", options.threads, "Number of threads; absent: all")->check(CLI::Range(1, 4096));
-  app.add_option("--memory", options.memory, "Refuse a solve that needs more, as 8GiB; absent: what the machine has")
-      ->transform(CLI::AsSizeValue(false));
-  app.add_flag("--quiet", options.quiet, "Print warnings and errors alone");
-  app.add_option("--log-json", options.log_json, "Append one JSON object a line to this file");
-  app.set_version_flag("--version", patchlight_version());
+Option job_argument(std::vector<std::string>& files) {
+  return {.name = "JOB.yaml",
+          .value = &files,
+          .help = "The job files",
+          .required = true,
+          .completion = Option::Completion::file};
 }
 
-CLI::Option* add_shard_option(CLI::App& app, std::optional<Shard>& shard, const std::string& help) {
-  const auto read = [&shard](const std::string& text) {
-    static const std::regex parts("([0-9]{1,4})/([0-9]{1,4})");
-    std::smatch numbers;
-    if (!std::regex_match(text, numbers, parts)) return false;
-    shard = {std::stoi(numbers[1]), std::stoi(numbers[2])};
-    return shard->index >= 1 && shard->index <= shard->count && shard->count <= kMostShards;
+std::vector<Option> common_options(CommonOptions& values) {
+  using Completion = Option::Completion;
+  return {
+      {.name = "--set", .value = &values.sets, .help = "Override a key of the job: key.path=value"},
+      {.name = "--output",
+       .value = &values.output,
+       .help = "Folder for outputs, instead of the job's",
+       .not_empty = true,
+       .completion = Completion::folder},
+      {.name = "--threads", .value = &values.threads, .help = "Number of threads; absent: all", .range = {{1, 4096}}},
+      {.name = "--memory",
+       .value = &values.memory,
+       .help = "Refuse a solve that needs more, as 8GiB; absent: what the machine has"},
+      {.name = "--quiet", .value = &values.quiet, .help = "Print warnings and errors alone"},
+      {.name = "--log-json",
+       .value = &values.log_json,
+       .help = "Append one JSON object a line to this file",
+       .completion = Completion::file},
   };
-  return app
-      .add_option_function<std::string>(
-          "--shard", [](const std::string&) {}, help)
-      ->type_name("k/K")
-      ->check([read](const std::string& text) {
-        return read(text) ? std::string() : fmt::format("expected k/K with 1 <= k <= K <= {}", kMostShards);
-      });
-}
-
-std::optional<int> parse_options(CLI::App& app, const std::string& name, int argc, char** argv) {
-  try {
-    app.parse(argc, argv);
-    return std::nullopt;
-  } catch (const CLI::Success& help) {
-    return app.exit(help);
-  } catch (const CLI::ParseError& error) {
-    std::string line = name;
-    for (int i = 1; i < argc; ++i) line += std::string(" ") + argv[i];
-    fmt::print(stderr, "{}: error: {} ({}): see {} --help\n", name, error.what(), line, name);
-    return int(ExitCode::usage);
-  }
 }
 
 int report_errors(const std::string& stage, Progress& progress, const std::function<void()>& body) {
@@ -107,16 +95,17 @@ Provenance provenance(const Job& job, const Progress& progress) {
 }
 
 int run_stage(const std::string& stage, int argc, char** argv, const std::function<void(const Job&, Progress&)>& body,
-              const std::function<void(CLI::App&)>& more) {
+              const std::vector<Option>& more) {
   use_large_pages();
-  CLI::App app{"Runs the stage `" + stage + "` of a Patchlight job.", "patchlight-" + stage};
   std::string job_file;
   CommonOptions options;
-  app.add_option("JOB.yaml", job_file, "The job file")->required();
-  add_common_options(app, options);
-  if (more) more(app);
-  app.footer(job_key_help);
-  if (const auto exit_code = parse_options(app, "patchlight-" + stage, argc, argv)) return *exit_code;
+  Command program{.name = "patchlight-" + stage,
+                  .purpose = "Runs the stage `" + stage + "` of a Patchlight job.",
+                  .options = {job_argument(job_file)},
+                  .footer = job_key_help};
+  for (const auto& added : {common_options(options), more})
+    program.options.insert(program.options.end(), added.begin(), added.end());
+  if (const auto parsed = parse_command_line(program, argc, argv); parsed.exit_code) return *parsed.exit_code;
   return with_progress(stage, options, [&](Progress& progress) {
     Progress::catch_signals();
     progress.set_job(job_file, options.output);

@@ -1,5 +1,3 @@
-#include <CLI/CLI.hpp>
-
 #include "pipeline/formats/patches/patch_file.h"
 #include "pipeline/stage/stage.h"
 #include "solver/preview/preview.h"
@@ -13,10 +11,17 @@ int main(int argc, char** argv) {
     write_png(picture, draw_preview(job, read_patches(job.patch_file()), preview));
     progress.note(picture);
   };
-  return run_stage("preview", argc, argv, body, [&](CLI::App& app) {
-    app.add_option("--picture", picture, "The PNG to draw")->required();
-    app.add_option("--kind", preview.kind)->check(CLI::IsMember({"patches", "radiosity", "irradiance", "hemicube"}));
-    app.add_option("--camera", preview.camera);
-    app.add_option("--patch", preview.patch);
-  });
+  return run_stage(
+      "preview", argc, argv, body,
+      {{.name = "--picture",
+        .value = &picture,
+        .help = "The PNG to draw",
+        .required = true,
+        .completion = Option::Completion::file},
+       {.name = "--kind",
+        .value = &preview.kind,
+        .help = "What to draw",
+        .choices = {"patches", "radiosity", "irradiance", "hemicube"}},
+       {.name = "--camera", .value = &preview.camera, .help = "From which camera; absent: the job's first"},
+       {.name = "--patch", .value = &preview.patch, .help = "The patch to highlight, or whose hemicube to draw"}});
 }

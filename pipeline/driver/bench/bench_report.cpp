@@ -11,6 +11,7 @@
 
 #include "pipeline/job/reader/job_reader.h"
 #include "pipeline/model/error.h"
+#include "pipeline/stage/version.h"
 #include "pipeline/system/temporary_file.h"
 
 namespace patchlight {

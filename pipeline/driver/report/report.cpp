@@ -18,6 +18,7 @@
 #include "pipeline/image/image_file.h"
 #include "pipeline/job/reader/job_reader.h"
 #include "pipeline/model/error.h"
+#include "pipeline/stage/version.h"
 #include "pipeline/system/temporary_file.h"
 
 namespace patchlight {
