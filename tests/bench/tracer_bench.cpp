@@ -48,7 +48,7 @@ Camera camera() {
   return job_frames(job(), scene()).at(0).camera;
 }
 
-/// Packets of 16 pixels side by side, copied, since they end up changed, and traced.
+/// Traces packets of 16 adjacent pixels. Each is copied first, since tracing changes it.
 void raw_primary(benchmark::State& state) {
   _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree wants denormals flushed
   const RayScene embree(scene(), 0);
@@ -74,7 +74,7 @@ void raw_primary(benchmark::State& state) {
 }
 BENCHMARK(raw_primary)->Unit(benchmark::kMillisecond)->Repetitions(9)->ReportAggregatesOnly();
 
-/// All that is done for a frame once its scene is loaded, but for files.
+/// Renders a frame of a loaded scene, without writing files.
 void frames(benchmark::State& state) {
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
   const EnergyField energy = solve(scene(), job().solve, quiet());

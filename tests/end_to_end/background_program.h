@@ -11,7 +11,7 @@ extern char** environ;
 
 namespace patchlight::test {
 
-/// Starts a program as the leader of a process group of its own. Its messages go to the end of `log`.
+/// Starts a program as the leader of a new process group and appends its stderr to `log`.
 inline pid_t start_program(const std::string& program, const std::vector<std::string>& arguments, const fs::path& log) {
   std::vector<std::string> words{(fs::path(PATCHLIGHT_PROGRAMS) / program).string()};
   words.insert(words.end(), arguments.begin(), arguments.end());

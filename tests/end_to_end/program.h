@@ -15,12 +15,12 @@ using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-/// Of a status that the system gives: 128 + n after signal n.
+/// Exit code of a wait status; 128 + n after signal n.
 inline int exit_code(int status) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
-/// What a program did.
+/// Result of a program.
 struct Outcome {
   int code = -1;  ///< Exit code; 128 + n after signal n.
   std::string out;
@@ -33,7 +33,7 @@ inline std::string quoted(const std::string& text) {
   return result + "'";
 }
 
-/// Runs a program of this build, in `folder`, with `environment` (`NAME=value ...`) before it.
+/// Runs a program of this build in `folder`. `environment`: shell words before the command, such as `NAME=value`.
 inline Outcome run_program(const TemporaryFolder& folder, const std::string& program,
                            const std::vector<std::string>& arguments, const std::string& environment = "") {
   std::string command = "cd " + quoted(folder.path().string()) + " && " + environment + " " +
@@ -44,13 +44,13 @@ inline Outcome run_program(const TemporaryFolder& folder, const std::string& pro
   return {exit_code(status), read_text(folder / "stdout.txt"), read_text(folder / "stderr.txt")};
 }
 
-/// Programs run in a folder of the test's own.
+/// Test whose programs run in a temporary folder.
 class ProgramTest : public ::testing::Test {
  protected:
   TemporaryFolder folder_;
 };
 
-/// A job of the project's own Cornell box that takes a moment.
+/// Writes a small, fast job of configs/cornell_box.glb to `job.yaml`. `more`: further lines of YAML.
 inline std::filesystem::path small_job(const TemporaryFolder& folder, const std::string& more = "") {
   std::filesystem::copy_file(std::string(PATCHLIGHT_SOURCE) + "/configs/cornell_box.glb", folder / "box.glb",
                              std::filesystem::copy_options::overwrite_existing);

@@ -4,7 +4,7 @@
 
 namespace patchlight::test {
 
-/// A solved scene in which every patch receives `direct` and `indirect` of each light group.
+/// A scene with a made-up solution: every patch receives `direct` and `indirect`, W/m2, from each light group.
 struct Solved {
   PatchSet scene;
   EnergyField energy;

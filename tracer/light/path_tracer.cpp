@@ -16,6 +16,10 @@ namespace {
 constexpr float kMinThroughput = 1e-3f;
 constexpr int kMaxBounces = 64;
 
+std::int32_t combined_hash(std::int32_t surfaces, std::int32_t next) {
+  return std::int32_t(std::uint32_t(hash64(std::uint64_t(std::uint32_t(surfaces)) << 32 | std::uint32_t(next))));
+}
+
 float max_component(const Color& c) {
   return std::max({c.x, c.y, c.z});
 }
@@ -95,15 +99,12 @@ bool PathTracer::shade(RayPacket& packet, int lane, Path& path, const CameraRays
   sums.pixels[path.pixel] += contribution;
   if (layers) add_layers(hit, colors, blend, path, *layers);
   const std::int32_t surface = outlines_.surface(hit.primitive);
-  features.surface = std::int32_t(
-      std::uint32_t(hash64(std::uint64_t(std::uint32_t(features.surface)) << 32 | std::uint32_t(surface))));
+  features.surface = combined_hash(features.surface, surface);
   features.light += mixes_.unscaled == 0 && !gather_ ? contribution : radiance(mixes_.unscaled);
   features.reflectance += path.throughput * colors.reflectance;
   const Vec3d ray_origin = point.position + Vec3d(point.normal) * double(ray_scene_.offset(hit.primitive));
   if (direct_ && max_component(colors.reflectance) > 0) {
-    using Kind = ShadingPoint::PathKind;
-    const Kind path_kind = features.scattered ? Kind::scattered : path.mirrored ? Kind::mirrored : Kind::direct;
-    sums.points.push_back({path.pixel, surface, hit.primitive, path_kind, ray_origin, features.normal,
+    sums.points.push_back({path.pixel, surface, hit.primitive, path.kind(), ray_origin, features.normal,
                            path.throughput * colors.reflectance / float(kPi)});
     if (gather_) sums.gather.push_back({sums.points.back(), point.normal, path.sample, std::uint32_t(path.bounces)});
   }

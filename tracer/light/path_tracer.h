@@ -56,6 +56,11 @@ class PathTracer {
     bool mirrored = false;
     float pdf = 0.0f;  ///< Of the present direction if a rough metal reflected it, per sr; otherwise 0.
     PathFeatures features{};
+
+    ShadingPoint::PathKind kind() const {
+      using Kind = ShadingPoint::PathKind;
+      return features.scattered ? Kind::scattered : mirrored ? Kind::mirrored : Kind::direct;
+    }
   };
 
   PathTracer(const PatchSet& scene, const RayScene& ray_scene, const Outlines& outlines, const SolvedSurfaces& surfaces,

@@ -40,16 +40,16 @@ void check_source(const Frame& frame, const Image& source, const Job& job, const
   if (key != key_of(job)) {
     const std::vector<std::string> changes = changed_settings(job, source_job, key_of);
     throw Error(ExitCode::bad_data,
-                fmt::format("it was source_settings from something else: {}",
-                            changes.empty() ? "another scene, camera or version of Patchlight"
-                                            : fmt::format("{}", fmt::join(changes, ", "))),
+                fmt::format("it was made from other inputs: {}", changes.empty()
+                                                                     ? "another scene, camera or version of Patchlight"
+                                                                     : fmt::format("{}", fmt::join(changes, ", "))),
                 frame.exr.string(), kRemedy);
   }
   if (source.width != job.trace.resolution[0] || source.height != job.trace.resolution[1])
     throw Error(ExitCode::bad_data, "its size differs from the one in its header", frame.exr.string(), kRemedy);
 }
 
-/// Moves the layers that a relit frame keeps out of `source`: those of light groups and those that lights do not
+/// Moves the layers that a relit frame keeps out of `source`: layers of light groups and those that lights do not
 /// change.
 std::vector<ImageLayer> take_layers(const Frame& frame, Image& source, const Job& job, const PatchSet& scene) {
   std::vector<ImageLayer> layers;

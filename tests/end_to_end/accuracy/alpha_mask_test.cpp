@@ -6,7 +6,8 @@
 namespace patchlight::test {
 namespace {
 
-/// A floor of 4 m, 1 m above it a plate of 2 m whose left half its texture cuts out, and 1 m above that a lamp.
+/// A floor of 4 m, a plate of 2 m at height 1 m whose left half is transparent by its alpha mask, and a lamp at height
+/// 2 m.
 constexpr const char* kScene = R"gltf({
   "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1, 2]}],
   "nodes": [{"mesh": 0, "name": "floor"}, {"mesh": 1, "name": "lamp"}, {"mesh": 2, "name": "plate"}],
@@ -44,8 +45,8 @@ class AlphaMasks : public ProgramTest {
                   "trace: {cameras: [low], resolution: [64, 32]}\n");
   }
 
-  /// Of the floor below the plate, on its left and on its right.
-  std::array<double, 2> brightness(const std::vector<std::string>& sets) {
+  /// Mean radiance of the floor below the left and the right half of the plate.
+  std::array<double, 2> floor_radiance(const std::vector<std::string>& sets) {
     std::vector<std::string> words{"run", "job.yaml"};
     for (const std::string& set : sets) words.push_back("--set=" + set);
     const Outcome outcome = run_program(folder_, "patchlight", words);
@@ -61,15 +62,15 @@ class AlphaMasks : public ProgramTest {
   }
 };
 
-TEST_F(AlphaMasks, LetLightThroughWhereTheirTextureSays) {
+TEST_F(AlphaMasks, LetLightThroughWhereTheyAreTransparent) {
   for (const char* method : {"matrix", "progressive"}) {
     const std::string by = std::string("solve.method=") + method;
-    const auto [left, right] = brightness({by});
-    const auto [open, mirrored] = brightness({by, "nodes.plate.exclude=true"});
+    const auto [left, right] = floor_radiance({by});
+    const auto [open, mirrored] = floor_radiance({by, "nodes.plate.exclude=true"});
     EXPECT_NEAR(open, mirrored, 0.02 * open) << method;
-    EXPECT_NEAR(left, open, 0.1 * open) << method << ": what is cut out casts no shadow";
-    EXPECT_LT(right, 0.1 * open) << method << ": what is left does";
-    EXPECT_GT(right, 0.0) << method << ": the floor lights the plate, and it the floor";
+    EXPECT_NEAR(left, open, 0.1 * open) << method << ": the transparent half casts no shadow";
+    EXPECT_LT(right, 0.1 * open) << method << ": the opaque half casts a shadow";
+    EXPECT_GT(right, 0.0) << method << ": floor and plate light each other";
   }
 }
 

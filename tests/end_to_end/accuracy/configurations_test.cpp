@@ -15,9 +15,8 @@ namespace {
 
 const std::string kScenes = PATCHLIGHT_SCENES;
 
-/// What is left of the difference to the path tracer with ever more rays: patches and what is interpolated between
-/// them.
-constexpr double kPatchFloor = 0.004;
+/// Discretisation error: the limit of the difference from the path tracer for infinitely many rays.
+constexpr double kDiscretisationError = 0.004;
 
 struct Configuration {
   const char* method;
@@ -30,7 +29,7 @@ const std::array<Configuration, 4> kConfigurations{
      {"progressive", "rays", {"solve.rays=4096"}},
      {"progressive", "hemicube", {"solve.hemicube_resolution=64", "solve.tolerance=0.003"}}}};
 
-class Pairs : public ProgramTest {
+class Configurations : public ProgramTest {
  protected:
   void SetUp() override {
     if (!std::filesystem::exists(kScenes + "/reference/cornell.exr"))
@@ -55,8 +54,8 @@ class Pairs : public ProgramTest {
 
   Image frame(const std::string& output) const { return read_exr(folder_ / (output + "/frames/camera.0001.exr")); }
 
-  /// What a pair says of its error, relative: `matrix` its bound. `progressive` says what it has not passed on, which
-  /// causes 1 / (1 - rho) times itself, and by another seed how much its samples vary.
+  /// Relative error that a configuration states. `matrix`: its error bound. `progressive`: the error by unshot light,
+  /// residual / (1 - mean rho), plus the sampling error, estimated from a second solve with another seed.
   double stated_error(const Configuration& configuration, const std::string& output) {
     const PatchSet scene = read_patches(folder_ / (output + "/patches.h5"));
     const EnergyField energy = read_energy(folder_ / (output + "/energy.h5"), scene);
@@ -74,7 +73,7 @@ class Pairs : public ProgramTest {
   }
 };
 
-/// Mean block error that the reference's own noise makes, by its pixels' standard errors.
+/// Mean block error by the noise of the reference, from the standard errors of its pixels.
 double noise_of(const Image& deviation, const Image& reference) {
   constexpr int kBlock = 8;
   Vec3d mean(0.0);
@@ -90,16 +89,16 @@ double noise_of(const Image& deviation, const Image& reference) {
           variance += std::pow(deviation.pixels[std::size_t(at)][k], 2);
           value += reference.pixels[std::size_t(at)][k];
         }
-        // The mean of a normal variable's magnitude is sqrt(2 / pi) of its deviation.
+        // The mean magnitude of a normal variable is sqrt(2 / pi) times its standard deviation.
         sum += std::sqrt(2 / kPi * variance) / (value + kBlock * kBlock * 0.01 * mean[k]);
       }
   return sum / blocks;
 }
 
-/// Block error of each pair's frame against a path tracer's: at most what the pair states for reflected light, the
-/// reference's and the frame's noise, and the floor of the patches. Frames share the last two: between two of them the
-/// stated errors alone may stand.
-TEST_F(Pairs, AgreeWithThePathTracerAndEachOtherWithinTheirStatedErrors) {
+/// The block error of each configuration's frame against the path tracer is at most its stated error, plus the noise of
+/// reference and frame, plus the discretisation error. Two frames share their noise and discretisation, so their
+/// difference is at most the sum of their stated errors.
+TEST_F(Configurations, AgreeWithThePathTracerAndEachOtherWithinTheirStatedErrors) {
   const Image reference = read_exr(kScenes + "/reference/cornell.exr");
   const double reference_noise = noise_of(read_exr(kScenes + "/reference/cornell.stderr.exr"), reference);
   std::array<double, 4> stated{};
@@ -116,8 +115,8 @@ TEST_F(Pairs, AgreeWithThePathTracerAndEachOtherWithinTheirStatedErrors) {
     }
     const double error = image_error(frames[k], reference).block;
     std::cout << fmt::format("{}: states {:.2f}%, block error {:.2f}%\n", output, 100 * stated[k], 100 * error);
-    EXPECT_LT(stated[k], 0.03) << output << " is not good enough to tell anything";
-    EXPECT_LE(error, stated[k] + reference_noise + frame_noise + kPatchFloor) << output;
+    EXPECT_LT(stated[k], 0.03) << output << " states too large an error for a meaningful test";
+    EXPECT_LE(error, stated[k] + reference_noise + frame_noise + kDiscretisationError) << output;
   }
   std::cout << fmt::format("noise of the reference {:.2f}%, of frames {:.2f}%\n", 100 * reference_noise,
                            100 * frame_noise);

@@ -29,7 +29,7 @@ PatchScene ball_in_a_room() {
 PatchScene two_rooms_with_a_gap() {
   PatchScene builder;
   builder.room(1, 10, {0.8f, 0.0f});
-  for (const double side : {-1.0, 1.0}) {  // a wall across that leaves a slit under the ceiling
+  for (const double side : {-1.0, 1.0}) {  // a dividing wall with a slit under the ceiling
     const double x = 0.01 * side;
     if (side > 0)
       builder.quad({{{x, -1, -1}, {x, 0.7, -1}, {x, 0.7, 1}, {x, -1, 1}}}, 8, 8, {0.8f, 0.0f});
@@ -68,7 +68,7 @@ TEST(ErrorBound, HoldsAsOftenAsItClaims) {
       square += error * error;
       stated += energy.estimate->error * energy.estimate->error;
     }
-    EXPECT_GE(within, 181) << name << ": of 190, three standard deviations below";
+    EXPECT_GE(within, 181) << name << ": three standard deviations below 190";
     EXPECT_NEAR(std::sqrt(stated / square), 1.0, 0.15) << name;
   }
 }

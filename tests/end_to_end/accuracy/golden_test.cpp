@@ -11,23 +11,23 @@ namespace {
 
 const std::string kGolden = std::string(PATCHLIGHT_SOURCE) + "/tests/end_to_end/golden/";
 
-/// What `patchlight diff` may find, by dataset or layer: the RMS of differences over that of the golden values, and the
-/// largest over the largest.
-struct Allowed {
+/// Tolerances of `patchlight diff` for a dataset or layer: RMS of the differences over RMS of the golden values, and
+/// largest difference over largest golden value.
+struct Tolerance {
   std::string name;
   std::string rms, largest;
 };
 
-// Another processor rounds otherwise, by which single rays may go to the other side of an edge: one of the 256 of a
-// row, one of the few samples of a pixel. What is found without rays may differ in its last places alone.
-const std::vector<Allowed> kPatches{{"*", "1e-6", "1e-6"}};
-const std::vector<Allowed> kEnergy{{"*", "2e-3", "0.02"}, {"/display/mesh/*", "1e-6", "1e-6"}};
-const std::vector<Allowed> kFrame{{"*", "2e-3", "0.05"},          {"albedo.*", "1e-3", "0.01"},
-                                  {"normal.*", "1e-5", "1e-4"},   {"depth.*", "1e-5", "1e-4"},
-                                  {"position.*", "1e-5", "1e-4"}, {"patch.*", "0", "0"}};
+// Rounding differs between processors, so a single ray may pass the other side of an edge: one of the 256 rays of a
+// row, or one of a pixel's few samples. Values computed without rays differ in the last digits only.
+const std::vector<Tolerance> kPatches{{"*", "1e-6", "1e-6"}};
+const std::vector<Tolerance> kEnergy{{"*", "2e-3", "0.02"}, {"/display/mesh/*", "1e-6", "1e-6"}};
+const std::vector<Tolerance> kFrame{{"*", "2e-3", "0.05"},          {"albedo.*", "1e-3", "0.01"},
+                                    {"normal.*", "1e-5", "1e-4"},   {"depth.*", "1e-5", "1e-4"},
+                                    {"position.*", "1e-5", "1e-4"}, {"patch.*", "0", "0"}};
 
-/// What each stage made of the demo scenes, kept in golden/. Each runs from the golden outputs of those before, and its
-/// own is compared dataset by dataset, layer by layer. `golden/regenerate` makes them anew after a wanted change.
+/// Compares the output of each stage, run from the golden outputs of the earlier stages, with the golden file, dataset
+/// by dataset and layer by layer. `golden/regenerate` renews the golden files after an intended change.
 class Golden : public ::testing::TestWithParam<const char*> {
  protected:
   fs::path golden(const std::string& file) const { return fs::path(kGolden) / GetParam() / file; }
@@ -39,44 +39,43 @@ class Golden : public ::testing::TestWithParam<const char*> {
     run_again(stage, std::move(more));
   }
 
-  /// With what stands in its folder.
+  /// Runs a stage with the present content of its output folder.
   void run_again(const std::string& stage, std::vector<std::string> more = {}) {
     more.insert(more.begin(), {golden("job.yaml").string(), "--output", (folder_ / "out").string()});
     const Outcome outcome = run_program(folder_, "patchlight-" + stage, more);
     ASSERT_EQ(outcome.code, 0) << outcome.err;
   }
 
-  /// Compares what a stage made with its golden file.
-  Outcome diff(const std::string& file, const std::string& made, const std::vector<Allowed>& limits) {
+  /// Compares an output of a stage with its golden file.
+  Outcome diff(const std::string& file, const std::string& made, const std::vector<Tolerance>& tolerances) {
     std::vector<std::string> words{"diff", golden(file).string(), "out/" + made};
-    for (const Allowed& limit : limits)
-      for (const auto& [option, value] : {std::pair("--tolerance", limit.rms), {"--max", limit.largest}})
-        words.insert(words.end(), {option, limit.name + "=" + value});
+    for (const Tolerance& tolerance : tolerances)
+      for (const auto& [option, value] : {std::pair("--tolerance", tolerance.rms), {"--max", tolerance.largest}})
+        words.insert(words.end(), {option, tolerance.name + "=" + value});
     return run_program(folder_, "patchlight", words);
   }
 
-  /// A file that differs is kept for who wants to look.
-  void expect_golden(const std::string& file, const std::string& made, const std::vector<Allowed>& limits) {
-    const Outcome outcome = diff(file, made, limits);
+  /// Keeps a file that differs for inspection.
+  void expect_golden(const std::string& file, const std::string& made, const std::vector<Tolerance>& tolerances) {
+    const Outcome outcome = diff(file, made, tolerances);
     if (outcome.code == 0) return;
     const fs::path kept = fs::temp_directory_path() / "patchlight-golden" / GetParam() / file;
     fs::create_directories(kept.parent_path());
     fs::copy_file(folder_ / ("out/" + made), kept, fs::copy_options::overwrite_existing);
-    ADD_FAILURE() << "From the golden files before it, the stage made another " << GetParam() << "/" << file
-                  << " than the golden one, and more so than another processor's rounding would. It is kept as " << kept
-                  << ".\n"
+    ADD_FAILURE() << GetParam() << "/" << file << " differs from the golden file by more than the rounding of another "
+                  << "processor. The new file is kept as " << kept << ".\n"
                   << outcome.out << outcome.err;
   }
 
   TemporaryFolder folder_;
 };
 
-TEST_P(Golden, PatchesAreAsTheyWere) {
+TEST_P(Golden, PatchesMatch) {
   run("import", {});
   expect_golden("patches.h5", "patches.h5", kPatches);
 }
 
-TEST_P(Golden, EnergyIsAsItWasByRaysAndByTheRowsThatTheyLeave) {
+TEST_P(Golden, EnergyMatchesWithNewAndWithStoredFormFactors) {
   run("solve", {"patches.h5"});
   expect_golden("energy.h5", "energy.h5", kEnergy);
   EXPECT_GT(read_energy(folder_ / "out/energy.h5").rays, 0);
@@ -85,15 +84,15 @@ TEST_P(Golden, EnergyIsAsItWasByRaysAndByTheRowsThatTheyLeave) {
   EXPECT_EQ(read_energy(folder_ / "out/energy.h5").rays, 0);
 }
 
-TEST_P(Golden, FramesAndTheirLayersAreAsTheyWereByEachQuality) {
+TEST_P(Golden, FramesAndTheirLayersMatchInEveryQuality) {
   for (const std::string quality : {"patches", "direct", "gather"}) {
     run("trace", {"patches.h5", "energy.h5"}, {"--set", "trace.quality=" + quality});
     expect_golden("frame." + quality + ".exr", "frames/camera.0001.exr", kFrame);
   }
 }
 
-/// The limits are narrow enough, and what is said tells where to look.
-TEST_P(Golden, ADifferenceIsToldInWords) {
+/// The tolerances detect a small change, and the message says where it is.
+TEST_P(Golden, DiffReportsWhereFilesDiffer) {
   run("solve", {"patches.h5"}, {"--set", "solve.seed=2"});
   Outcome outcome = diff("energy.h5", "energy.h5", kEnergy);
   EXPECT_EQ(outcome.code, 1);
@@ -111,8 +110,8 @@ TEST_P(Golden, ADifferenceIsToldInWords) {
 INSTANTIATE_TEST_SUITE_P(Scenes, Golden, ::testing::Values("cornell_box", "mirror_room"),
                          [](const auto& scene) { return std::string(scene.param); });
 
-/// As OpenImageIO reads it.
-TEST(Frame, LayersStandBesideTheBeautyByTheirNames) {
+/// Read by OpenImageIO.
+TEST(Frame, HoldsLayersAsNamedChannelsBesideTheBeauty) {
   const auto input = OIIO::ImageInput::open(kGolden + "mirror_room/frame.direct.exr");
   ASSERT_TRUE(input) << OIIO::geterror();
   const OIIO::ImageSpec& spec = input->spec();
@@ -126,7 +125,7 @@ TEST(Frame, LayersStandBesideTheBeautyByTheirNames) {
     EXPECT_EQ(type_of(name), OIIO::TypeHalf) << name;
   for (const char* name : {"depth.Z", "normal.X", "position.Y"}) EXPECT_EQ(type_of(name), OIIO::TypeFloat) << name;
   EXPECT_EQ(type_of("patch.X"), OIIO::TypeUInt);
-  EXPECT_FALSE(input->seek_subimage(1, 0)) << "one part";
+  EXPECT_FALSE(input->seek_subimage(1, 0)) << "the EXR has a single part";
   EXPECT_EQ(spec.get_string_attribute("Camera"), "camera");
   EXPECT_EQ(spec.get_string_attribute("Frame"), "0001");
   EXPECT_EQ(spec.get_string_attribute("Time"), "00:00:00:01");

@@ -10,7 +10,7 @@ namespace {
 const std::string kScenes = PATCHLIGHT_SCENES;
 const std::string kJobs = std::string(PATCHLIGHT_SOURCE) + "/tests/end_to_end/report/";
 
-/// The scenes of the report that Patchlight starts from.
+/// The scenes of "Implementation of Radiosity" (Volokh).
 class Report : public ::testing::TestWithParam<const char*> {
  protected:
   void SetUp() override {

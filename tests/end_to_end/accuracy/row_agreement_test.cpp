@@ -12,7 +12,7 @@ namespace {
 
 const std::string kScenes = PATCHLIGHT_SCENES;
 
-/// Rows of form factors by hemicubes against rows by rays, patch by patch, in scenes that Blender made.
+/// Compares rows of form factors by hemicubes with rows by rays, patch by patch, in scenes exported by Blender.
 class RowAgreement : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(RowAgreement, HoldsPatchByPatch) {
@@ -28,24 +28,24 @@ TEST_P(RowAgreement, HoldsPatchByPatch) {
   constexpr int kHemicubes = 64, kRows = 24;
   for (int k = 0; k < kRows; ++k) {
     const auto i = std::int32_t(k * scene.patches.size() / kRows);
-    std::vector<double> drawn(scene.patches.size()), cast(scene.patches.size());
+    std::vector<double> by_hemicubes(scene.patches.size()), by_rays(scene.patches.size());
     for (int shot = 0; shot < kHemicubes; ++shot) {
       const Shot from{i, 0, std::uint64_t(shot)};
       const std::span<const FormFactor> row = hemicubes.rows({&from, 1})[0];
-      for (const FormFactor& f : row) drawn[f.patch] += f.value / kHemicubes;
+      for (const FormFactor& f : row) by_hemicubes[f.patch] += f.value / kHemicubes;
     }
     const Shot from{i, kRays, 0};
     const std::span<const FormFactor> row = rays.rows({&from, 1})[0];
-    for (const FormFactor& f : row) cast[f.patch] += f.value;
-    double lost = 1, lost_drawn = 1;
-    for (std::size_t j = 0; j < cast.size(); ++j) {
-      // Five standard errors of the rays, and of 64 points on the patch, each good to a cell.
-      const double tolerance = 5 * std::sqrt((cast[j] + 1.0 / kRays) / kRays) + 0.1 * cast[j] + 5e-4;
-      EXPECT_NEAR(drawn[j], cast[j], tolerance) << i << " to " << j;
-      lost -= cast[j];
-      lost_drawn -= drawn[j];
+    for (const FormFactor& f : row) by_rays[f.patch] += f.value;
+    double escaped_by_rays = 1, escaped_by_hemicubes = 1;
+    for (std::size_t j = 0; j < by_rays.size(); ++j) {
+      // Five standard errors of the rays, plus the error of 64 hemicubes, each exact to one cell.
+      const double tolerance = 5 * std::sqrt((by_rays[j] + 1.0 / kRays) / kRays) + 0.1 * by_rays[j] + 5e-4;
+      EXPECT_NEAR(by_hemicubes[j], by_rays[j], tolerance) << i << " to " << j;
+      escaped_by_rays -= by_rays[j];
+      escaped_by_hemicubes -= by_hemicubes[j];
     }
-    EXPECT_NEAR(lost_drawn, lost, 0.02) << "escaping from " << i;
+    EXPECT_NEAR(escaped_by_hemicubes, escaped_by_rays, 0.02) << "escaped from " << i;
   }
 }
 

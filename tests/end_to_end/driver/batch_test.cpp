@@ -10,7 +10,7 @@ namespace {
 
 using ::testing::UnorderedElementsAre;
 
-/// The frames that were rendered, in order.
+/// Numbers of the rendered frames, in order.
 std::vector<int> rendered(const std::string& messages) {
   std::vector<int> frames;
   static const std::regex line("spin\\.(\\d{4})\\.exr in ");
@@ -19,7 +19,7 @@ std::vector<int> rendered(const std::string& messages) {
   return frames;
 }
 
-/// A camera that turns about the box, eight frames a turn.
+/// A turntable camera of eight frames around the box.
 class Batch : public ProgramTest {
  protected:
   void SetUp() override {
@@ -36,7 +36,7 @@ class Batch : public ProgramTest {
     return run({"--set", "trace.frames=1-8", "--set", "trace.samples=" + samples});
   }
 
-  /// The command that renders what is left of eight frames on one thread and tells of it in a file.
+  /// Command that renders those of eight frames that are not up to date on one thread. `messages`: file for its stderr.
   static std::string trace(const std::string& samples, const std::string& messages) {
     return quoted((std::filesystem::path(PATCHLIGHT_PROGRAMS) / "patchlight-trace").string()) +
            " --skip-fresh --threads 1 job.yaml --set trace.cameras=[spin] --set trace.frames=1-8 --set trace.samples=" +
@@ -61,7 +61,7 @@ TEST_F(Batch, RendersARangeInItsOrder) {
   EXPECT_NE(read_exr(exr(1)).pixels, read_exr(exr(3)).pixels);
 }
 
-TEST_F(Batch, RendersOnlyWhatIsNotThereYet) {
+TEST_F(Batch, RendersOnlyFramesThatAreNotUpToDate) {
   ASSERT_EQ(run_frames("1-3").code, 0);
   Outcome outcome = run_frames("1-3");
   EXPECT_THAT(outcome.err, HasSubstr("trace skipped: up to date"));
@@ -74,7 +74,7 @@ TEST_F(Batch, RendersOnlyWhatIsNotThereYet) {
   EXPECT_EQ(rendered(run({"--force", "--set", "trace.frames=1-2"}).err), (std::vector{1, 2}));
 }
 
-TEST_F(Batch, TracesAloneForAnotherCamera) {
+TEST_F(Batch, RunsOnlyTheTraceForAnotherCamera) {
   ASSERT_EQ(run_frames("1-2").code, 0);
   const Outcome outcome = run({"--set", "cameras.spin.turntable=16", "--set", "trace.frames=1-2"});
   EXPECT_THAT(outcome.err, HasSubstr("import skipped"));
@@ -90,7 +90,7 @@ TEST_F(Batch, IsSharedByTwoProcesses) {
   EXPECT_GT(frames.size(), 0u);
   EXPECT_GT(others.size(), 0u);
   frames.insert(frames.end(), others.begin(), others.end());
-  EXPECT_THAT(frames, UnorderedElementsAre(1, 2, 3, 4, 5, 6, 7, 8)) << "each by one of them";
+  EXPECT_THAT(frames, UnorderedElementsAre(1, 2, 3, 4, 5, 6, 7, 8)) << "each frame once";
   EXPECT_THAT(run_all("256").err, HasSubstr("trace skipped: up to date"));
   for (const auto& entry : std::filesystem::directory_iterator(folder_ / "out"))
     EXPECT_THAT(entry.path().filename().string(), Not(HasSubstr("claim")));
@@ -100,10 +100,10 @@ TEST_F(Batch, IsSharedByTwoProcesses) {
   EXPECT_EQ(read_exr(exr(8)).pixels, shared);
 }
 
-TEST_F(Batch, GoesOnAfterAProcessWasKilledOrInterrupted) {
+TEST_F(Batch, ContinuesAfterAProcessWasKilledOrInterrupted) {
   ASSERT_EQ(run_frames("1").code, 0);
   for (const auto& [signal, code] : {std::pair("KILL", 137), std::pair("INT", 75)}) {
-    // In the midst of the second frame, or little later: the first has been told of.
+    // During the second frame or shortly after: the message about the first has appeared.
     EXPECT_EQ(
         bash(trace("1024", "stopped.txt") +
              " & until grep -q ' in ' stopped.txt; do sleep 0.02; done; sleep 0.05; kill -" + signal + " $!; wait $!"),

@@ -45,24 +45,24 @@ TEST_F(Bench, WritesTablesPlotAndComparison) {
     EXPECT_GT(row["stages"]["solve"]["cpu_seconds"], 0);
     EXPECT_GT(row["stages"]["trace"]["peak_bytes"], 1 << 20);
     EXPECT_GT(row["error"]["block"], 0);
-    bool beaten = false;
+    bool dominated = false;
     for (const json& other : rows) {
       const std::pair<double, double> theirs{other["cpu_seconds"], other["error"]["block"]};
       const std::pair<double, double> ours{row["cpu_seconds"], row["error"]["block"]};
-      beaten |= theirs.first <= ours.first && theirs.second <= ours.second && theirs != ours;
+      dominated |= theirs.first <= ours.first && theirs.second <= ours.second && theirs != ours;
     }
-    EXPECT_EQ(row["pareto"], !beaten) << row;
+    EXPECT_EQ(row["pareto"], !dominated) << row;
   }
   EXPECT_EQ(rows[1]["settings"], (json{{"import.patch_area", 0.04}, {"solve.rays", 64}}));
-  // What several variants have in common is measured once.
+  // Stages that variants share are run and measured once.
   EXPECT_EQ(rows[0]["stages"]["import"], rows[1]["stages"]["import"]);
   EXPECT_EQ(rows[4]["stages"]["solve"], rows[5]["stages"]["solve"]);
-  // The reference has the job's own patches: 0.01 m2.
+  // The reference has the patches of the job itself, 0.01 m2.
   EXPECT_TRUE(rows[0]["error"]["radiosity"].is_null());
   EXPECT_GT(rows[2]["error"]["radiosity"], rows[3]["error"]["radiosity"]);
 }
 
-TEST_F(Bench, FindsNoErrorAgainstTheSamePicture) {
+TEST_F(Bench, MeasuresNoErrorAgainstTheSameImage) {
   small_job(folder_);
   ASSERT_EQ(run_program(folder_, "patchlight", {"run", "job.yaml"}).code, 0);
   const Outcome outcome = bench("  sweep: {solve.rays: 64}\n  reference: out/frames/camera.0001.exr\n  repeats: 2\n");
@@ -102,7 +102,7 @@ TEST_F(Bench, FindsTheClosedFormOfAFurnace) {
   EXPECT_LT(rows[1]["error"]["block"], rows[0]["error"]["block"]);
 }
 
-TEST_F(Bench, GoesOnAfterAVariantThatFails) {
+TEST_F(Bench, ContinuesAfterAVariantThatFails) {
   const Outcome outcome = bench("  sweep: {trace.view: [Sepia, sRGB]}\n  reference: {radiance: [1, 1, 1]}\n");
   EXPECT_EQ(outcome.code, 78) << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("1/2 view Sepia: trace failed (exit code 78)"));
@@ -113,7 +113,7 @@ TEST_F(Bench, GoesOnAfterAVariantThatFails) {
   EXPECT_TRUE(made("comparison.png"));
 }
 
-TEST_F(Bench, RefusesWhatItCannotDoBeforeAnyRun) {
+TEST_F(Bench, RefusesBadInputBeforeAnyRun) {
   EXPECT_THAT(bench("  repeats: 1\n").err, HasSubstr("nothing to sweep"));
   EXPECT_EQ(bench("  sweep: {solve.ray: [1]}\n").code, 78);
   EXPECT_EQ(bench("  sweep: {solve.rays: [1]}\n  reference: none.exr\n").code, 66);

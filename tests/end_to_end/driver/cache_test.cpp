@@ -26,11 +26,11 @@ class Cache : public ProgramTest {
 
   Outcome set(const std::string& setting) { return run({"--set", setting}); }
 
-  /// What became of the stages that were not skipped.
+  /// The stages that ran or were restored, in order.
   static std::string stages(const Outcome& outcome) {
     std::string names;
-    static const std::regex did("patchlight-run: (?:warning: )?((?:import|solve|trace) (?:runs|restored))");
-    for (std::sregex_iterator i(outcome.err.begin(), outcome.err.end(), did), end; i != end; ++i)
+    static const std::regex state("patchlight-run: (?:warning: )?((?:import|solve|trace) (?:runs|restored))");
+    for (std::sregex_iterator i(outcome.err.begin(), outcome.err.end(), state), end; i != end; ++i)
       names += (names.empty() ? "" : ", ") + (*i)[1].str();
     return names;
   }
@@ -43,7 +43,7 @@ class Cache : public ProgramTest {
     return content;
   }
 
-  std::vector<fs::path> kept(const std::string& beginning) {
+  std::vector<fs::path> cached(const std::string& beginning) {
     std::vector<fs::path> files;
     for (const auto& entry : fs::directory_iterator(folder_ / "out/cache"))
       if (entry.path().filename().string().starts_with(beginning)) files.push_back(entry.path());
@@ -51,7 +51,7 @@ class Cache : public ProgramTest {
   }
 };
 
-TEST_F(Cache, GivesBackWhatWasMadeWithEarlierSettings) {
+TEST_F(Cache, RestoresOutputsOfEarlierSettings) {
   const auto before = outputs();
   EXPECT_EQ(stages(set("import.patch_area=0.02")), "import runs, solve runs, trace runs");
   EXPECT_NE(outputs(), before);
@@ -64,7 +64,7 @@ TEST_F(Cache, GivesBackWhatWasMadeWithEarlierSettings) {
   EXPECT_EQ(outputs(), before);
 }
 
-TEST_F(Cache, GivesBackWhatWasMadeOfAnEarlierScene) {
+TEST_F(Cache, RestoresOutputsOfAnEarlierScene) {
   const std::string glb = read_text(folder_ / "box.glb");
   std::string moved = glb;
   moved[moved.find("\"yfov\":0.6") + 9] = '7';
@@ -78,20 +78,20 @@ TEST_F(Cache, GivesBackWhatWasMadeOfAnEarlierScene) {
 }
 
 TEST_F(Cache, TakesNoRoomForWhatStandsInTheOutputToo) {
-  for (const fs::path& file : kept("")) EXPECT_EQ(fs::hard_link_count(file), 2) << file;
+  for (const fs::path& file : cached("")) EXPECT_EQ(fs::hard_link_count(file), 2) << file;
 }
 
 TEST_F(Cache, SharesRowsOfOtherColours) {
   set("solve.rays=80");
   const Outcome outcome = run({"--set", "materials.red.reflectance=[0.5, 0.1, 0.1]"});
   EXPECT_EQ(stages(outcome), "import runs, solve runs, trace runs");
-  EXPECT_THAT(outcome.err, Not(HasSubstr("million rays"))) << "its rows of 64 rays were put back";
+  EXPECT_THAT(outcome.err, Not(HasSubstr("million rays"))) << "its rows of 64 rays were restored";
 }
 
 TEST_F(Cache, IsNotTrustedWhereItIsDamaged) {
   set("solve.rays=80");
   for (const char* name : {"energy-", "frame-"})
-    for (const fs::path& file : kept(name)) {
+    for (const fs::path& file : cached(name)) {
       const std::string whole = read_text(file);
       std::ofstream(file, std::ios::binary) << whole.substr(0, whole.size() / 2);
     }
@@ -101,10 +101,10 @@ TEST_F(Cache, IsNotTrustedWhereItIsDamaged) {
   EXPECT_THAT(outcome.err, HasSubstr("warning: trace runs again: "));
   EXPECT_EQ(stages(run({})), "");
   set("solve.rays=80");
-  EXPECT_EQ(stages(run({})), "solve restored, trace restored") << "what was damaged is replaced";
+  EXPECT_EQ(stages(run({})), "solve restored, trace restored") << "the damaged files were replaced";
 }
 
-TEST_F(Cache, MendsADamagedOutputWithAWarning) {
+TEST_F(Cache, RestoresADamagedOutputWithAWarning) {
   const auto before = outputs();
   for (const auto& [file, stage] : {std::pair("patches.h5", "import"), std::pair("transport.h5", "solve"),
                                     std::pair("frames/camera.0001.png", "trace")}) {
@@ -115,9 +115,9 @@ TEST_F(Cache, MendsADamagedOutputWithAWarning) {
   }
 }
 
-TEST_F(Cache, DoesNotTakeAFileForAnotherByItsName) {
+TEST_F(Cache, ChecksTheContentOfAFileAndNotItsName) {
   set("solve.rays=80");
-  const std::vector<fs::path> files = kept("energy-");
+  const std::vector<fs::path> files = cached("energy-");
   ASSERT_EQ(files.size(), 2u);
   const std::string a = read_text(files[0]), b = read_text(files[1]);
   std::ofstream(files[0], std::ios::binary) << b;
@@ -125,30 +125,30 @@ TEST_F(Cache, DoesNotTakeAFileForAnotherByItsName) {
   EXPECT_EQ(stages(run({})), "solve runs, trace restored");
 }
 
-TEST_F(Cache, KeepsItsLimitAndWhatWasUsedLast) {
+TEST_F(Cache, KeepsItsLimitAndTheLastUsedFiles) {
   set("solve.rays=80");
   run({});
   set("solve.rays=96");
   const auto size = [](const fs::path& file) { return fs::file_size(file); };
   std::uintmax_t one = 0;
-  for (const fs::path& file : kept("energy-")) one = std::max(one, size(file));
-  for (const fs::path& file : kept("transport-")) one += size(file) / 3;
-  set("cache=" + std::to_string(one * 5 / 4));  // solves with 64 rays again, and drops what is oldest
+  for (const fs::path& file : cached("energy-")) one = std::max(one, size(file));
+  for (const fs::path& file : cached("transport-")) one += size(file) / 3;
+  set("cache=" + std::to_string(one * 5 / 4));  // solves with 64 rays again, and evicts the oldest files
   std::uintmax_t alone = 0;
-  for (const fs::path& file : kept(""))
+  for (const fs::path& file : cached(""))
     if (fs::hard_link_count(file) == 1) alone += size(file);
   EXPECT_LE(alone, one * 5 / 4);
   EXPECT_GT(alone, 0u);
   set("cache=0");
-  for (const fs::path& file : kept("")) EXPECT_EQ(fs::hard_link_count(file), 2) << file;
+  for (const fs::path& file : cached("")) EXPECT_EQ(fs::hard_link_count(file), 2) << file;
 }
 
-TEST_F(Cache, KeepsNothingIfItMayTakeNothing) {
+TEST_F(Cache, IsNotCreatedWithALimitOfZero) {
   ASSERT_EQ(run_program(folder_, "patchlight", {"run", "job.yaml", "--output", "other", "--set", "cache=0"}).code, 0);
   EXPECT_FALSE(fs::exists(folder_ / "other/cache"));
 }
 
-TEST_F(Cache, IsDoneWithoutWhereItCannotBe) {
+TEST_F(Cache, IsSkippedWhereItCannotBeCreated) {
   folder_.write("none", "");
   fs::remove_all(folder_ / "out/cache");
   fs::rename(folder_ / "none", folder_ / "out/cache");
@@ -156,7 +156,7 @@ TEST_F(Cache, IsDoneWithoutWhereItCannotBe) {
   EXPECT_EQ(stages(run({})), "solve runs, trace runs");
 }
 
-TEST_F(Cache, IsNotUsedByForce) {
+TEST_F(Cache, IsNotUsedWithForce) {
   set("solve.rays=80");
   EXPECT_EQ(stages(run({"--force"})), "import runs, solve runs, trace runs");
 }

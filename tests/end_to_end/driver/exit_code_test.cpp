@@ -7,12 +7,12 @@ namespace {
 
 using ::testing::StartsWith;
 
-/// Runs what follows, and after a second sends a signal to it, but not to its children.
-constexpr const char* kInASecond = "timeout --foreground --preserve-status -s TERM 1";
+/// Prefix of a command that sends SIGTERM to it, but not to its children, after one second.
+constexpr const char* kTermAfterASecond = "timeout --foreground --preserve-status -s TERM 1";
 
 class ExitCode : public ProgramTest {
  protected:
-  /// Every failure names its program, and leaves no half-written file.
+  /// Expects an exit code, an error message that contains `text`, and no unfinished file.
   void expect(int code, const Outcome& outcome, const std::string& text) {
     EXPECT_EQ(outcome.code, code) << outcome.err;
     EXPECT_THAT(outcome.err, HasSubstr("error: "));
@@ -101,7 +101,7 @@ TEST_F(ExitCode, Is73WhenTheOutputCannotBeMade) {
 
 TEST_F(ExitCode, Is74WhenTheDiskIsFull) {
   small_job(folder_);
-  // A limit on the size of files stands in for the end of the disk.
+  // A limit on the file size simulates a full disk.
   const Outcome outcome = run_program(folder_, "patchlight-import", {"job.yaml"}, "ulimit -f 1; trap '' XFSZ;");
   expect(74, outcome, "cannot write");
   EXPECT_FALSE(std::filesystem::exists(folder_ / "out/patches.h5"));
@@ -112,16 +112,16 @@ TEST_F(ExitCode, Is75AfterASignalAndKeepsThePreviousFile) {
   ASSERT_EQ(run_program(folder_, "patchlight", {"run", "job.yaml"}).code, 0);
   const std::string before = read_text(folder_ / "out/energy.h5");
   const Outcome outcome =
-      run_program(folder_, "patchlight-solve", {"job.yaml", "--set", "solve.rays=1000000"}, kInASecond);
+      run_program(folder_, "patchlight-solve", {"job.yaml", "--set", "solve.rays=1000000"}, kTermAfterASecond);
   expect(75, outcome, "interrupted");
   EXPECT_EQ(read_text(folder_ / "out/energy.h5"), before);
-  // The signal reaches the driver alone, which passes it on.
-  expect(75, run_program(folder_, "patchlight", {"run", "job.yaml", "--set", "solve.rays=1000000"}, kInASecond),
+  // The signal reaches only the driver, which forwards it.
+  expect(75, run_program(folder_, "patchlight", {"run", "job.yaml", "--set", "solve.rays=1000000"}, kTermAfterASecond),
          "patchlight-solve: error: interrupted");
   EXPECT_EQ(read_text(folder_ / "out/energy.h5"), before);
 }
 
-// A stage that is just ending may not heed the signal.
+// A stage that is about to end may ignore the signal.
 TEST_F(ExitCode, Is75AfterASignalThatTheStageIgnored) {
   small_job(folder_);
   ASSERT_EQ(import({"job.yaml"}).code, 0);
@@ -140,7 +140,7 @@ TEST_F(ExitCode, Is75AfterASignalThatTheStageIgnored) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "solve_started"));
 }
 
-TEST_F(ExitCode, Is70WhereAStageIsOfAnotherVersion) {
+TEST_F(ExitCode, Is70ForAStageOfAnotherVersion) {
   small_job(folder_);
   ASSERT_EQ(import({"job.yaml", "--set", "import.patch_area=0.02"}).code, 0);
   fs::rename(folder_ / "out/patches.h5", folder_ / "patches.h5");
@@ -187,7 +187,7 @@ TEST_F(ExitCode, Is78ForABadJob) {
   expect(78, trace("trace.view=Sepia"), "ACES");
 }
 
-TEST_F(ExitCode, IsToldInTheJsonLog) {
+TEST_F(ExitCode, IsInTheJsonLog) {
   small_job(folder_);
   run_program(folder_, "patchlight-solve", {"job.yaml", "--log-json", "log"});
   EXPECT_THAT(read_text(folder_ / "log"), HasSubstr(R"("exit_code":66)"));

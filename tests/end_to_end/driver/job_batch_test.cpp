@@ -17,7 +17,7 @@ class JobBatch : public ProgramTest {
   Outcome run(const std::vector<std::string>& words) { return run_program(folder_, "patchlight", words); }
 };
 
-TEST_F(JobBatch, GoesOnPastAFailedJobAndSumsUp) {
+TEST_F(JobBatch, ContinuesAfterAFailedJobAndPrintsASummary) {
   folder_.write("bad.yaml", "scene: none.glb\noutput: bad\n");
   folder_.write("broken.yaml", "scene: [\n");
   folder_.write("other.yaml", "include: job.yaml\noutput: other\n");
@@ -43,7 +43,8 @@ TEST_F(JobBatch, MakesEveryVariantOfAMatrixFromOneSolve) {
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   for (const char* variant : {"1,day", "1,night", "4,day", "4,night"}) {
     EXPECT_TRUE(fs::exists(folder_ / (std::string("out/") + variant + "/frames/camera.0001.png"))) << variant;
-    EXPECT_EQ(fs::hard_link_count(folder_ / (std::string("out/") + variant + "/energy.h5")), 5) << "made once";
+    EXPECT_EQ(fs::hard_link_count(folder_ / (std::string("out/") + variant + "/energy.h5")), 5)
+        << "one solve for all variants";
   }
   EXPECT_THAT(outcome.err,
               ContainsRegex("done      job.yaml 1,day: import [0-9.]+ s, solve [0-9.]+ s, trace [0-9.]+ s\n"));
@@ -62,7 +63,7 @@ TEST_F(JobBatch, MakesEveryVariantOfAMatrixFromOneSolve) {
   EXPECT_FALSE(fs::exists(folder_ / "out"));
 }
 
-/// Cameras x moods x patch areas.
+/// Matrix of cameras x moods x patch areas.
 TEST_F(JobBatch, SolvesOnceForEachPatchAreaOfAMatrix) {
   folder_.write("job.yaml", read_text(folder_ / "job.yaml") +
                                 "cameras:\n  near: {look_from: [0, 0.28, 0.9], look_at: [0, 0.28, 0]}\n"
@@ -87,17 +88,17 @@ TEST_F(JobBatch, SolvesOnceForEachPatchAreaOfAMatrix) {
   EXPECT_TRUE(fs::exists(folder_ / "out/near,night,0.01/frames/near.0001.exr"));
 }
 
-TEST_F(JobBatch, RefusesAMatrixOfWhatIsNoSetting) {
+TEST_F(JobBatch, RefusesAMatrixOfUnknownOrBadSettings) {
   const std::string job = read_text(folder_ / "job.yaml");
-  for (const auto& [matrix, said] : {std::pair("{solve.raise: [1, 2]}", "unknown key `solve.raise`"),
-                                     {"{output: [a, b]}", "`output` cannot vary"},
-                                     {"{mood: {day: {solve.rays: -1}}}", "bad value of `solve.rays`"},
-                                     {"{mood: 3}", "bad value of `matrix.mood`"},
-                                     {"{solve.rays: []}", "`matrix.solve.rays` is empty"}}) {
+  for (const auto& [matrix, message] : {std::pair("{solve.raise: [1, 2]}", "unknown key `solve.raise`"),
+                                        {"{output: [a, b]}", "`output` cannot vary"},
+                                        {"{mood: {day: {solve.rays: -1}}}", "bad value of `solve.rays`"},
+                                        {"{mood: 3}", "bad value of `matrix.mood`"},
+                                        {"{solve.rays: []}", "`matrix.solve.rays` is empty"}}) {
     folder_.write("job.yaml", job + "matrix: " + matrix + "\n");
     const Outcome outcome = run({"run", "job.yaml"});
     EXPECT_EQ(outcome.code, 78) << matrix;
-    EXPECT_THAT(outcome.err, HasSubstr(said));
+    EXPECT_THAT(outcome.err, HasSubstr(message));
     EXPECT_THAT(outcome.err, HasSubstr("line 6"));
   }
 }
@@ -125,7 +126,7 @@ TEST_F(JobBatch, LogsEveryStageOfEveryJob) {
             "job.yaml import fresh\njob.yaml solve restored\njob.yaml trace restored\n");
 }
 
-TEST_F(JobBatch, ShowsALineOfProgressInATerminalAndPlainLinesElsewhere) {
+TEST_F(JobBatch, ShowsAProgressLineOnlyInATerminal) {
   ASSERT_EQ(run({"run", "job.yaml"}).code, 0);
   const auto by = [&](const std::string& command) {
     const std::string line = "cd " + quoted(folder_.path().string()) + " && " + command;
@@ -146,7 +147,7 @@ TEST_F(JobBatch, ShowsALineOfProgressInATerminalAndPlainLinesElsewhere) {
   }
 }
 
-TEST_F(JobBatch, StopsAtASignalAndGoesOnFromThere) {
+TEST_F(JobBatch, StopsAtASignalAndContinuesFromThere) {
   folder_.write("long.yaml", "include: job.yaml\noutput: long\nsolve: {rays: 1000000}\n");
   folder_.write("after.yaml", "include: job.yaml\noutput: after\n");
   const Outcome outcome = run_program(folder_, "patchlight", {"run", "job.yaml", "long.yaml", "after.yaml"},

@@ -18,7 +18,7 @@ class Kill : public ProgramTest {
  protected:
   void SetUp() override { small_job(folder_); }
 
-  /// Starts `patchlight run` with the job's output in `output`.
+  /// Starts `patchlight run` with the output folder `output`.
   pid_t start(const std::string& output, const std::string& set = "solve.rays=1000") {
     return start_program("patchlight",
                          {"run", (folder_ / "job.yaml").string(), "--output=" + (folder_ / output).string(),
@@ -38,7 +38,7 @@ class Kill : public ProgramTest {
       EXPECT_FALSE(entry.path().filename().string().starts_with(".")) << entry.path();
   }
 
-  /// Seconds that an undisturbed run takes, into `whole`.
+  /// Runs the job into the folder `whole` without a disturbance. Returns the seconds it takes.
   double run_whole() {
     const auto begin = Clock::now();
     EXPECT_EQ(wait_for(start("whole")), 0);
@@ -46,7 +46,7 @@ class Kill : public ProgramTest {
   }
 };
 
-TEST_F(Kill, AtTwentyMomentsLeavesWhatARerunMakesWhole) {
+TEST_F(Kill, AtAnyMomentLeavesAFolderThatARerunCompletes) {
   const double whole = run_whole();
   std::mt19937 random(1);
   int killed = 0;
@@ -56,7 +56,7 @@ TEST_F(Kill, AtTwentyMomentsLeavesWhatARerunMakesWhole) {
     const double moment = whole * (k + std::uniform_real_distribution<double>()(random)) / 20;
     std::this_thread::sleep_for(std::chrono::duration<double>(moment));
     if (k % 4 == 3)
-      kill(run, SIGKILL);  // the stage lives on
+      kill(run, SIGKILL);  // kills the driver alone; the stage continues
     else
       kill(-run, SIGKILL);
     killed += wait_for(run) == 128 + SIGKILL;
@@ -64,10 +64,10 @@ TEST_F(Kill, AtTwentyMomentsLeavesWhatARerunMakesWhole) {
     expect_same_bits(output);
     fs::remove_all(folder_ / output);
   }
-  EXPECT_GE(killed, 10) << "the others had ended before";
+  EXPECT_GE(killed, 10) << "the other runs ended before the signal";
 }
 
-TEST_F(Kill, TwoRunsOfOneJobAtOnceDoNotHarmEachOther) {
+TEST_F(Kill, TwoConcurrentRunsOfOneJobDoNotInterfere) {
   const double whole = run_whole();
   for (const double part : {0.0, 0.3, 0.6}) {
     const std::string output = "both" + std::to_string(int(10 * part));
@@ -78,14 +78,14 @@ TEST_F(Kill, TwoRunsOfOneJobAtOnceDoNotHarmEachOther) {
     EXPECT_EQ(wait_for(second), 0);
     expect_same_bits(output);
     const std::string log = read_text(folder_ / (output + ".log"));
-    EXPECT_THAT(log, HasSubstr("waits for another run in")) << "of which the other starts nothing";
+    EXPECT_THAT(log, HasSubstr("waits for another run in")) << "the second run does not run the stages again";
     std::size_t solves = 0;
     for (std::size_t at = 0; (at = log.find("solve runs", at)) != std::string::npos; ++at) ++solves;
     EXPECT_EQ(solves, 1u) << log;
   }
 }
 
-TEST_F(Kill, RunsWithOtherSettingsInOneFolderEachGetWhatTheyAskFor) {
+TEST_F(Kill, RunsWithDifferentSettingsInOneFolderEachGetTheirOutput) {
   const double whole = run_whole();
   for (const double part : {0.0, 0.2, 0.4, 0.6, 0.8}) {
     const std::string output = "mixed" + std::to_string(int(10 * part));
@@ -99,8 +99,8 @@ TEST_F(Kill, RunsWithOtherSettingsInOneFolderEachGetWhatTheyAskFor) {
   }
 }
 
-// Stage programs themselves take no lock.
-TEST_F(Kill, TwoSolvesAtOnceDoNotHarmEachOther) {
+// Stage programs themselves do not lock the output folder.
+TEST_F(Kill, ConcurrentSolvesDoNotInterfere) {
   run_whole();
   fs::create_directory(folder_ / "both");
   fs::copy(folder_ / "whole/patches.h5", folder_ / "both/patches.h5");

@@ -9,7 +9,7 @@ namespace {
 
 const std::string kGolden = std::string(PATCHLIGHT_SOURCE) + "/tests/end_to_end/golden/mirror_room/";
 
-/// Previews of the golden job against golden pictures.
+/// Compares previews of the golden job with golden images.
 class Preview : public ::testing::TestWithParam<const char*> {
  protected:
   Outcome preview(std::vector<std::string> more) {
@@ -23,7 +23,7 @@ class Preview : public ::testing::TestWithParam<const char*> {
   TemporaryFolder folder_;
 };
 
-TEST_P(Preview, IsAsItWas) {
+TEST_P(Preview, MatchesTheGoldenImage) {
   const std::string kind = GetParam();
   const Outcome outcome = preview({"--kind", kind, "--patch", "60", "--set", "solve.hemicube_resolution=32"});
   ASSERT_EQ(outcome.code, 0) << outcome.err;
@@ -31,14 +31,14 @@ TEST_P(Preview, IsAsItWas) {
       drawn((folder_ / ("out/preview/" + kind + ".patch60.png")).string());
   ASSERT_TRUE(golden.spec().width > 0 && golden.spec().width == drawn.spec().width);
   const auto difference = OIIO::ImageBufAlgo::compare(drawn, golden, 0.1f, 0.02f);
-  // Another driver may round an edge to the other side of a pixel.
+  // OpenGL drivers round edges to pixels differently.
   EXPECT_LT(double(difference.nfail), 0.01 * double(golden.spec().image_pixels()));
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, Preview, ::testing::Values("patches", "radiosity", "irradiance", "hemicube"),
                          [](const auto& kind) { return std::string(kind.param); });
 
-TEST_F(Preview, NamesPatchesAndCamerasThatThereAre) {
+TEST_F(Preview, RefusesUnknownPatchesCamerasAndKinds) {
   EXPECT_EQ(preview({"--patch", "999999"}).code, 78);
   EXPECT_THAT(preview({"--patch", "999999"}).err, HasSubstr("the scene has patches 0 to"));
   EXPECT_EQ(preview({"--camera", "nobody"}).code, 78);

@@ -21,12 +21,12 @@ inline const std::vector<std::string> kTwoFrames{
     "--set", "trace.cameras=[spin]",
     "--set", "trace.frames=1-2"};
 
-inline std::vector<std::string> both(std::vector<std::string> words, const std::vector<std::string>& more) {
+inline std::vector<std::string> concatenated(std::vector<std::string> words, const std::vector<std::string>& more) {
   words.insert(words.end(), more.begin(), more.end());
   return words;
 }
 
-/// The box with a wall that is a second lamp.
+/// Relights the Cornell box, whose green wall emits light as well, in a light group of its own.
 class Relight : public ProgramTest {
  protected:
   void SetUp() override { write("half", "[light_groups]"); }
@@ -47,8 +47,7 @@ class Relight : public ProgramTest {
     return run_program(folder_, "patchlight", arguments);
   }
 
-  /// The largest difference between a relit frame's light and that of one traced under the same lights, over 1e-3 plus
-  /// the latter.
+  /// Largest error of a relit frame against one traced under the same lights, relative to the traced value + 1e-3.
   double error(const std::string& pixel_type) {
     write(pixel_type, "[light_groups]");
     EXPECT_EQ(patchlight("run").code, 0);
@@ -56,17 +55,18 @@ class Relight : public ProgramTest {
     EXPECT_EQ(outcome.code, 0) << outcome.err;
     outcome = patchlight("run", kOtherLights);
     EXPECT_THAT(outcome.err, HasSubstr("trace runs"));
-    const Image traced = read_exr(frame()), made = read_exr(relit());
-    EXPECT_EQ(made.pixels.size(), traced.pixels.size());
-    double most = 0;
+    const Image traced = read_exr(frame()), relit_frame = read_exr(relit());
+    EXPECT_EQ(relit_frame.pixels.size(), traced.pixels.size());
+    double largest = 0;
     for (std::size_t p = 0; p < traced.pixels.size(); ++p)
       for (int k = 0; k < 3; ++k)
-        most = std::max(most, std::abs(double(made.pixels[p][k]) - traced.pixels[p][k]) / (1e-3 + traced.pixels[p][k]));
-    return most;
+        largest = std::max(
+            largest, std::abs(double(relit_frame.pixels[p][k]) - traced.pixels[p][k]) / (1e-3 + traced.pixels[p][k]));
+    return largest;
   }
 
-  /// How many frames were relit.
-  static int made(const Outcome& outcome) {
+  /// Number of relit frames.
+  static int relit_count(const Outcome& outcome) {
     static const std::regex line("relit/[^ ]+ in ");
     return int(std::distance(std::sregex_iterator(outcome.err.begin(), outcome.err.end(), line), {}));
   }

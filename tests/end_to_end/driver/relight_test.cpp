@@ -24,7 +24,7 @@ std::vector<std::uint8_t> bytes(const fs::path& png) {
   return values;
 }
 
-TEST_F(Relight, MakesWhatATraceWould) {
+TEST_F(Relight, AgreesWithATrace) {
   EXPECT_LT(error("float"), 2e-6);
   // Rounding of the layers, of their sum and of the traced frame.
   const double half_error = error("half");
@@ -32,7 +32,7 @@ TEST_F(Relight, MakesWhatATraceWould) {
   EXPECT_GT(half_error, 0);
 }
 
-TEST_F(Relight, LetsThePngFollow) {
+TEST_F(Relight, WritesAMatchingPng) {
   ASSERT_EQ(patchlight("run").code, 0);
   ASSERT_EQ(patchlight("relight", kOtherLights).code, 0);
   EXPECT_EQ(read_exr_header(relit()).metadata["patchlight:png"], hash_file(relit("camera.0001.png")));
@@ -62,7 +62,7 @@ TEST_F(Relight, KeepsLayersThatLightsDoNotChange) {
   }
 }
 
-TEST_F(Relight, NamesFramesThatCannotBeUsedAndGoesOn) {
+TEST_F(Relight, NamesUnusableFramesAndContinues) {
   write("half", "[light_groups]",
         "cameras:\n  spin: {look_from: [0, 0.28, 1.2], look_at: [0, 0.28, 0], turntable: 8}\n");
   const std::vector<std::string> range{"--set", "trace.cameras=[spin]", "--set", "trace.frames=1-5"};

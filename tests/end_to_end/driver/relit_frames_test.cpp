@@ -14,13 +14,13 @@ TEST_F(Relight, LeavesTracedFramesAsTheyAre) {
   Image source = read_exr_header(frame()), made = read_exr_header(relit());
   EXPECT_EQ(made.metadata["patchlight:relit_from"], source.metadata["patchlight:key"]);
   EXPECT_THAT(made.metadata["patchlight:job"], HasSubstr("wall:\n    scale: 2\n"));
-  // What is relit is close to a trace, but is none.
+  // A relit frame does not pass for a traced one.
   fs::copy_file(relit(), frame(), fs::copy_options::overwrite_existing);
   fs::copy_file(relit("camera.0001.png"), frame("camera.0001.png"), fs::copy_options::overwrite_existing);
   EXPECT_THAT(patchlight("status", kOtherLights).out, HasSubstr("stale"));
 }
 
-TEST_F(Relight, RefusesWhatOnlyARunCanMake) {
+TEST_F(Relight, RefusesWhatNeedsARun) {
   Outcome outcome = patchlight("relight");
   EXPECT_EQ(outcome.code, 66);
   EXPECT_THAT(outcome.err, HasSubstr("nothing to relight yet"));
@@ -40,25 +40,26 @@ TEST_F(Relight, RefusesWhatOnlyARunCanMake) {
   EXPECT_FALSE(fs::exists(folder_ / "out/relit"));
 }
 
-TEST_F(Relight, MakesOnlyWhatIsNotThereYet) {
+TEST_F(Relight, MakesOnlyFramesThatAreNotUpToDate) {
   ASSERT_EQ(patchlight("run", kTwoFrames).code, 0);
-  Outcome outcome = patchlight("relight", both(kTwoFrames, kOtherLights));
+  Outcome outcome = patchlight("relight", concatenated(kTwoFrames, kOtherLights));
   EXPECT_THAT(outcome.err, HasSubstr("relight runs: spin.0001.exr to spin.0002.exr: missing\n"));
-  EXPECT_EQ(made(outcome), 2);
+  EXPECT_EQ(relit_count(outcome), 2);
   const std::string first = read_text(relit("spin.0001.exr"));
-  outcome = patchlight("relight", both(kTwoFrames, kOtherLights));
+  outcome = patchlight("relight", concatenated(kTwoFrames, kOtherLights));
   EXPECT_EQ(outcome.code, 0);
   EXPECT_THAT(outcome.err, HasSubstr("relight skipped: up to date\n"));
   fs::remove(relit("spin.0002.png"));
-  outcome = patchlight("relight", both(kTwoFrames, kOtherLights));
+  outcome = patchlight("relight", concatenated(kTwoFrames, kOtherLights));
   EXPECT_THAT(outcome.err, HasSubstr("relight runs: spin.0002.exr: its PNG is missing\n"));
   EXPECT_THAT(outcome.err, HasSubstr("1 of 2 frames are up to date"));
-  EXPECT_EQ(made(outcome), 1);
+  EXPECT_EQ(relit_count(outcome), 1);
   EXPECT_EQ(read_text(relit("spin.0001.exr")), first);
-  EXPECT_EQ(made(patchlight("relight", both(both(kTwoFrames, kOtherLights), {"--force"}))), 2);
-  outcome = patchlight("relight", both(both(kTwoFrames, kOtherLights), {"--set", "lights.wall.scale=3", "--explain"}));
+  EXPECT_EQ(relit_count(patchlight("relight", concatenated(concatenated(kTwoFrames, kOtherLights), {"--force"}))), 2);
+  outcome = patchlight(
+      "relight", concatenated(concatenated(kTwoFrames, kOtherLights), {"--set", "lights.wall.scale=3", "--explain"}));
   EXPECT_THAT(outcome.err, HasSubstr("relight runs: spin.0001.exr to spin.0002.exr: lights.wall.scale 2 -> 3\n"));
-  EXPECT_EQ(made(outcome), 2);
+  EXPECT_EQ(relit_count(outcome), 2);
   EXPECT_EQ(run_program(folder_, "patchlight-trace", {"job.yaml", "--relight"}).code, 66) << "always makes all";
 }
 
@@ -68,16 +69,16 @@ TEST_F(Relight, DoesNotDependOnTheLightsThatFramesWereTracedUnder) {
   const Image before = read_exr_layers(relit());
   ASSERT_EQ(patchlight("run", {"--set", "lights.wall.scale=0", "--set", "trace.exposure=3"}).code, 0);
   EXPECT_THAT(patchlight("relight", kOtherLights).err, HasSubstr("relight skipped: up to date"));
-  ASSERT_EQ(patchlight("relight", both(kOtherLights, {"--force"})).code, 0);
+  ASSERT_EQ(patchlight("relight", concatenated(kOtherLights, {"--force"})).code, 0);
   EXPECT_EQ(read_exr_layers(relit()).pixels, before.pixels);
 }
 
 TEST_F(Relight, IsListedByStatusAndShownInTheReport) {
   const auto status = [&](const std::vector<std::string>& more = {}) {
-    return patchlight("status", both(kTwoFrames, more));
+    return patchlight("status", concatenated(kTwoFrames, more));
   };
   ASSERT_EQ(patchlight("run", kTwoFrames).code, 0);
-  EXPECT_THAT(status().out, Not(HasSubstr("relight"))) << "nobody asked for it";
+  EXPECT_THAT(status().out, Not(HasSubstr("relight"))) << "the job has no relit frames";
   ASSERT_EQ(patchlight("relight", kTwoFrames).code, 0);
   EXPECT_THAT(status().out, HasSubstr("relight fresh    relit/spin.0001.exr\nrelight fresh    relit/spin.0002.exr\n"));
   EXPECT_THAT(status({"--set", "lights.wall.scale=2"}).out,
@@ -88,7 +89,7 @@ TEST_F(Relight, IsListedByStatusAndShownInTheReport) {
   const std::string whole = read_text(relit("spin.0002.exr"));
   folder_.write("out/relit/spin.0002.exr", whole.substr(0, whole.size() / 2));
   const Outcome outcome = status();
-  EXPECT_EQ(outcome.code, 0) << "all that a run makes is fresh";
+  EXPECT_EQ(outcome.code, 0) << "all outputs of a run are fresh";
   EXPECT_THAT(outcome.out, HasSubstr("relight missing  relit/spin.0001.exr\n"));
   EXPECT_THAT(outcome.out, ContainsRegex("relight damaged  relit/spin.0002.exr  .*damaged EXR"));
 
@@ -96,7 +97,7 @@ TEST_F(Relight, IsListedByStatusAndShownInTheReport) {
   const std::string page = read_text(folder_ / "out/report.html");
   EXPECT_THAT(page, HasSubstr("<h3>Relit frames</h3>\n<p class=\"warning\">Not as the job makes them now: "
                               "spin.0001.exr: missing</p>"));
-  EXPECT_THAT(page, HasSubstr("spin.0001, missing</figcaption>")) << "its PNG is there";
+  EXPECT_THAT(page, HasSubstr("spin.0001, missing</figcaption>")) << "its PNG exists";
   EXPECT_THAT(page, HasSubstr("spin.0002, damaged</figcaption>"));
 }
 
@@ -108,10 +109,10 @@ TEST_F(Relight, KeepsNoFrameThatLacksALayer) {
   write_exr(relit(), bare);
   EXPECT_THAT(patchlight("status").out,
               HasSubstr("relight damaged  relit/camera.0001.exr  it lacks the layer `Combined_lights.ceiling`\n"));
-  EXPECT_EQ(made(patchlight("relight")), 1);
+  EXPECT_EQ(relit_count(patchlight("relight")), 1);
 }
 
-TEST_F(Relight, DoesAllVariantsAndIsCleaned) {
+TEST_F(Relight, RelightsAllVariantsAndIsCleaned) {
   write("half", "[light_groups]", "matrix: {trace.samples: [1, 4]}\n");
   ASSERT_EQ(patchlight("run", {"--variant", "4"}).code, 0);
   const Outcome outcome = patchlight("relight", kOtherLights);

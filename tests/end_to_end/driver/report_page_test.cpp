@@ -34,7 +34,7 @@ class ReportPage : public ProgramTest {
     report_job(environment);
   }
 
-  /// Writes the report, and takes its pictures out of the page.
+  /// Writes the report, and moves its embedded images from the page to `pictures_`.
   void report_job(const std::string& environment) {
     const Outcome outcome = run_program(folder_, "patchlight", {"report", "job.yaml"}, environment);
     ASSERT_EQ(outcome.code, 0) << outcome.err;
@@ -58,7 +58,7 @@ class ReportPage : public ProgramTest {
   std::set<std::string> pictures_;
 };
 
-TEST_F(ReportPage, NeedsNothingFromElsewhere) {
+TEST_F(ReportPage, HasNoExternalResources) {
   report();
   for (const char* reference : {"http:", "https:", "<script", "<link", "@import", "url("})
     EXPECT_THAT(page_, Not(HasSubstr(reference)));
@@ -113,7 +113,7 @@ TEST_F(ReportPage, DrawsTheResidualOfEveryIteration) {
   EXPECT_THAT(page_, HasSubstr("solve.tolerance</text>"));
 }
 
-TEST_F(ReportPage, KeepsTheWarningsOfStagesThatRanBefore) {
+TEST_F(ReportPage, KeepsTheWarningsOfEarlierStages) {
   report("materials: {'<none>': {reflectance: [0, 0, 0]}}\n");
   const std::string warning = "materials.&lt;none&gt; in the job matches no material of the scene";
   EXPECT_THAT(page_, HasSubstr(warning));
@@ -123,7 +123,7 @@ TEST_F(ReportPage, KeepsTheWarningsOfStagesThatRanBefore) {
   EXPECT_THAT(page_, HasSubstr("<h3>Warnings</h3>\n<p>None.</p>"));
 }
 
-TEST_F(ReportPage, IsWrittenWithoutOpenGlToo) {
+TEST_F(ReportPage, IsWrittenWithoutOpenGl) {
   report("", "__EGL_VENDOR_LIBRARY_FILENAMES=/none");
   EXPECT_THAT(page_, HasSubstr("irradiance as camera sees it could not be drawn (exit code 69)"));
   EXPECT_TRUE(shows("out/frames/camera.0001.png"));

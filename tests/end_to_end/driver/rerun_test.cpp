@@ -30,7 +30,7 @@ class Rerun : public ProgramTest {
     return run_program(folder_, "patchlight", more);
   }
 
-  /// The stages that ran or whose earlier outputs were put back, in order.
+  /// The stages that ran or were restored, in order.
   static std::string stages(const Outcome& outcome) {
     std::string names;
     static const std::regex ran("patchlight-run: (?:warning: )?(import|solve|trace) (?:runs|restored)");
@@ -52,7 +52,7 @@ TEST_F(Rerun, SkipsEverythingWhenNothingChanged) {
   EXPECT_THAT(again.err, HasSubstr("trace skipped: up to date"));
 }
 
-TEST_F(Rerun, TracesAloneForAnotherPictureOfTheSameLight) {
+TEST_F(Rerun, RunsOnlyTheTraceForAnotherViewOfTheSameSolution) {
   EXPECT_EQ(stages(run({"--set", "trace.resolution=[16, 16]"})), "trace");
   EXPECT_EQ(stages(run({"--set", "lights.\"lights.ceiling\".scale=2"})), "trace");
   EXPECT_EQ(stages(run({"--set", "lights.\"lights.ceiling\".color=[1, 0.5, 0.2]"})), "trace");
@@ -66,11 +66,11 @@ TEST_F(Rerun, SolvesAgainForMoreRays) {
   EXPECT_EQ(stages(run({"--set", "solve.rays=80"})), "solve trace");
 }
 
-TEST_F(Rerun, RunsAllForAnotherPatchArea) {
+TEST_F(Rerun, RunsEverythingForAnotherPatchArea) {
   EXPECT_EQ(stages(run({"--set", "import.patch_area=0.02"})), "import solve trace");
 }
 
-TEST_F(Rerun, DoesNotSolveAgainWhenTheSceneOnlyMovedItsCamera) {
+TEST_F(Rerun, DoesNotSolveAgainWhenOnlyTheCameraChanged) {
   std::string glb = read_text(folder_ / "box.glb");
   const std::size_t at = glb.find("\"yfov\":0.6");
   ASSERT_NE(at, std::string::npos);
@@ -89,7 +89,7 @@ TEST_F(Rerun, SolvesAgainForAShaderThatChangesPatches) {
   EXPECT_EQ(stages(run({})), "import solve trace");
 }
 
-TEST_F(Rerun, CastsNoRayForAnotherColourOrAStrongerLamp) {
+TEST_F(Rerun, CastsNoRayForOtherColoursOrEmission) {
   const auto cast = [&] { return run_program(folder_, "patchlight", {"info", "out/energy.h5"}).out; };
   EXPECT_THAT(cast(), Not(HasSubstr(" 0 rays")));
   EXPECT_EQ(stages(run({"--set", "materials.red.reflectance=[0.5, 0.1, 0.1]"})), "import solve trace");
@@ -99,10 +99,10 @@ TEST_F(Rerun, CastsNoRayForAnotherColourOrAStrongerLamp) {
   EXPECT_EQ(stages(run({"--set", "nodes.*wall.reflectance=[0.2, 0.3, 0.4]"})), "import solve trace");
   EXPECT_THAT(cast(), HasSubstr(" 0 rays"));
   EXPECT_EQ(stages(run({"--set", "materials.red.mirror=[0.5, 0.5, 0.5]"})), "import solve trace");
-  EXPECT_THAT(cast(), Not(HasSubstr(" 0 rays"))) << "a mirror sends rays elsewhere";
+  EXPECT_THAT(cast(), Not(HasSubstr(" 0 rays"))) << "a mirror changes the rays";
 }
 
-TEST_F(Rerun, LooksAtTheSkyAndCastsNoRayForAnother) {
+TEST_F(Rerun, CastsNoRayForAnotherEnvironmentImage) {
   const auto cast = [&] { return run_program(folder_, "patchlight", {"info", "out/energy.h5"}).out; };
   const auto write_sky = [&](float left) { write_exr(folder_ / "sky.exr", {2, 1, {Color(left), Color(1.0f)}, {}}); };
   const std::string image = "environment.image=sky.exr";
@@ -120,7 +120,7 @@ TEST_F(Rerun, LooksAtTheSkyAndCastsNoRayForAnother) {
   EXPECT_THAT(status.out, HasSubstr("patches.h5  environment.rotation 0 -> 90\n"));
   EXPECT_EQ(stages(run({"--set", image, "--set", turned})), "import solve trace");
   EXPECT_THAT(cast(), HasSubstr(" 0 rays"));
-  EXPECT_EQ(stages(run({})), "import solve trace") << "as it was";
+  EXPECT_EQ(stages(run({})), "import solve trace") << "without an environment";
 }
 
 TEST_F(Rerun, DoesNothingForATouchedFileACommentAnotherSpellingOrAnUnrelatedKey) {
@@ -139,7 +139,7 @@ TEST_F(Rerun, DoesNothingForATouchedFileACommentAnotherSpellingOrAnUnrelatedKey)
             "");
 }
 
-TEST_F(Rerun, LeavesKeyAndWholeEffectiveJobInEveryOutput) {
+TEST_F(Rerun, WritesKeyAndEffectiveJobIntoEveryOutput) {
   const Job job = read_job(folder_ / "job.yaml");
   const PatchSet scene = read_patches(folder_ / "out/patches.h5");
   const EnergyField energy = read_energy(folder_ / "out/energy.h5");
@@ -173,7 +173,7 @@ TEST_F(Rerun, RebuildsADamagedFileWithAWarning) {
   }
 }
 
-TEST_F(Rerun, RefusesWhatAFreshRunWouldRefuse) {
+TEST_F(Rerun, RefusesTheSameJobsAsAFirstRun) {
   for (const char* set :
        {"trace.cameras=[nobody]", "lights.nobody.scale=1", "trace.view=Sepia", "trace.quality=magic"}) {
     const Outcome outcome = run({"--set", set});
@@ -192,7 +192,7 @@ TEST_F(Rerun, TracesAgainForADamagedPngOrAnotherViewConfig) {
   EXPECT_EQ(stages(run_program(folder_, "patchlight", {"run", "job.yaml"}, "OCIO=config.ocio")), "trace");
 }
 
-TEST_F(Rerun, TakesOtherThingsInThePlaceOfFilesForStale) {
+TEST_F(Rerun, TreatsOtherFileTypesAsStale) {
   const auto exr = folder_ / "out/frames/camera.0001.exr";
   std::filesystem::remove(exr);
   ASSERT_EQ(mkfifo(exr.c_str(), 0600), 0);
@@ -203,12 +203,12 @@ TEST_F(Rerun, TakesOtherThingsInThePlaceOfFilesForStale) {
   EXPECT_THAT(run({}).err, HasSubstr("import runs: "));
 }
 
-TEST_F(Rerun, TakesAForeignImageInThePlaceOfAFrameForStale) {
+TEST_F(Rerun, TreatsAForeignImageAsStale) {
   write_exr(folder_ / "out/frames/camera.0001.exr", {16, 16, std::vector<Color>(256, Color(1.0f)), {}});
   EXPECT_EQ(stages(run({})), "trace");
 }
 
-TEST_F(Rerun, TakesJobsWithAnyName) {
+TEST_F(Rerun, AcceptsJobsWithAnyName) {
   folder_.write("-job.yaml", read_text(folder_ / "job.yaml"));
   EXPECT_EQ(run_program(folder_, "patchlight", {"run", "--output", "dash", "--quiet", "--", "-job.yaml"}).code, 0);
 }
@@ -234,7 +234,7 @@ TEST_F(Rerun, GivesTheSameBitsForAnyNumberOfThreads) {
   }
 }
 
-TEST_F(Rerun, DiffTellsWhatDiffersAndByHowMuch) {
+TEST_F(Rerun, DiffReportsWhatDiffersAndByHowMuch) {
   ASSERT_EQ(run({"--output", "other", "--set", "solve.rays=80"}).code, 0);
   const auto diff = [&](std::vector<std::string> more) {
     more.insert(more.begin(), {"diff", "out/energy.h5", "other/energy.h5"});
@@ -266,7 +266,7 @@ TEST_F(Rerun, DiffComparesEveryDatasetOfPatches) {
   EXPECT_EQ(diff("0.5").code, 0);
 }
 
-TEST_F(Rerun, InfoShowsWhatIsInEveryKindOfFile) {
+TEST_F(Rerun, InfoDescribesEveryKindOfFile) {
   const auto info = [&](const std::string& file) { return run_program(folder_, "patchlight", {"info", file}).out; };
   EXPECT_THAT(info("box.glb"), HasSubstr("lights.ceiling"));
   EXPECT_THAT(info("out/patches.h5"), HasSubstr("lights.ceiling"));

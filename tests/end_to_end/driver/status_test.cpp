@@ -18,7 +18,7 @@ class Status : public ProgramTest {
     return run_program(folder_, "patchlight", words);
   }
 
-  /// What `status` prints for the job with one override, and that nothing but this is not fresh.
+  /// Output of `status` for the job with one override. Expects exit code 1 if any output is not fresh.
   std::string status(const std::string& set = "") {
     const Outcome outcome =
         run(set.empty() ? std::vector<std::string>{"status"} : std::vector<std::string>{"status", "--set", set});
@@ -35,19 +35,19 @@ class Status : public ProgramTest {
 constexpr const char* kAllFresh =
     "import  fresh    patches.h5\nsolve   fresh    energy.h5\ntrace   fresh    frames/camera.0001.exr\n";
 
-TEST_F(Status, SaysThatAllIsFresh) {
+TEST_F(Status, ReportsThatAllIsFresh) {
   EXPECT_EQ(status(), kAllFresh);
 }
 
-TEST_F(Status, IsTheSameAfterACommentAnotherSpellingAndAnUnrelatedKey) {
+TEST_F(Status, IgnoresCommentsSpellingAndUnrelatedKeys) {
   std::string job = "# a comment\n" + read_text(folder_ / "job.yaml");
   job.replace(job.find("box.glb"), 7, "././box.glb");
   folder_.write("job.yaml", job + "bench: {repeats: 3}\n");
   EXPECT_EQ(status(), kAllFresh);
-  EXPECT_EQ(status("solve.hemicube_resolution=64"), kAllFresh) << "rays know no cells";
-  EXPECT_EQ(status("solve.max_shots=7"), kAllFresh) << "nor does a matrix shoot";
+  EXPECT_EQ(status("solve.hemicube_resolution=64"), kAllFresh) << "not used with rays";
+  EXPECT_EQ(status("solve.max_shots=7"), kAllFresh) << "not used by the matrix method";
   EXPECT_EQ(status("import.max_patches=100000"), kAllFresh);
-  EXPECT_EQ(status("lights.\"lights.ceiling\".scale=1"), kAllFresh) << "as they are anyway";
+  EXPECT_EQ(status("lights.\"lights.ceiling\".scale=1"), kAllFresh) << "the default";
 }
 
 TEST_F(Status, NamesTheSettingThatChangedWithItsOldAndItsNewValue) {
@@ -70,7 +70,7 @@ TEST_F(Status, NamesTheSettingThatChangedWithItsOldAndItsNewValue) {
   EXPECT_THAT(text, HasSubstr("solve   unknown"));
 }
 
-TEST_F(Status, NamesTheSceneThatChangedAndThenItsCamera) {
+TEST_F(Status, NamesTheChangedSceneAndThenItsCamera) {
   std::string glb = read_text(folder_ / "box.glb");
   glb[glb.find("\"yfov\":0.6") + 9] = '7';
   folder_.write("box.glb", glb);
@@ -82,7 +82,7 @@ TEST_F(Status, NamesTheSceneThatChangedAndThenItsCamera) {
   EXPECT_THAT(status(), ContainsRegex("import  stale    patches.h5  .*box.glb is gone"));
 }
 
-TEST_F(Status, TellsWhatIsMissingAndWhatIsDamaged) {
+TEST_F(Status, ReportsMissingAndDamagedFiles) {
   const auto damage = [&](const std::string& file) {
     const std::string whole = read_text(folder_ / file);
     folder_.write(file, whole.substr(0, whole.size() / 2));
@@ -101,21 +101,21 @@ TEST_F(Status, TellsWhatIsMissingAndWhatIsDamaged) {
   EXPECT_THAT(status(), HasSubstr("import  missing  patches.h5\n"));
 }
 
-TEST_F(Status, TakesAFrameThatLacksALayerForDamaged) {
+TEST_F(Status, ReportsAFrameWithoutALayerAsDamaged) {
   const std::vector<std::string> layers{"--set", "trace.layers=[albedo, depth, patch, light_groups]"};
   const auto with_layers = [&](const std::string& command) { return run({command, layers[0], layers[1]}); };
   ASSERT_EQ(with_layers("run").code, 0);
   const auto frame = folder_ / "out/frames/camera.0001.exr";
   const Image whole = read_exr_layers(frame);
-  for (const ImageLayer& lost : whole.layers) {
+  for (const ImageLayer& missing : whole.layers) {
     Image bare = whole;
-    std::erase_if(bare.layers, [&](const ImageLayer& layer) { return layer.name == lost.name; });
+    std::erase_if(bare.layers, [&](const ImageLayer& layer) { return layer.name == missing.name; });
     write_exr(frame, bare);
-    const std::string reason = "it lacks the layer `" + lost.name + "`\n";
+    const std::string reason = "it lacks the layer `" + missing.name + "`\n";
     EXPECT_THAT(with_layers("status").out, HasSubstr("trace   damaged  frames/camera.0001.exr  " + reason));
     const Outcome outcome = run({"run", "--explain", "--set", "cache=0", layers[0], layers[1]});
     EXPECT_THAT(outcome.err, HasSubstr("warning: trace runs again: camera.0001.exr: " + reason));
-    EXPECT_THAT(outcome.err, HasSubstr("camera.0001.exr in ")) << "the stage does not skip it either";
+    EXPECT_THAT(outcome.err, HasSubstr("camera.0001.exr in ")) << "the stage does not skip it";
     EXPECT_THAT(with_layers("status").out, HasSubstr("trace   fresh"));
   }
 }
@@ -129,12 +129,12 @@ TEST_F(Status, ChangesNothing) {
   EXPECT_EQ(std::filesystem::last_write_time(folder_ / "out"), before);
 }
 
-TEST_F(Status, RefusesWhatARunWouldRefuse) {
+TEST_F(Status, RefusesTheSameJobsAsARun) {
   EXPECT_EQ(run({"status", "--set", "trace.cameras=[nobody]"}).code, 78);
   EXPECT_EQ(run_program(folder_, "patchlight", {"status", "none.yaml"}).code, 66);
 }
 
-TEST_F(Status, IsSaidByRunToo) {
+TEST_F(Status, IsReportedByRun) {
   Outcome outcome = run({"run", "--explain"});
   EXPECT_THAT(outcome.err, ContainsRegex("import skipped: up to date: all that it depends on still has the key"));
   EXPECT_THAT(outcome.err, ContainsRegex("trace skipped: up to date: all that it depends on still has the key"));

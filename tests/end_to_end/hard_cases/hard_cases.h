@@ -20,10 +20,10 @@ struct Configuration {
 inline constexpr std::array<Configuration, 4> kConfigurations{
     {{"matrix", "rays"}, {"matrix", "hemicube"}, {"progressive", "rays"}, {"progressive", "hemicube"}}};
 
-/// What each pair's error has to stay below, in the order of kConfigurations.
+/// Largest permitted errors, in the order of kConfigurations.
 using Limits = std::array<double, 4>;
 
-/// Every pair's settings but for its names: small scenes, so that cells and rays, not patches, are what errors are of.
+/// Settings of every configuration. Scenes are small, so hemicube cells and rays cause the errors, not patches.
 inline SolveConfig hard_case_config() {
   SolveConfig config;
   config.display = false;
@@ -48,16 +48,16 @@ inline double irradiance_at(const EnergyField& energy, std::size_t patch) {
   return sum;
 }
 
-/// A patch's irradiance as it should be; NaN: this patch does not count.
-using Known = std::function<double(const Patch&)>;
+/// Exact irradiance of a patch; NaN: the patch does not count.
+using ExactIrradiance = std::function<double(const Patch&)>;
 inline const double kNotCounted = std::nan("");
 
-/// Area-weighted relative RMS of irradiance about what is known.
-inline double irradiance_error(const PatchSet& scene, const EnergyField& energy, const Known& known) {
+/// Area-weighted relative RMS error of irradiance.
+inline double irradiance_error(const PatchSet& scene, const EnergyField& energy, const ExactIrradiance& irradiance) {
   double square = 0, norm = 0;
   for (std::size_t i = 0; i < scene.patches.size(); ++i) {
     const Patch& patch = scene.patches[i];
-    const double exact = known(patch);
+    const double exact = irradiance(patch);
     if (std::isnan(exact)) continue;
     square += patch.area * std::pow(irradiance_at(energy, i) - exact, 2);
     norm += patch.area * exact * exact;
@@ -65,7 +65,7 @@ inline double irradiance_error(const PatchSet& scene, const EnergyField& energy,
   return std::sqrt(square / norm);
 }
 
-/// One row of the table for each case; `slow_test --gtest_filter='HardCases.*' | grep '^|'` prints it.
+/// Prints a table with one row for each case: `slow_test --gtest_filter='HardCases.*' | grep '^|'`.
 class HardCases : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -82,7 +82,7 @@ class HardCases : public ::testing::Test {
     return error < 1e-5 ? "<0.001%" : fmt::format("{:.2g}%", 100 * error);
   }
 
-  /// Calls error(pair) for each pair, and prints and checks what it returns.
+  /// Calls error(configuration) for each configuration, prints the returned errors and checks them against `limits`.
   template <class Error>
   void expect_each(const std::string& name, const Limits& limits, Error error) {
     std::array<std::string, 4> cells;
@@ -97,17 +97,17 @@ class HardCases : public ::testing::Test {
     print_row(name, cells);
   }
 
-  /// The same for a scene whose irradiance is known.
-  void expect_known(const std::string& name, const PatchSet& scene, const Known& known, const Limits& limits,
+  /// Checks a scene whose exact irradiance is known.
+  void expect_exact(const std::string& name, const PatchSet& scene, const ExactIrradiance& exact, const Limits& limits,
                     const SolveConfig& config = hard_case_config()) {
     expect_each(name, limits, [&](const Configuration& configuration) {
-      return irradiance_error(scene, solved(scene, configuration, config), known);
+      return irradiance_error(scene, solved(scene, configuration, config), exact);
     });
   }
 
-  /// The same for a scene that the same pair has to solve as `usual`, times `factor`, but for patches that it makes
-  /// NaN.
-  void expect_same(const std::string& name, const PatchSet& scene, const PatchSet& usual, const Known& factor,
+  /// Checks that the irradiance of a scene is that of `usual`, solved by the same configuration, times `factor`; a
+  /// factor of NaN leaves the patch out.
+  void expect_same(const std::string& name, const PatchSet& scene, const PatchSet& usual, const ExactIrradiance& factor,
                    const Limits& limits, const SolveConfig& config = hard_case_config()) {
     expect_each(name, limits, [&](const Configuration& configuration) {
       const EnergyField before = solve_quietly(usual, configuration, config);
@@ -118,7 +118,7 @@ class HardCases : public ::testing::Test {
     });
   }
 
-  /// A solve that stops before its tolerance has to say so.
+  /// Solves a scene, and expects a warning if the solve stops above its tolerance.
   EnergyField solved(const PatchSet& scene, const Configuration& configuration,
                      const SolveConfig& config = hard_case_config()) {
     testing::internal::CaptureStderr();
@@ -134,7 +134,7 @@ class HardCases : public ::testing::Test {
   std::string warnings_;  ///< Of the last solve.
 
  private:
-  double stopped_at_ = 0;  ///< The residual of a solve that did not get to its tolerance.
+  double stopped_at_ = 0;  ///< Residual of a solve that stopped above its tolerance.
 };
 
 }  // namespace patchlight::test

@@ -1,4 +1,4 @@
-// Scenes whose difficulty is the import's, through the real program.
+// Scenes that are difficult to import, run through patchlight-import.
 #include <gmock/gmock.h>
 
 #include <limits>
@@ -35,7 +35,7 @@ Mesh joined(const std::vector<std::array<Vec3f, 4>>& quads) {
   return mesh;
 }
 
-/// The walls of a cube from -1 to 1 but for its floor, lit inside.
+/// The faces of a cube from -1 to 1 without its floor, facing inwards.
 std::vector<std::array<Vec3f, 4>> walls_and_ceiling() {
   return {{{{-1, -1, -1}, {-1, 1, -1}, {-1, 1, 1}, {-1, -1, 1}}},
           {{{1, -1, -1}, {1, -1, 1}, {1, 1, 1}, {1, 1, -1}}},
@@ -56,12 +56,12 @@ TEST_F(HardCases, PatchAreaLargerThanThePrimitive) {
   ASSERT_EQ(scene.patches.size(), 6u);
   SolveConfig config = hard_case_config();
   config.rays = 1 << 16;
-  const auto known = [](const Patch& patch) {  // one patch a face
+  const auto exact = [](const Patch& patch) {  // one patch a face
     if (patch.normal.y > 0.5f) return 2 * 0.090909098;
     return patch.normal.y < -0.5f ? 2 * 0.181745826 : 2 * 0.181836269;
   };
-  // What six patches emit is few hemicubes, each of one point of its patch.
-  expect_known("patches as large as their walls", scene, known, {1e-3, 0.02, 5e-3, 0.1}, config);
+  // Six patches shoot by few hemicubes, each from one point of its patch.
+  expect_exact("patches as large as their walls", scene, exact, {1e-3, 0.02, 5e-3, 0.1}, config);
 }
 
 TEST_F(HardCases, TVertices) {
@@ -71,13 +71,13 @@ TEST_F(HardCases, TVertices) {
   quads.push_back({{{x, -1, -1}, {x, -1, z}, {1, -1, z}, {1, -1, -1}}});
   quads.push_back({{{x, -1, z}, {x, -1, 1}, {1, -1, 1}, {1, -1, z}}});
   GltfBuilder gltf;
-  // Turned and moved, so that no coordinate is a round number and corners on others' edges are off by a rounding.
+  // Rotated and moved, so that T-vertices deviate from the edges they lie on by rounding.
   gltf.node({{"mesh", gltf.mesh(joined(quads), gltf.material(diffuse("walls", 0.9, 1)))},
              {"rotation", {0.18, 0.36, 0.54, 0.7391887}},
              {"translation", {0.1, 0.7, -0.3}}});
   const TemporaryFolder folder;
   ASSERT_EQ(import_in(folder, gltf, "import: {patch_area: 0.1}\n").code, 0);
-  expect_known("furnace with T-vertices", read_patches(folder / "out/patches.h5"),
+  expect_exact("furnace with T-vertices", read_patches(folder / "out/patches.h5"),
                [](const Patch&) { return 1 / (1 - 0.9f); }, {1e-3, 1e-3, 0.02, 0.15});
 }
 
@@ -90,7 +90,7 @@ TEST_F(HardCases, ZeroAreaFaces) {
   const Outcome outcome = import_in(folder, gltf, "import: {patch_area: 0.1}\n");
   ASSERT_EQ(outcome.code, 0);
   EXPECT_THAT(outcome.err, HasSubstr("3 triangles without area are skipped"));
-  expect_known("furnace with faces of no area, skipped with a warning", read_patches(folder / "out/patches.h5"),
+  expect_exact("furnace with faces of no area, skipped with a warning", read_patches(folder / "out/patches.h5"),
                [](const Patch&) { return 2.0; }, {1e-3, 1e-3, 0.05, 0.15});
 }
 
@@ -101,25 +101,25 @@ TEST_F(HardCases, ReflectanceOne) {
   const Outcome outcome = import_in(folder, gltf, "import: {patch_area: 0.25}\n");
   ASSERT_EQ(outcome.code, 0);
   EXPECT_THAT(outcome.err, HasSubstr("'snow' lowered to 0.99999"));
-  expect_known("furnace, reflectance 1, lowered to 0.99999 with a warning", read_patches(folder / "out/patches.h5"),
+  expect_exact("furnace, reflectance 1, lowered to 0.99999 with a warning", read_patches(folder / "out/patches.h5"),
                [](const Patch&) { return 1 / (1 - 0.99999f); }, {1e-3, 5e-3, 0.02, 0.6});
 }
 
-TEST_F(HardCases, NumbersThatAreNone) {
-  const auto refused = [](const std::string& name, const Mesh& mesh, const Json& material, const std::string& place) {
+TEST_F(HardCases, InvalidNumbers) {
+  const auto refused = [](const std::string& name, const Mesh& mesh, const Json& material, const std::string& named) {
     GltfBuilder gltf;
     gltf.node({{"mesh", gltf.mesh(mesh, gltf.material(material))}, {"name", "crate"}});
     const TemporaryFolder folder;
     const Outcome outcome = import_in(folder, gltf);
     EXPECT_EQ(outcome.code, 65) << name;
-    EXPECT_THAT(outcome.err, HasSubstr(place)) << name;
+    EXPECT_THAT(outcome.err, HasSubstr(named)) << name;
     EXPECT_FALSE(std::filesystem::exists(folder / "out/patches.h5")) << name;
-    const std::string cell = outcome.code == 65 ? "refused, naming `" + place + "`" : "not refused";
+    const std::string cell = outcome.code == 65 ? "refused, naming `" + named + "`" : "not refused";
     print_row(name, {cell, cell, cell, cell});
   };
-  Mesh torn = cube();
-  torn.positions[3].y = std::numeric_limits<float>::quiet_NaN();
-  refused("NaN in a position", torn, diffuse("paint", 0.5, 1), "crate");
+  Mesh damaged = cube();
+  damaged.positions[3].y = std::numeric_limits<float>::quiet_NaN();
+  refused("NaN in a position", damaged, diffuse("paint", 0.5, 1), "crate");
   refused("negative emission", cube(), diffuse("paint", 0.5, -1), "paint");
   refused("negative reflectance", cube(), diffuse("paint", -0.5, 1), "paint");
 }

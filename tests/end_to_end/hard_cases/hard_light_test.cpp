@@ -1,4 +1,4 @@
-// Light that hardly fades, does not fade, or is not there.
+// Slowly converging light, and scenes without light.
 #include <algorithm>
 #include <tuple>
 
@@ -15,20 +15,20 @@ PatchSet furnace(float reflectance, int cells) {
 
 TEST_F(HardCases, ClosedFurnaces) {
   for (const float rho : {0.0f, 0.5f, 0.9f})
-    expect_known(fmt::format("furnace, reflectance {}", rho), furnace(rho, 6),
+    expect_exact(fmt::format("furnace, reflectance {}", rho), furnace(rho, 6),
                  [=](const Patch&) { return 1 / (1 - rho); }, {1e-3, 1e-3, 0.05, 0.15});
 }
 
 TEST_F(HardCases, ReflectancesNearOne) {
   for (const float rho : {0.999f, 0.9999f}) {
-    expect_known(fmt::format("furnace, reflectance {}", rho), furnace(rho, 4),
+    expect_exact(fmt::format("furnace, reflectance {}", rho), furnace(rho, 4),
                  [=](const Patch&) { return 1 / (1 - rho); }, {1e-3, 1e-3, 0.01, 0.3});
     PatchScene builder;
     builder.room(1, 4, {rho, 0.0f});
     PatchSet& scene = builder.get();
     scene.primitives[0].light_group = 0;
     for (int i = 0; i < 16; ++i) scene.patches[i].emission = Color(1.0f);
-    // What one of six equal walls emits is absorbed by all.
+    // All walls together absorb the power that one of them emits.
     expect_each(fmt::format("power absorbed, one wall lit, {}", rho), {0.01, 0.02, 5e-3, 0.3},
                 [&](const Configuration& configuration) {
                   const EnergyField energy = solved(scene, configuration);
@@ -42,7 +42,8 @@ TEST_F(HardCases, ReflectancesNearOne) {
 
 constexpr PatchScene::Surface kWhite{0.9999f, 0.0f};
 
-/// A lamp in one of two rooms, and between them two walls, 2 cm apart, that leave a slit under the ceiling.
+/// Adds a lamp in one of two rooms, and two walls between the rooms, at a distance of 2 cm, with a slit under the
+/// ceiling.
 void add_walls_and_lamp(PatchScene& builder) {
   builder.quad({{{0.01, -1, -1}, {0.01, 0.9, -1}, {0.01, 0.9, 1}, {0.01, -1, 1}}}, 5, 5, kWhite);
   builder.quad({{{-0.01, -1, -1}, {-0.01, -1, 1}, {-0.01, 0.9, 1}, {-0.01, 0.9, -1}}}, 5, 5, kWhite);
@@ -56,7 +57,7 @@ PatchSet two_rooms() {
   return builder.get();
 }
 
-/// The same, with no patch that runs on behind a wall.
+/// two_rooms() with patches that end at the dividing walls.
 PatchSet two_rooms_cut_at_the_walls() {
   PatchScene builder;
   builder.quad({{{-1, -1, -1}, {-1, 1, -1}, {-1, 1, 1}, {-1, -1, 1}}}, 6, 6, kWhite);
@@ -71,7 +72,7 @@ PatchSet two_rooms_cut_at_the_walls() {
   return builder.get();
 }
 
-TEST_F(HardCases, PatchesThatRunOnBehindAWall) {
+TEST_F(HardCases, PatchesThatExtendBehindAWall) {
   const auto far_room = [](const PatchSet& scene) {
     SolveConfig config = hard_case_config();
     config.rays = 1 << 13;
@@ -87,13 +88,13 @@ TEST_F(HardCases, PatchesThatRunOnBehindAWall) {
   EXPECT_NEAR(far_room(two_rooms()) / far_room(two_rooms_cut_at_the_walls()), 1, 0.01);
 }
 
-TEST_F(HardCases, LightThatHardlyFadesBehindASlit) {
+TEST_F(HardCases, SlowlyConvergingLightBehindASlit) {
   const PatchSet scene = two_rooms();
   SolveConfig many = hard_case_config();
   many.rays = 1 << 15;
   many.seed = 2;
   const EnergyField truth = solve_quietly(scene, kConfigurations[0], many);
-  expect_known("two rooms with a slit between them, 0.9999", scene,
+  expect_exact("two rooms with a slit between them, 0.9999", scene,
                [&](const Patch& p) { return irradiance_at(truth, std::size_t(&p - scene.patches.data())); },
                {0.02, 0.5, 0.5, 0.5});
 }
@@ -104,7 +105,7 @@ TEST_F(HardCases, InsideOfASphere) {
   PatchSet& scene = builder.get();
   scene.primitives[0].light_group = 0;
   for (std::size_t i = 0; i < scene.patches.size() / 2; ++i) scene.patches[i].emission = Color(1.0f);
-  expect_known("inside of a sphere, upper half lit", scene, [](const Patch&) { return 0.5 / (1 - 0.9f); },
+  expect_exact("inside of a sphere, upper half lit", scene, [](const Patch&) { return 0.5 / (1 - 0.9f); },
                {5e-3, 1e-3, 0.02, 5e-3});
 }
 
@@ -115,13 +116,13 @@ TEST_F(HardCases, NoEmitter) {
   expect_each("no emitter", {0, 0, 0, 0}, [&](const Configuration& configuration) {
     const EnergyField energy = solved(builder.get(), configuration);
     EXPECT_NE(warnings_.find("nothing in the scene emits light"), std::string::npos);
-    double most = 0;
-    for (const Color& b : radiosity(builder.get(), energy)) most = std::max(most, std::abs(double(b.y)));
-    return most;
+    double largest = 0;
+    for (const Color& b : radiosity(builder.get(), energy)) largest = std::max(largest, std::abs(double(b.y)));
+    return largest;
   });
 }
 
-/// A room of side 2 whose walls at -x and +x are mirrors, or black.
+/// A room of side 2 whose walls at -x and +x have a specular reflectance of `mirror`; 0: black.
 PatchSet mirror_room(float mirror) {
   PatchScene builder;
   builder.room(1, 6, {0.5f, 1.0f});
@@ -138,13 +139,13 @@ PatchSet mirror_room(float mirror) {
 TEST_F(HardCases, MirrorFacingMirror) {
   const PatchSet scene = mirror_room(1.0f);
   const EnergyField black = solve_quietly(mirror_room(0.0f), kConfigurations[0]);
-  // Perfect mirrors go on for ever, but light between them meets the other walls: a furnace. Only `matrix` over rays
-  // sends light on there; for the other pairs mirrors are black.
+  // The mirrors are perfect, and light between them ends on the other walls: a furnace. Only `matrix` over rays follows
+  // mirrors; for the other configurations they are black.
   expect_each("mirrors face each other", {0.01, 0.02, 0.05, 0.1}, [&](const Configuration& configuration) {
-    const bool sent_on = &configuration == &kConfigurations[0];
+    const bool follows_mirrors = &configuration == &kConfigurations[0];
     return irradiance_error(scene, solved(scene, configuration), [&](const Patch& p) {
       if (p.primitive < 2) return kNotCounted;
-      return sent_on ? 2.0 : irradiance_at(black, std::size_t(&p - scene.patches.data()));
+      return follows_mirrors ? 2.0 : irradiance_at(black, std::size_t(&p - scene.patches.data()));
     });
   });
 }

@@ -1,4 +1,4 @@
-// Shapes and places that form factors are hard to find for.
+// Shapes and positions with difficult form factors.
 #include "tests/end_to_end/hard_cases/hard_cases.h"
 #include "tests/end_to_end/hard_cases/lambert_factor.h"
 
@@ -14,7 +14,7 @@ TEST_F(HardCases, SurfacesThatTouch) {
   builder.quad(kWall, 9, 9, {0.0f, 1.0f});
   gathered_light(builder.get());
   const PatchSet& scene = builder.get();
-  expect_known("walls that touch", scene,
+  expect_exact("walls that touch", scene,
                [&](const Patch& p) { return p.primitive == 0 ? patch_factor(scene, p, {kWall}) : kNotCounted; },
                {0.02, 0.06, 0.06, 0.06});
 }
@@ -26,12 +26,12 @@ TEST_F(HardCases, SurfacesThatNearlyTouch) {
   builder.quad(lid, 9, 9, {0.0f, 1.0f});
   gathered_light(builder.get());
   const PatchSet& scene = builder.get();
-  expect_known("plates 1 mm apart", scene,
+  expect_exact("plates 1 mm apart", scene,
                [&](const Patch& p) { return p.primitive == 0 ? patch_factor(scene, p, {lid}) : kNotCounted; },
                {0.02, 0.02, 0.02, 0.02});
 }
 
-/// A duct of 10 m by 1 mm by 1 mm, lit inside, its long walls cut along their diagonals if they are to be slivers.
+/// A closed duct of 10 m x 1 mm x 1 mm that emits inside. `slivers`: its long walls are cut along their diagonals.
 PatchSet duct(bool slivers) {
   PatchScene builder;
   const PatchScene::Surface surface{0.5f, 1.0f};
@@ -54,14 +54,14 @@ PatchSet duct(bool slivers) {
 
 TEST_F(HardCases, SliversAndLongRectangles) {
   for (const bool slivers : {false, true})
-    expect_known(slivers ? "furnace of slivers 10 m x 1 mm" : "furnace of rectangles 10 m x 1 mm", duct(slivers),
+    expect_exact(slivers ? "furnace of slivers 10 m x 1 mm" : "furnace of rectangles 10 m x 1 mm", duct(slivers),
                  [](const Patch&) { return 2.0; }, {1e-3, 0.02, 0.03, 0.2});
   PatchScene builder;
   const Corners strip{{{0, 1, 0.5}, {10, 1, 0.5}, {10, 1, 0.501}, {0, 1, 0.501}}};
   builder.quad({{{4, 0, 0}, {4, 0, 1}, {6, 0, 1}, {6, 0, 0}}}, 8, 8, {0.0f, 0.0f});
   builder.quad(strip, 100, 1, {0.0f, 1.0f});
   const PatchSet& scene = builder.get();
-  expect_known("lamp of 10 m x 1 mm", scene,
+  expect_exact("lamp of 10 m x 1 mm", scene,
                [&](const Patch& p) { return p.primitive == 0 ? patch_factor(scene, p, {strip}) : kNotCounted; },
                {1e-3, 1e-3, 0.08, 0.01});
 }
@@ -71,7 +71,7 @@ TEST_F(HardCases, PolesOfSpheres) {
   nested.sphere({1, 2, 3}, -1, 12, 18, {0.0f, 0.0f});
   nested.sphere({1, 2, 3}, 0.5, 12, 18, {0.0f, 2.0f});
   gathered_light(nested.get());
-  expect_known("poles about a ball", nested.get(),
+  expect_exact("poles about a ball", nested.get(),
                [](const Patch& p) { return p.primitive == 0 && (p.v0 == 0 || p.v1 == 1) ? 0.5 : kNotCounted; },
                {0.01, 0.01, 0.06, 0.03});
   const Corners lamp{{{-0.5, 1, -0.5}, {0.5, 1, -0.5}, {0.5, 1, 0.5}, {-0.5, 1, 0.5}}};
@@ -79,7 +79,7 @@ TEST_F(HardCases, PolesOfSpheres) {
   lit.quad(lamp, 9, 9, {0.0f, 1.0f});
   gathered_light(lit.get());
   const PatchSet& scene = lit.get();
-  expect_known(
+  expect_exact(
       "pole under a lamp", scene,
       [&](const Patch& p) { return p.primitive == 0 && p.v0 == 0 ? patch_factor(scene, p, {lamp}) : kNotCounted; },
       {0.02, 0.03, 0.08, 0.02});
@@ -104,7 +104,7 @@ TEST_F(HardCases, CoplanarOverlaps) {
   expect_same("floor twice in one plane: the other walls", twice.get(), once.get(),
               [](const Patch& p) { return p.primitive == 2 || p.primitive == 6 ? kNotCounted : 1.0; },
               {5e-3, 5e-3, 0.02, 0.02});
-  // Each of the two floors gathers a row, but what is shot at them lands on one or the other: their power counts.
+  // Both floors gather full rows, but a shot hits only one of them; so for shooting their total power is compared.
   expect_each("floor twice in one plane: the floor", {5e-3, 5e-3, 0.02, 0.02}, [&](const Configuration& configuration) {
     const PatchSet& scene = twice.get();
     const EnergyField before = solve_quietly(once.get(), configuration), energy = solved(scene, configuration);
@@ -121,7 +121,7 @@ TEST_F(HardCases, CoplanarOverlaps) {
   for (const int lamps : {1, 2}) {
     flush.quad(lamp, 3, 3, {0.0f, 1.0f});
     const PatchSet& scene = flush.get();
-    expect_known(
+    expect_exact(
         lamps == 1 ? "lamp in the ceiling's plane" : "two lamps in one place, each counted", scene,
         [&](const Patch& p) { return p.primitive == 0 ? lamps * patch_factor(scene, p, {lamp}) : kNotCounted; },
         {1e-3, 1e-3, 0.05, 0.01});

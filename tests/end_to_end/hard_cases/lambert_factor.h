@@ -10,7 +10,7 @@ namespace patchlight::test {
 
 using Corners = std::array<Vec3d, 4>;
 
-/// Lambert's form factor from a point to a polygon that lies above its horizon and faces it.
+/// Lambert's form factor from a surface point to a polygon that lies above its horizon and faces it.
 inline double point_factor(const SurfacePoint& at, const Corners& corners) {
   double sum = 0;
   for (std::size_t k = 0; k < 4; ++k) {
@@ -21,7 +21,7 @@ inline double point_factor(const SurfacePoint& at, const Corners& corners) {
   return sum / (2 * kPi);
 }
 
-/// Its mean over a patch, of the polygons that face each point.
+/// Mean of point_factor() over a patch, summed over the polygons that face each point.
 inline double patch_factor(const PatchSet& scene, const Patch& patch, const std::vector<Corners>& polygons) {
   constexpr int kPoints = 48;
   const PatchSampler sample(scene.primitives[patch.primitive], patch);
@@ -34,7 +34,8 @@ inline double patch_factor(const PatchSet& scene, const Patch& patch, const std:
   return sum / (kPoints * kPoints);
 }
 
-/// Makes the last primitive emit by a millionth unevenly, and of more than 64 patches: its light comes by the rows.
+/// Makes the last primitive, which must have more than 64 patches, emit unevenly by a millionth, so that its light is
+/// gathered with the form factors and not sampled explicitly.
 inline void gathered_light(PatchSet& scene) {
   scene.patches.back().emission *= 1.000001f;
 }

@@ -38,7 +38,7 @@ class Shards : public ::testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(Shards, AreCastOnceAndMergedToTheBitsOfOneSolve) {
+TEST_F(Shards, AreCastOnceAndMergeToTheBitsOfOneSolve) {
   ASSERT_EQ(run("patchlight-import", {}).code, 0);
   ASSERT_EQ(solve({}).code, 0);
   fs::rename(folder_ / "out", folder_ / "alone");
@@ -51,11 +51,11 @@ TEST_F(Shards, AreCastOnceAndMergedToTheBitsOfOneSolve) {
   fs::remove(shard(3, 3));
   EXPECT_EQ(solve({"--merge=3"}).code, 66);
   for (const char* k : {"1/3", "2/3", "3/3"}) EXPECT_EQ(solve({"--shard", k}).code, 0);
-  EXPECT_EQ(identity(shard(1, 3)), first) << "it was there";
-  EXPECT_EQ(identity(shard(2, 3)), second) << "it was there";
+  EXPECT_EQ(identity(shard(1, 3)), first) << "it was up to date";
+  EXPECT_EQ(identity(shard(2, 3)), second) << "it was up to date";
   EXPECT_EQ(solve({"--shard=2/3", "--set=solve.rays=96"}).code, 0);
   EXPECT_NE(identity(shard(2, 3)), second);
-  EXPECT_EQ(solve({"--merge=3"}).code, 65) << "it is of other settings now";
+  EXPECT_EQ(solve({"--merge=3"}).code, 65) << "shard 2 has other settings now";
   EXPECT_EQ(solve({"--shard=2/3"}).code, 0);
 
   const Outcome merged = solve({"--merge=3"});
@@ -64,11 +64,11 @@ TEST_F(Shards, AreCastOnceAndMergedToTheBitsOfOneSolve) {
     EXPECT_EQ(
         run_program(folder_, "patchlight", {"diff", std::string("alone/") + file, std::string("out/") + file}).code, 0)
         << file;
-  EXPECT_FALSE(fs::exists(shard(1, 3))) << "transport.h5 has all that it had";
+  EXPECT_FALSE(fs::exists(shard(1, 3))) << "transport.h5 contains its rows";
   EXPECT_EQ(solve({"--merge=3"}).code, 0) << "nothing is left to merge";
 }
 
-TEST_F(Shards, OfFramesAreAllOfThem) {
+TEST_F(Shards, OfFramesCoverAllFrames) {
   ASSERT_EQ(run("patchlight-import", {}).code, 0);
   ASSERT_EQ(solve({}).code, 0);
   const std::vector<std::string> frames{"--set=trace.cameras=[spin]", "--set=trace.frames=1-5"};
@@ -85,7 +85,7 @@ TEST_F(Shards, OfFramesAreAllOfThem) {
   EXPECT_EQ(run_program(folder_, "patchlight", {"status", "job.yaml", frames[0], frames[1]}).code, 0);
 }
 
-TEST_F(Shards, AreRefusedWhereNoneCanBe) {
+TEST_F(Shards, AreRefusedForSolvesWithoutShards) {
   ASSERT_EQ(run("patchlight-import", {}).code, 0);
   for (const char* set : {"solve.method=progressive", "solve.form_factors=hemicube", "solve.error_target=0.01"})
     for (const char* option : {"--shard=1/2", "--merge=2"}) {
@@ -97,17 +97,17 @@ TEST_F(Shards, AreRefusedWhereNoneCanBe) {
     EXPECT_EQ(solve({"--shard", shard}).code, 64) << shard;
   EXPECT_EQ(solve({"--shard=1/2", "--memory=1MiB"}).code, 77);
   const Outcome dark = solve({"--shard=1/2", "--output=dark"});
-  EXPECT_EQ(dark.code, 66) << "no patches there";
+  EXPECT_EQ(dark.code, 66) << "no patches.h5";
 }
 
-TEST_F(Shards, OfASceneWithoutLightNeedNoRow) {
+TEST_F(Shards, OfASceneWithoutLightNeedNoRows) {
   const std::string dark = "--set=nodes.*.emission=[0, 0, 0]";
   ASSERT_EQ(run("patchlight-import", {dark}).code, 0);
   EXPECT_THAT(solve({"--shard=1/2", dark}).err, HasSubstr("no row is needed"));
   EXPECT_EQ(solve({"--merge=2", dark}).code, 0);
 }
 
-TEST_F(Shards, NeedASlurmThatAnswers) {
+TEST_F(Shards, NeedARunningSlurm) {
   const auto run_by_slurm = [&](const std::string& path) {
     return run_program(folder_, "patchlight", {"run", "job.yaml", "--set=executor=slurm"}, "PATH=" + path);
   };
@@ -123,10 +123,10 @@ TEST_F(Shards, NeedASlurmThatAnswers) {
   EXPECT_EQ(outcome.code, 69) << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("Slurm refuses the stage: no such cluster"));
   EXPECT_EQ(run_program(folder_, "patchlight", {"run", "job.yaml"}, "PATH=/nowhere").code, 0);
-  EXPECT_EQ(run_by_slurm("/nowhere").code, 0) << "all is up to date";
+  EXPECT_EQ(run_by_slurm("/nowhere").code, 0) << "everything is up to date";
 }
 
-TEST_F(Shards, AreHandedToSlurmAgainWhereItLosesThemAndThenTakesNoneForAWhile) {
+TEST_F(Shards, AreSubmittedAgainAfterSlurmLostThemAndRefusedASubmission) {
   fs::create_directory(folder_ / "bin");
   folder_.write("bin/sbatch", R"sh(#!/bin/sh
 cd "$(dirname "$0")"
@@ -134,7 +134,7 @@ count=$(($(cat count 2>/dev/null || echo 0) + 1))
 echo $count >count
 for script; do :; done
 case $count in
-  2 | 3) echo $count ;; # the solve and the frames are never heard of again
+  2 | 3) echo $count ;; # the solve and the frames get lost
   4) echo 'Socket timed out' >&2; exit 1 ;;
   *) SLURM_JOB_ID=$count SLURM_ARRAY_JOB_ID=$count SLURM_ARRAY_TASK_ID=1 sh "$script" && echo $count ;;
 esac
@@ -150,7 +150,7 @@ esac
   EXPECT_THAT(outcome.err, HasSubstr("`solve` was lost"));
   EXPECT_THAT(outcome.err, HasSubstr("Socket timed out"));
   EXPECT_EQ(test::read_text(folder_ / "bin/count"), "6\n");
-  EXPECT_THAT(test::read_text(folder_ / "bin/cancelled"), HasSubstr("--quiet 3\n")) << "what came after the lost one";
+  EXPECT_THAT(test::read_text(folder_ / "bin/cancelled"), HasSubstr("--quiet 3\n")) << "the stage after the lost one";
   EXPECT_EQ(run_program(folder_, "patchlight", {"status", "job.yaml"}).code, 0);
 }
 

@@ -25,8 +25,8 @@ extern char** environ;
 
 namespace patchlight::test {
 
-/// A cluster of this machine alone: munged, slurmctld and slurmd of the test's own, which end with it. Programs that
-/// the test starts find it by $SLURM_CONF. Runs as whoever runs the test.
+/// A Slurm cluster of this machine: starts munged, slurmctld and slurmd as the user of the test and stops them in the
+/// destructor. Child processes find the cluster by $SLURM_CONF.
 class SlurmCluster {
  public:
   static bool is_installed() {
@@ -35,11 +35,11 @@ class SlurmCluster {
                ">/dev/null") == 0;
   }
 
-  /// Empty when it runs; else why it does not.
+  /// Starts the cluster. Returns an empty text, or the reason why it does not run.
   std::string start() {
-    std::string place = (std::filesystem::temp_directory_path() / "patchlight-slurm.XXXXXX").string();
-    if (!::mkdtemp(place.data())) return "cannot make " + place;
-    folder_ = place;
+    std::string folder = (std::filesystem::temp_directory_path() / "patchlight-slurm.XXXXXX").string();
+    if (!::mkdtemp(folder.data())) return "cannot make " + folder;
+    folder_ = folder;
     ::setenv("PATH", (std::string(std::getenv("PATH")) + ":/usr/sbin:/sbin").c_str(), 1);
     write_key();
     write_config();
@@ -71,7 +71,7 @@ class SlurmCluster {
     std::filesystem::remove_all(folder_, ignored);
   }
 
-  /// What a shell command prints.
+  /// Output of a shell command, stderr included.
   static std::string output(const std::string& command) {
     std::string text;
     std::FILE* pipe = ::popen((command + " 2>&1").c_str(), "r");
@@ -81,6 +81,7 @@ class SlurmCluster {
     return text;
   }
 
+  /// Polls a condition until it holds; false if it does not within this time.
   template <class Condition>
   static bool within(double seconds, Condition condition) {
     const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
@@ -151,7 +152,7 @@ KillWait=5
     return {ports[0], ports[1]};
   }
 
-  /// A daemon that ends with the test, however that does.
+  /// Starts a daemon that receives SIGTERM when the test process ends in any way.
   void spawn(std::vector<std::string> words, const std::string& name) {
     words.insert(words.begin(), {"setpriv", "--pdeathsig", "TERM"});
     std::vector<char*> argv;

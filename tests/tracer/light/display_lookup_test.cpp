@@ -11,8 +11,8 @@ namespace {
 
 using test::PatchScene;
 
-/// A floor of two patches, the second of which is cut into four leaves. Patches say 1; vertices say what they are
-/// given.
+/// A floor of two patches, the second subdivided into four leaves. Irradiance is 1 on patches and that of `display` at
+/// the gathered vertices.
 struct Floor {
   PatchScene builder;
   EnergyField energy;
@@ -24,7 +24,7 @@ struct Floor {
     mesh.roots = {-1, 0};
     mesh.cells.resize(5);
     mesh.cells[0].children = 1;
-    // Gathered: the middle column and the right one; borders: the left one.
+    // Vertices of the middle and the right column are gathered; those of the left one lie on the border.
     mesh.cells[1] = {-1, 0, false, {6, 0, 7, 1}};
     mesh.cells[2] = {-1, 1, false, {0, 3, 1, 4}};
     mesh.cells[3] = {-1, 2, false, {7, 1, 8, 2}};
@@ -43,9 +43,9 @@ struct Floor {
     const std::vector<LightMix> mixes{{Color(scale)}};
     const IrradianceLookup patches(
         scene, lookup, [&](std::size_t g) { return irradiance_without_explicit(energy.groups[g]); }, mixes);
-    DisplayLookup::Seen seen;
+    DisplayLookup::CornerCache cache;
     const DisplayLookup display(scene, ray_scene, patches, energy, mixes);
-    return display(display.blend(0, lookup.patch(0, u, v), u, v, seen), 0, u, v);
+    return display(display.blend(0, lookup.patch(0, u, v), u, v, cache), 0, u, v);
   }
 };
 
@@ -58,7 +58,7 @@ TEST(DisplayLookup, IsBilinearInLeavesAndContinuousTowardsPatches) {
   EXPECT_NEAR(floor.at(1.0f, 0.9f).x, 3, 1e-5);
 }
 
-TEST(DisplayLookup, IsBilinearOnFacetsBetweenTheirVerticesAndWhatPatchesSay) {
+TEST(DisplayLookup, IsBilinearOnFacetsBetweenVerticesAndPatchValues) {
   Floor floor;
   floor.energy.display->facets = {{0, {0, 3, -1, -1}}};
   EXPECT_NEAR(floor.at(0.0f, 0.0f).x, 2, 1e-5);
@@ -73,18 +73,18 @@ TEST(DisplayLookup, FollowsTheSettingsOfTheLights) {
   EXPECT_EQ(floor.at(0.9f, 0.3f, 0.0f).x, 0);
 }
 
-TEST(DisplayLookup, MidpointsLieBetweenTheirEnds) {
+TEST(DisplayLookup, MidpointsAreTheMeanOfTheirEnds) {
   Floor floor;
   DisplayMesh& mesh = *floor.energy.display;
   mesh.vertices.push_back({1, 0.75f, 0.5f});
-  mesh.midpoints = {{3, 8}};  // between 3 and a border, which says 1
+  mesh.midpoints = {{3, 8}};  // between vertex 3 and one on the border, which is 1
   for (auto& cell : mesh.cells) std::replace(cell.corners.begin(), cell.corners.end(), 1, 9);
   EXPECT_NEAR(floor.at(0.75f, 0.5f).x, 2, 1e-5);
   floor.energy.groups[0].display[3] = Color(5.0f);
   EXPECT_NEAR(floor.at(0.75f, 0.5f).x, 3, 1e-5);
 }
 
-TEST(DisplayLookup, AsksNoCornerThatIsHidden) {
+TEST(DisplayLookup, LeavesOutHiddenCorners) {
   Floor floor;
   floor.builder.quad({{{1.8, -1, -1}, {1.8, 2, -1}, {1.8, 2, 1}, {1.8, -1, 1}}}, 1, 1, {});
   floor.energy.groups[0].direct.emplace_back(0.0f);
@@ -92,7 +92,7 @@ TEST(DisplayLookup, AsksNoCornerThatIsHidden) {
   floor.energy.display->roots.push_back(-1);
   EXPECT_NEAR(floor.at(0.85f, 0.3f).x, 2.4, 1e-5);
   for (auto& cell : floor.energy.display->cells) cell.cut = cell.children < 0;
-  EXPECT_NEAR(floor.at(0.85f, 0.3f).x, 2, 1e-5) << "before the wall";
+  EXPECT_NEAR(floor.at(0.85f, 0.3f).x, 2, 1e-5) << "in front of the wall";
   EXPECT_NEAR(floor.at(0.95f, 0.3f).x, 3, 1e-5) << "behind it";
 }
 

@@ -35,7 +35,7 @@ TEST(FinalGather, IsExactInAFurnace) {
   }
 }
 
-TEST(FinalGather, IsExactInsideASphereWhoseLightComesByRows) {
+TEST(FinalGather, IsExactInsideASphereWhoseLightIsGathered) {
   PatchScene builder;
   builder.sphere({0, 0, 0}, -1, 4, 8, {0.5f, 2.0f});
   Solved solved = gathered(builder, 2.0f, 2.0f);
@@ -48,18 +48,18 @@ TEST(FinalGather, IsExactInsideASphereWhoseLightComesByRows) {
   }
 }
 
-TEST(FinalGather, TakesNothingFromTheSolutionAtThePixel) {
+TEST(FinalGather, DoesNotUseTheSolutionAtThePixel) {
   PatchScene builder;
   builder.room(1, 3, {0.5f, 2.0f});
   Solved solved = gathered(builder, 2.0f, 2.0f);
   for (std::size_t i = 0; i < solved.scene.patches.size(); ++i)
-    if (solved.scene.patches[i].primitive == 4)  // before the camera
+    if (solved.scene.patches[i].primitive == 4)  // in front of the camera
       solved.energy.groups[0].indirect[i] = Color(1000.0f);
-  solved.camera.vertical = 1.0;  // it sees that wall alone
+  solved.camera.vertical = 1.0;  // only that wall is visible
   for (const Color& pixel : solved.render().pixels) EXPECT_NEAR(pixel.y * kPi, 4, 4e-3);
 }
 
-TEST(FinalGather, MeetsEmittersByWayOfMirrorsOnceAndByTheirReflectance) {
+TEST(FinalGather, CountsEmittersInMirrorsOnceTimesTheReflectance) {
   PatchScene builder, mirrored;
   builder.get().materials.push_back({"mirror", Color(0.5f, 0.25f, 1.0f), 0.0f});
   builder.quad({{{-90, -90, 2}, {-90, 90, 2}, {90, 90, 2}, {90, -90, 2}}}, 1, 1, {0.8f, 0.0f});
@@ -78,11 +78,11 @@ TEST(FinalGather, MeetsEmittersByWayOfMirrorsOnceAndByTheirReflectance) {
   const DirectLight lamp(mirrored.get(), rays, explicit_emitters(mirrored.get()).at(0));
   const double irradiance = 5 * lamp.form_factor({0, 0, 2}, {0, 0, -1});
   ASSERT_GT(irradiance, 0.1);
-  const Color is = colors(image, 1)[0];
-  EXPECT_NEAR(is.x * kPi, 0.8 * 0.5 * irradiance, 0.01 * irradiance);
-  EXPECT_NEAR(is.y * kPi, 0.8 * 0.25 * irradiance, 0.01 * irradiance);
-  EXPECT_NEAR(is.z * kPi, 0.8 * 1.0 * irradiance, 0.01 * irradiance);
-  EXPECT_EQ(colors(image, 0)[0], Color(0.0f)) << "the lamp shines the other way";
+  const Color indirect = colors(image, 1)[0];
+  EXPECT_NEAR(indirect.x * kPi, 0.8 * 0.5 * irradiance, 0.01 * irradiance);
+  EXPECT_NEAR(indirect.y * kPi, 0.8 * 0.25 * irradiance, 0.01 * irradiance);
+  EXPECT_NEAR(indirect.z * kPi, 0.8 * 1.0 * irradiance, 0.01 * irradiance);
+  EXPECT_EQ(colors(image, 0)[0], Color(0.0f)) << "the lamp faces away";
 }
 
 }  // namespace

@@ -43,7 +43,7 @@ TEST(Integrator, RefusesAnUnknownLightGroup) {
   EXPECT_ERROR(solved.render(), ExitCode::bad_config, "unknown light group `lamp`");
 }
 
-TEST(Integrator, SeesBacksBlackOrLooksThroughThem) {
+TEST(Integrator, ShowsBackFacesBlackOrCullsThem) {
   PatchScene builder;
   builder.quad({{{-9, -9, -1}, {-9, 9, -1}, {9, 9, -1}, {9, -9, -1}}}, 1, 1, {});      // turned away
   builder.quad({{{-9, -9, -2}, {9, -9, -2}, {9, 9, -2}, {-9, 9, -2}}}, 1, 1, {0.5f});  // behind it
@@ -54,7 +54,7 @@ TEST(Integrator, SeesBacksBlackOrLooksThroughThem) {
 }
 
 TEST(Integrator, FindsDirectLightAtThePixelAndInMirrors) {
-  // The camera looks at a wall, 2 m behind which, across a mirror, stands a lamp that is parallel to it.
+  // The camera sees, in a mirror, a wall behind it that is lit by a lamp parallel to it.
   PatchScene builder;
   builder.get().materials.push_back({"mirror", Color(0.5f), 0.0f});
   builder.quad({{{-9, -9, 2}, {-9, 9, 2}, {9, 9, 2}, {9, -9, 2}}}, 1, 1, {0.8f, 0.0f});            // behind the camera
@@ -63,7 +63,7 @@ TEST(Integrator, FindsDirectLightAtThePixelAndInMirrors) {
   Solved solved(builder, 7.0f, 1.0f);
   solved.job.trace.quality = "direct";
   solved.job.trace.resolution = {1, 1};
-  solved.camera.vertical = 1e-3;  // it sees itself in the mirror, and the wall behind
+  solved.camera.vertical = 1e-3;  // looks along the mirror's normal, at the wall behind it
   const RayScene rays(solved.scene);
   const DirectLight lamp(solved.scene, rays, explicit_emitters(solved.scene).at(0));
   const double irradiance = 1 + 5 * lamp.form_factor({0, 0, 2}, {0, 0, -1});
@@ -72,8 +72,9 @@ TEST(Integrator, FindsDirectLightAtThePixelAndInMirrors) {
   EXPECT_NEAR(solved.render().pixels[0].y, 0.5 * 0.8 * (irradiance + 0.25) / kPi, 1e-4);
 }
 
-/// to the right.
-Image floor_under_screen(int shift) {
+/// A floor under a lamp and an occluder that casts a soft shadow, in parallel projection from above, with the camera
+/// moved `shift` pixels of 5 cm to the right.
+Image floor_under_occluder(int shift) {
   constexpr int kSize = 64;
   PatchScene builder;
   builder.quad({{{-4, 0, 4}, {4, 0, 4}, {4, 0, -4}, {-4, 0, -4}}}, 1, 1, {0.5f});
@@ -87,12 +88,12 @@ Image floor_under_screen(int shift) {
   solved.camera.vertical = kSize * 0.05 / 2;
   solved.camera.to_world.setAxisAngle(Vec3d(1, 0, 0), -kPi / 2);
   solved.camera.to_world[3][0] = 0.05 * shift;
-  solved.camera.to_world[3][1] = 0.9;  // below the screen
+  solved.camera.to_world[3][1] = 0.9;  // below the occluder
   return solved.render();
 }
 
-TEST(Integrator, SurfacesLookTheSameWhileTheCameraMoves) {
-  const Image before = floor_under_screen(0), after = floor_under_screen(1);
+TEST(Integrator, SurfacesLookTheSameWhenTheCameraMoves) {
+  const Image before = floor_under_occluder(0), after = floor_under_occluder(1);
   double squares = 0, pixels = 0, block_squares = 0, blocks = 0;
   for (int y = 0; y < 64; y += 9)
     for (int x = 0; x < 63; x += 9) {

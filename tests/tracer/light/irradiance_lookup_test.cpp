@@ -11,8 +11,8 @@ namespace {
 
 using test::PatchScene;
 
-/// A linear function of position, as patch averages have it.
-std::vector<Color> slope(const PatchSet& scene) {
+/// Patch means of a linear function of position.
+std::vector<Color> linear_values(const PatchSet& scene) {
   std::vector<Color> values;
   for (const Patch& patch : scene.patches) values.emplace_back(float(10 + 3 * patch.center.x + 2 * patch.center.y));
   return values;
@@ -26,7 +26,7 @@ TEST(IrradianceLookup, FollowsALinearFunctionUpToTheEdges) {
   PatchScene builder;
   builder.quad({{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}, 5, 3, {});
   const PatchLookup patches(builder.get());
-  const std::vector<Color> values = slope(builder.get());
+  const std::vector<Color> values = linear_values(builder.get());
   const IrradianceLookup lookup = lookup_of(builder.get(), patches, values);
   for (float u : {0.0f, 0.03f, 0.5f, 0.97f, 1.0f})
     for (float v : {0.0f, 0.1f, 0.5f, 1.0f}) EXPECT_NEAR(lookup(0, u, v).x, 10 + 3 * u + 2 * v, 1e-4) << u << " " << v;
@@ -72,7 +72,7 @@ TEST(IrradianceLookup, IsContinuousAcrossASmoothEdgeAndBreaksAtACrease) {
 TEST(IrradianceLookup, FollowsALinearFunctionAcrossASmoothEdge) {
   PatchScene builder = two_squares(4, true);
   const PatchLookup patches(builder.get());
-  const std::vector<Color> values = slope(builder.get());
+  const std::vector<Color> values = linear_values(builder.get());
   const IrradianceLookup lookup = lookup_of(builder.get(), patches, values);
   EXPECT_NEAR(lookup(0, 0.99f, 0.5f).x, 10 + 3 * 0.99 + 1, 1e-4);
   EXPECT_NEAR(lookup(1, 0.01f, 0.5f).x, 10 + 3 * 1.01 + 1, 1e-4);

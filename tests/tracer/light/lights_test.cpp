@@ -12,8 +12,7 @@ using test::light_at;
 using test::PatchScene;
 using test::Solved;
 
-/// A floor about the origin and what stands on it, seen from above in parallel, 4 x 4 m: pixel columns run along x,
-/// rows along z.
+/// The scene in parallel projection from above, 4 m x 4 m around the origin: pixel columns run along x, rows along z.
 Solved from_above(PatchScene& builder, const std::string& quality = "direct") {
   Solved solved(builder, 0.0f, 0.0f);
   Camera& camera = solved.camera;
@@ -35,7 +34,7 @@ PatchScene floor_scene(float reflectance, int material = 0) {
   return builder;
 }
 
-Vec3d place_of(std::size_t pixel) {
+Vec3d position_of(std::size_t pixel) {
   return {-2 + (double(pixel % 32) + 0.5) / 8, 0, -2 + (double(pixel / 32) + 0.5) / 8};
 }
 
@@ -58,7 +57,7 @@ TEST(LightsInFrames, HaveTheirClosedFormAtThePixel) {
       const DirectLight light(solved.scene.lights[0]);
       const Image image = solved.render();
       for (std::size_t p = 0; p < image.pixels.size(); ++p) {
-        const double expected = 0.5 / kPi * 10 * light.form_factor(place_of(p), {0, 1, 0});
+        const double expected = 0.5 / kPi * 10 * light.form_factor(position_of(p), {0, 1, 0});
         ASSERT_NEAR(image.pixels[p].x, expected, 0.025 * expected + 1e-3) << int(kind) << quality << p;
         ASSERT_NEAR(image.pixels[p].y, image.pixels[p].x / 2, 1e-5);
       }
@@ -75,9 +74,9 @@ TEST(LightsInFrames, CastSharpBlackShadows) {
   const Image image = solved.render();
   const DirectLight light(solved.scene.lights[0]);
   for (std::size_t p = 0; p < image.pixels.size(); ++p) {
-    const Vec3d place = place_of(p);
-    const double across = std::max(std::abs(place.x), std::abs(place.z));
-    const double whole = 0.5 / kPi * 10 * light.form_factor(place, {0, 1, 0});
+    const Vec3d position = position_of(p);
+    const double across = std::max(std::abs(position.x), std::abs(position.z));
+    const double whole = 0.5 / kPi * 10 * light.form_factor(position, {0, 1, 0});
     if (across < 0.9) {
       EXPECT_EQ(image.pixels[p].x, 0) << p;
     } else if (across > 1.1) {
@@ -86,7 +85,7 @@ TEST(LightsInFrames, CastSharpBlackShadows) {
   }
 }
 
-TEST(LightsInFrames, ShineOnRoughMetalsAsSmallBallsDo) {
+TEST(LightsInFrames, AreReflectedByRoughMetalsLikeSmallSpheres) {
   constexpr double kRadius = 0.02;
   PatchScene with_light = floor_scene(0.0f, 1), with_ball = floor_scene(0.0f, 1);
   const Vec3d at(0.3, 1.5, 0.2);
@@ -96,8 +95,8 @@ TEST(LightsInFrames, ShineOnRoughMetalsAsSmallBallsDo) {
   const Image image = solved.render(), truth = ball.render();
   double sum = 0, expected = 0;
   for (std::size_t p = 0; p < image.pixels.size(); ++p) {
-    const Vec3d off = place_of(p) - Vec3d(at.x, 0, at.z);
-    if (off.length() < 0.2) continue;  // the ball itself
+    const Vec3d offset = position_of(p) - Vec3d(at.x, 0, at.z);
+    if (offset.length() < 0.2) continue;  // the ball itself
     sum += image.pixels[p].x;
     expected += truth.pixels[p].x;
   }
@@ -105,14 +104,14 @@ TEST(LightsInFrames, ShineOnRoughMetalsAsSmallBallsDo) {
   EXPECT_NEAR(sum / expected, 1.0, 0.02);
 }
 
-TEST(LightsInFrames, AreNotSeen) {
+TEST(LightsInFrames, AreInvisible) {
   PatchScene builder = floor_scene(0.0f, 2);
   Solved solved = from_above(builder);
   solved.scene.lights = {light_at({0, 5, 0})};
   for (const Color& pixel : solved.render().pixels) EXPECT_EQ(pixel, Color(0.0f));
 }
 
-TEST(LightsInFrames, LayersTellTheirGroups) {
+TEST(LightsInFrames, AreSeparatedInLayersByGroup) {
   PatchScene builder = floor_scene(0.5f);
   builder.get().light_groups = {"a", "b"};
   Solved solved = from_above(builder);
@@ -129,7 +128,7 @@ TEST(LightsInFrames, LayersTellTheirGroups) {
   }
 }
 
-/// Blue about -Z, red about +Z.
+/// Blue around -Z, red around +Z.
 Environment two_skies() {
   Environment sky;
   sky.width = 2;
@@ -139,7 +138,7 @@ Environment two_skies() {
   return sky;
 }
 
-TEST(SkyInFrames, StandsBehindAllAndInMirrors) {
+TEST(SkyInFrames, IsBehindAllSurfacesAndInMirrors) {
   PatchScene builder;
   builder.get().materials.push_back({"mirror", Color(0.5f), 0.0f});
   builder.quad({{{-9, -9, -1}, {9, -9, -1}, {9, 0, -1}, {-9, 0, -1}}}, 1, 1, {0.0f, 0.0f, 0, 1});  // below the horizon
@@ -157,10 +156,10 @@ TEST(SkyInFrames, StandsBehindAllAndInMirrors) {
     EXPECT_EQ(layer(image, "specular")[p], p < 32 ? Color(0.0f) : image.pixels[p]);
   }
   const auto blue = [&](std::size_t p) { return image.pixels[p].z > image.pixels[p].x; };
-  EXPECT_NE(blue(4), blue(60)) << "the mirror shows what lies behind the camera";
+  EXPECT_NE(blue(4), blue(60)) << "the mirror reflects the sky behind the camera";
 }
 
-TEST(SkyInFrames, AFurnaceIsEvenWhenGathered) {
+TEST(SkyInFrames, AFurnaceIsUniformInEveryQuality) {
   PatchScene builder;
   builder.sphere({0, 0, -3}, 1, 6, 8, {0.99999f});
   Solved solved(builder, float(kPi), 0.0f);
@@ -174,7 +173,7 @@ TEST(SkyInFrames, AFurnaceIsEvenWhenGathered) {
   }
 }
 
-TEST(SkyInFrames, RoughMetalsInAFurnaceShowIt) {
+TEST(SkyInFrames, RoughMetalsReflectAFurnace) {
   PatchScene builder = floor_scene(0.0f, 1);
   Solved solved = from_above(builder);
   Environment sky;
@@ -182,7 +181,7 @@ TEST(SkyInFrames, RoughMetalsInAFurnaceShowIt) {
   solved.scene.environment = sky;
   for (const Color& pixel : solved.render().pixels) {
     EXPECT_LE(pixel.y, 0.8f + 1e-4f);
-    EXPECT_GT(pixel.y, 0.75f);  // facets keep some
+    EXPECT_GT(pixel.y, 0.75f);  // single scattering loses some energy
   }
 }
 

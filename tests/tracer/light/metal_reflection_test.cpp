@@ -12,7 +12,7 @@ namespace {
 using test::PatchScene;
 using test::Solved;
 
-/// A mirror 1 m before the camera, of reflectance `specular`, and a glowing wall 1 m behind it.
+/// A mirror of reflectance `specular` 1 m in front of the camera, and an emitting wall 1 m behind the camera.
 PatchScene mirror_scene(const Color& specular) {
   PatchScene builder;
   builder.get().materials.push_back({"mirror", specular, 0.0f});
@@ -21,7 +21,7 @@ PatchScene mirror_scene(const Color& specular) {
   return builder;
 }
 
-TEST(Metals, MirrorsShowWhatIsBeforeThem) {
+TEST(MetalReflection, MirrorsReflectTheirSurroundings) {
   PatchScene builder = mirror_scene(Color(0.5f, 0.25f, 1.0f));
   const Solved solved(builder);
   for (const Color& pixel : solved.render().pixels) {
@@ -30,7 +30,7 @@ TEST(Metals, MirrorsShowWhatIsBeforeThem) {
   }
 }
 
-TEST(Metals, MirrorsShowAsMuchFromFarAway) {
+TEST(MetalReflection, MirrorsReflectTheSameFromFarAway) {
   PatchScene builder;
   builder.get().materials.push_back({"mirror", Color(1.0f), 0.0f});
   builder.quad({{{-0.01, -0.01, 0}, {0.01, -0.01, 0}, {0.01, 0.01, 0}, {-0.01, 0.01, 0}}}, 1, 1, {0.0f, 0.0f, 0, 1});
@@ -41,7 +41,7 @@ TEST(Metals, MirrorsShowAsMuchFromFarAway) {
   for (const Color& pixel : solved.render().pixels) EXPECT_NEAR(pixel.y, 3 / kPi, 1e-5);
 }
 
-TEST(Metals, EndsBetweenMirrorsThatFaceEachOther) {
+TEST(MetalReflection, PathsEndBetweenFacingMirrors) {
   PatchScene builder;
   builder.get().materials[0] = {"mirror", Color(1.0f), 0.0f};
   builder.room(1, 1, {0.0f, 0.0f});
@@ -49,7 +49,7 @@ TEST(Metals, EndsBetweenMirrorsThatFaceEachOther) {
   for (const Color& pixel : solved.render().pixels) EXPECT_EQ(pixel, Color(0.0f));
 }
 
-TEST(Metals, RoughMetalsShowEmittersAsTheirLobesHaveThem) {
+TEST(MetalReflection, RoughMetalsReflectEmittersByTheirLobe) {
   for (const float roughness : {0.1f, 0.3f, 0.7f}) {
     PatchScene builder;
     builder.get().materials.push_back({"metal", Color(1.0f, 0.5f, 0.25f), roughness});
@@ -78,12 +78,12 @@ TEST(Metals, RoughMetalsShowEmittersAsTheirLobesHaveThem) {
   }
 }
 
-TEST(Metals, RoughMetalsShowSurroundingsLessWhatTheirFacetsKeep) {
-  for (const bool lamps : {true, false}) {  // that glow, or that reflect as much
+TEST(MetalReflection, RoughMetalsReflectSurroundingsByTheirDirectionalAlbedo) {
+  for (const bool lamps : {true, false}) {  // walls that emit, or that reflect the same radiance
     PatchScene builder;
     builder.get().materials.push_back({"metal", Color(1.0f), 0.5f});
     builder.room(1, 2, lamps ? PatchScene::Surface{0.0f, 3.0f} : PatchScene::Surface{0.5f, 0.0f});
-    builder.get().primitives[4].material = 1;  // before the camera
+    builder.get().primitives[4].material = 1;  // in front of the camera
     for (Patch& patch : builder.get().patches)
       if (patch.primitive == 4) patch.emission = patch.reflectance = Color(0.0f);
     Solved solved(builder, 4.0f, 2.0f);
@@ -91,12 +91,12 @@ TEST(Metals, RoughMetalsShowSurroundingsLessWhatTheirFacetsKeep) {
     solved.camera.vertical = 0.05;
     double mean = 0;
     for (const Color& pixel : solved.render().pixels) mean += pixel.y / 64;
-    EXPECT_NEAR(mean * kPi, 3 * 0.9119, 0.02) << "as Mirror.RoughOnesReflectWhatTheirMicrofacetsLeave has it";
+    EXPECT_NEAR(mean * kPi, 3 * 0.9119, 0.02) << "directional albedo of GGX at normal incidence, alpha 0.25";
   }
 }
 
-TEST(Metals, MirrorsOnCurvedMeshesTurnSmoothly) {
-  PatchScene builder;  // two facets at an angle; what they show runs on from one to the other
+TEST(MetalReflection, MirrorsOnCurvedMeshesReflectSmoothly) {
+  PatchScene builder;  // two facets at an angle; the reflection is continuous across their edge
   builder.get().materials.push_back({"mirror", Color(1.0f), 0.0f});
   builder.quad({{{-1, -1, -1.1}, {0, -1, -1}, {0, 1, -1}, {-1, 1, -1.1}}}, 1, 1, {0.0f, 0.0f, 0, 1});
   builder.quad({{{0, -1, -1}, {1, -1, -1.1}, {1, 1, -1.1}, {0, 1, -1}}}, 1, 1, {0.0f, 0.0f, 0, 1});

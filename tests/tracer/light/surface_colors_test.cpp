@@ -12,7 +12,7 @@ namespace {
 using test::PatchScene;
 using test::Solved;
 
-/// A wall of one patch that fills the view, 1 m before the camera, from -1 to 1 in x and y.
+/// A wall of one patch 1 m in front of the camera, from -1 to 1 in x and y, which fills the view.
 PatchScene wall_scene(const Shader& shader) {
   PatchScene builder;
   builder.quad({{{-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1}}}, 1, 1, {0.5f, float(kPi)});
@@ -21,7 +21,7 @@ PatchScene wall_scene(const Shader& shader) {
   return builder;
 }
 
-/// Seen so that pixel x of 8 spans u from x / 8 to (x + 1) / 8.
+/// The wall's scene with a camera whose pixel x of 8 spans u from x / 8 to (x + 1) / 8.
 Solved before_wall(PatchScene builder) {
   Solved solved(builder, float(kPi), 0.0f);
   solved.camera.vertical = kPi / 2;
@@ -35,7 +35,7 @@ TEST(SurfaceColors, EvaluatesShadersAtThePixelNotThePatch) {
       const Color pixel = image.pixels[std::size_t(y * 8 + x)];
       EXPECT_NEAR(pixel.x, 1 + (x < 4 ? 0.25 : 0.75), 1e-5);
       EXPECT_NEAR(pixel.y, 1 + (7.5 - y) / 8, 0.05);
-      EXPECT_NEAR(pixel.z, 1 + 0.99999, 1e-5);  // lowered
+      EXPECT_NEAR(pixel.z, 1 + 0.99999, 1e-5);  // clamped
     }
 }
 
@@ -52,7 +52,7 @@ TEST(SurfaceColors, ShowsTexturesAtThePixelNotThePatch) {
   }
 }
 
-TEST(SurfaceColors, ShowsWhatStandsBehindHolesAtThePixel) {
+TEST(SurfaceColors, ShowsSurfacesBehindHolesAtThePixel) {
   PatchScene builder = wall_scene({"wall", {}, {}});
   builder.get().primitives[0].shader = -1;
   builder.quad({{{-3, -3, -2}, {3, -3, -2}, {3, 3, -2}, {-3, 3, -2}}}, 1, 1, {0.0f, 3 * float(kPi)});
@@ -76,7 +76,7 @@ TEST(SurfaceColors, ShowsEmissionTexturesAtThePixel) {
   }
 }
 
-TEST(SurfaceColors, FinishTexturesAreMirrorsWhereTheySaySo) {
+TEST(SurfaceColors, MetallicRoughnessTexturesVaryTheMirror) {
   PatchScene builder = wall_scene({"wall", {}, {}});
   PatchSet& scene = builder.get();
   scene.primitives[0].shader = -1;
@@ -85,7 +85,7 @@ TEST(SurfaceColors, FinishTexturesAreMirrorsWhereTheySaySo) {
   scene.patches[0].emission = Color(0.0f);
   scene.materials[0] = {"plate", Color(0.4f), 0.25f, Color(0.0f)};
   scene.materials[0].metal = Color(0.8f);
-  scene.textures = {{2, 1, {}, true, {0x0000ff, 0x000000}}};  // a mirror, and no metal
+  scene.textures = {{2, 1, {}, true, {0x0000ff, 0x000000}}};  // a mirror on the left, no metal on the right
   scene.metallic_roughness_texcoords = {kOwnTexcoords};
   builder.quad({{{-9, -9, 1}, {-9, 9, 1}, {9, 9, 1}, {9, -9, 1}}}, 1, 1, {0.0f, 5 * float(kPi)});  // behind the camera
   const Image image = before_wall(builder).render();
@@ -111,7 +111,7 @@ TEST(SurfaceColors, ShadersSeeTextureCoordinates) {
   EXPECT_NEAR(image.pixels[63].x, 1.25, 1e-5);
 }
 
-TEST(SurfaceColors, ShadersAreBroughtIntoRangeInFrames) {
+TEST(SurfaceColors, ShaderValuesAreClampedInFrames) {
   const Image image = before_wall(wall_scene({"wall", {"-1", "7", "1/(u-u)"}, {}})).render();
   for (const Color& pixel : image.pixels) {
     EXPECT_NEAR(pixel.x, 1, 1e-5);
@@ -119,8 +119,6 @@ TEST(SurfaceColors, ShadersAreBroughtIntoRangeInFrames) {
     EXPECT_NEAR(pixel.z, 1, 1e-5);
   }
 }
-
-/// A floor under a lamp and a screen whose shadow's edge is soft, seen in parallel from above, `shift` pixels of 5 cm
 
 }  // namespace
 }  // namespace patchlight

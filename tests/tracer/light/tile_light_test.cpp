@@ -13,43 +13,43 @@ using test::PatchScene;
 
 constexpr int kWidth = 8, kPerPixel = 16;
 
-/// What a strip of pixels gets from points at them. `place`: of the first pixel, from which come the random numbers.
+/// Light of a row of pixels at `points`. `x0`: image column of the first pixel, which seeds the random numbers.
 std::vector<Color> light_of(const PatchSet& scene, const Color& setting, std::vector<ShadingPoint> points, int width,
-                            int place) {
+                            int x0) {
   const RayScene rays(scene);
-  const PixelLight lights(scene, rays, {setting});
-  TileLight tile(lights, {place, 0, width, 1}, kPerPixel);
+  const ExplicitLights lights(scene, rays, {setting});
+  TileLight tile(lights, {x0, 0, width, 1}, kPerPixel);
   std::vector<Color> pixels(std::size_t(width), Color(0.0f));
-  tile.look(points, std::vector<std::uint8_t>(std::size_t(width), 1));
-  std::erase_if(points, [&](const ShadingPoint& p) { return !tile.sharp(p.pixel) && tile.add_seen(p, pixels); });
+  tile.probe(points, std::vector<std::uint8_t>(std::size_t(width), 1));
+  std::erase_if(points, [&](const ShadingPoint& p) { return !tile.sharp(p.pixel) && tile.add_probed(p, pixels); });
   tile.add(points, pixels);
   return pixels;
 }
 
-/// A lamp of a metre square above the ground, and a tile that looks at a strip of ground of the width of `extent`.
+/// A lamp of 1 m x 1 m above the ground, and a tile of one row of pixels that spans `extent` metres of the ground.
 struct Ground {
   PatchScene builder;
   double extent;
 
-  explicit Ground(double wide) : extent(wide) {
+  explicit Ground(double width) : extent(width) {
     builder.quad({{{-0.5, 2, -0.5}, {0.5, 2, -0.5}, {0.5, 2, 0.5}, {-0.5, 2, 0.5}}}, 2, 2, {0.0f, 3.0f});
     builder.quad({{{-9, 0, -9}, {-9, 0, 9}, {9, 0, 9}, {9, 0, -9}}}, 1, 1, {0.5f, 0.0f});
   }
 
-  /// x of sample k of a pixel.
+  /// x coordinate of sample k of a pixel, m.
   double x(int pixel, int k) const { return extent * ((pixel + (k + 0.5) / kPerPixel) / kWidth - 0.5); }
 
-  std::vector<Color> light(int place, const Color& setting = Color(1.0f)) {
+  std::vector<Color> light(int x0, const Color& setting = Color(1.0f)) {
     std::vector<ShadingPoint> points;
     for (int k = 0; k < kPerPixel; ++k)
       for (std::uint32_t pixel = 0; pixel < kWidth; ++pixel)
         points.push_back(
             {pixel, 1, 1, {}, Vec3d(x(int(pixel), k), 1e-6, 0.1), Vec3f(0, 1, 0), Color(1.0f / kPerPixel)});
-    return light_of(builder.get(), setting, points, kWidth, place);
+    return light_of(builder.get(), setting, points, kWidth, x0);
   }
 
-  /// Irradiance of a pixel by a grid of rays to each lamp, which are squares that look down, of these corners, sizes
-  /// and exitances. Those that `hidden` says so of do not arrive.
+  /// Irradiance of a pixel by a grid of rays to each lamp, a square that faces down. `hidden(at, to)`: whether a ray is
+  /// occluded.
   struct Lamp {
     Vec3d corner;
     double size, exitance;
@@ -71,7 +71,7 @@ struct Ground {
   }
 };
 
-TEST(TileLight, OfALampThatNothingHidesIsItsClosedForm) {
+TEST(TileLight, OfAnUnoccludedLampIsItsClosedForm) {
   Ground ground(0.5);
   const RayScene rays(ground.builder.get());
   const DirectLight lamp(ground.builder.get(), rays, explicit_emitters(ground.builder.get()).at(0));
@@ -84,19 +84,19 @@ TEST(TileLight, OfALampThatNothingHidesIsItsClosedForm) {
   }
 }
 
-TEST(TileLight, InPenumbraeIsRightInTheMean) {
+TEST(TileLight, InPenumbraeIsUnbiased) {
   Ground ground(1.5);
   ground.builder.quad({{{0, 1, -2}, {0, 1, 2}, {4, 1, 2}, {4, 1, -2}}}, 1, 1, {0.0f, 0.0f});
   const RayScene rays(ground.builder.get());
   const DirectLight lamp(ground.builder.get(), rays, explicit_emitters(ground.builder.get()).at(0));
   const std::vector<Ground::Lamp> lamps{{{-0.5, 2, -0.5}, 1, 3}};
-  constexpr int kPlaces = 200;
+  constexpr int kTiles = 200;
   std::vector<double> mean(kWidth, 0.0);
-  for (int place = 0; place < kPlaces; ++place) {
-    const std::vector<Color> pixels = ground.light(9 * place);
-    for (int p = 0; p < kWidth; ++p) mean[p] += pixels[p].y / kPlaces;
+  for (int tile = 0; tile < kTiles; ++tile) {
+    const std::vector<Color> pixels = ground.light(9 * tile);
+    for (int p = 0; p < kWidth; ++p) mean[p] += pixels[p].y / kTiles;
   }
-  // The shade reaches from x = 0 on, half way up.
+  // The occluder covers x > 0 at half the lamp's height.
   const auto exact = [&](int p) {
     return ground.brute_force(p, lamps, [](const Vec3d& at, const Vec3d& to) { return at.x + to.x > 0; });
   };
@@ -105,7 +105,7 @@ TEST(TileLight, InPenumbraeIsRightInTheMean) {
   EXPECT_LT(exact(kWidth - 1), 0.01);
 }
 
-TEST(TileLight, FaintLampsCountAsMuchAsByBruteForce) {
+TEST(TileLight, OfFaintLampsAgreesWithBruteForce) {
   Ground ground(1.5);
   ground.builder.quad({{{0, 1, -2}, {0, 1, 2}, {4, 1, 2}, {4, 1, -2}}}, 1, 1, {0.0f, 0.0f});
   std::vector<Ground::Lamp> lamps{{{-0.5, 2, -0.5}, 1, 3}};
@@ -114,14 +114,14 @@ TEST(TileLight, FaintLampsCountAsMuchAsByBruteForce) {
     const double to = x + 0.5;
     ground.builder.quad({{{x, 2.5, 0.7}, {to, 2.5, 0.7}, {to, 2.5, 1.2}, {x, 2.5, 1.2}}}, 1, 1, {0.0f, 0.4f});
   }
-  // Behind the ground, beside it and turned away: none of them arrives.
+  // Below the ground, and facing away: these do not contribute.
   ground.builder.quad({{{0, -1, 0}, {1, -1, 0}, {1, -1, 1}, {0, -1, 1}}}, 1, 1, {0.0f, 9.0f});
   ground.builder.quad({{{0, 3, 0}, {0, 3, 1}, {1, 3, 1}, {1, 3, 0}}}, 1, 1, {0.0f, 9.0f});
-  constexpr int kPlaces = 100;
+  constexpr int kTiles = 100;
   std::vector<double> mean(kWidth, 0.0);
-  for (int place = 0; place < kPlaces; ++place) {
-    const std::vector<Color> pixels = ground.light(9 * place);
-    for (int p = 0; p < kWidth; ++p) mean[p] += pixels[p].y / kPlaces;
+  for (int tile = 0; tile < kTiles; ++tile) {
+    const std::vector<Color> pixels = ground.light(9 * tile);
+    for (int p = 0; p < kWidth; ++p) mean[p] += pixels[p].y / kTiles;
   }
   for (int p = 0; p < kWidth; ++p) {
     const double exact = ground.brute_force(p, lamps, [](const Vec3d& at, const Vec3d& to) {
@@ -148,7 +148,7 @@ TEST(TileLight, ALampDoesNotLightItself) {
                                          {1, 1, 1, {}, Vec3d(0, 0, 6 + 1e-4), Vec3f(0, 0, 1), Color(1.0f)}};
   const std::vector<Color> pixels = light_of(builder.get(), Color(1.0f), points, 2, 1);
   EXPECT_GT(pixels[0].y, 0) << "the sphere lights the square";
-  EXPECT_EQ(pixels[1].y, 0) << "the sphere's far side sees nothing";
+  EXPECT_EQ(pixels[1].y, 0) << "the square is hidden from the far side of the sphere";
 }
 
 }  // namespace

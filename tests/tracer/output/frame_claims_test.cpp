@@ -21,7 +21,7 @@ std::size_t files_in(const std::filesystem::path& folder) {
 
 class FrameClaim : public ::testing::Test {
  protected:
-  /// A claim of a process that does nothing more.
+  /// Writes a claim that nobody keeps alive.
   void write_claim(const std::string& key, const std::string& process, const std::string& host) {
     folder_.write(".patchlight-claim-" + key, process + " " + host + "\n");
   }
@@ -35,7 +35,7 @@ class FrameClaim : public ::testing::Test {
   test::TemporaryFolder folder_;
 };
 
-TEST_F(FrameClaim, IsHadByOneAtATime) {
+TEST_F(FrameClaim, IsHeldByOneAtATime) {
   FrameClaims first(folder_.path()), second(folder_.path());
   EXPECT_TRUE(first.take("a"));
   EXPECT_FALSE(second.take("a"));
@@ -55,14 +55,14 @@ TEST_F(FrameClaim, LeavesNothingBehind) {
   EXPECT_EQ(files_in(folder_.path()), 0u);
 }
 
-TEST_F(FrameClaim, OfAKilledProcessCountsNoMore) {
+TEST_F(FrameClaim, OfAKilledProcessIsVoid) {
   FrameClaims claims(folder_.path());
   const pid_t child = fork();
   if (child == 0) {
-    FrameClaims others(folder_.path());
-    others.take("a");
-    others.release();
-    others.take("b");
+    FrameClaims killed(folder_.path());
+    killed.take("a");
+    killed.release();
+    killed.take("b");
     kill(getpid(), SIGKILL);
   }
   waitpid(child, nullptr, 0);
@@ -70,7 +70,7 @@ TEST_F(FrameClaim, OfAKilledProcessCountsNoMore) {
   EXPECT_TRUE(claims.take("b"));
 }
 
-TEST_F(FrameClaim, OfKilledProcessesIsTidiedUp) {
+TEST_F(FrameClaim, OfAnExitedProcessIsRemoved) {
   const pid_t child = fork();
   if (child == 0) _exit(0);
   waitpid(child, nullptr, 0);
@@ -79,7 +79,7 @@ TEST_F(FrameClaim, OfKilledProcessesIsTidiedUp) {
   EXPECT_EQ(files_in(folder_.path()), 0u);
 }
 
-TEST_F(FrameClaim, OfAnotherHostCountsUntilItIsLongUntouched) {
+TEST_F(FrameClaim, OfAnotherHostHoldsUntilItTimesOut) {
   write_claim("a", "1", "elsewhere.example");
   FrameClaims claims(folder_.path(), milliseconds(200));
   for (int i = 0; i < 4; ++i) {
@@ -92,24 +92,24 @@ TEST_F(FrameClaim, OfAnotherHostCountsUntilItIsLongUntouched) {
   EXPECT_TRUE(claims.take("a"));
 }
 
-TEST_F(FrameClaim, IsTouchedAgainAndAgain) {
+TEST_F(FrameClaim, IsKeptAlive) {
   FrameClaims claims(folder_.path(), milliseconds(300));
   ASSERT_TRUE(claims.take("a"));
-  const auto touched = [&] { return std::filesystem::last_write_time(folder_ / ".patchlight-claim-a"); };
+  const auto modified = [&] { return std::filesystem::last_write_time(folder_ / ".patchlight-claim-a"); };
   for (int i = 0; i < 3; ++i) {
-    const auto before = touched();
-    for (int k = 0; k < 2000 && touched() == before; ++k) std::this_thread::sleep_for(milliseconds(10));
-    EXPECT_GT(touched(), before);
+    const auto before = modified();
+    for (int k = 0; k < 2000 && modified() == before; ++k) std::this_thread::sleep_for(milliseconds(10));
+    EXPECT_GT(modified(), before);
   }
 }
 
-TEST_F(FrameClaim, ThatHoldsNothingYetCountsToo) {
+TEST_F(FrameClaim, ThatIsStillEmptyHolds) {
   folder_.write(".patchlight-claim-a", "");
   FrameClaims claims(folder_.path());
   EXPECT_FALSE(claims.take("a"));
 }
 
-TEST_F(FrameClaim, InAFolderThatIsNotThereIsRefused) {
+TEST_F(FrameClaim, InAMissingFolderIsRefused) {
   FrameClaims claims(folder_ / "nowhere");
   EXPECT_ERROR(claims.take("a"), ExitCode::cannot_create, "nowhere");
 }

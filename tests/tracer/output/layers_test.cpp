@@ -16,18 +16,17 @@ namespace {
 using test::PatchScene;
 using test::Solved;
 
-const std::vector<std::string> kAll{"direct", "indirect", "specular", "emission", "albedo",
-                                    "normal", "depth",    "position", "patch",    "light_groups"};
+const std::vector<std::string> kAllLayers{"direct", "indirect", "specular", "emission", "albedo",
+                                          "normal", "depth",    "position", "patch",    "light_groups"};
 
-/// A room with two lamps of two groups, a block that stands in their light, a ball of rough metal, and a wall that is
-/// half a mirror.
+/// A room with two lamps of two groups, a block that casts shadows, a ball of rough metal, and a partly specular wall.
 Solved lit_room() {
   PatchScene builder;
   builder.get().light_groups = {"sun", "lamp"};
   builder.get().materials.push_back({"half mirror", Color(0.5f, 0.4f, 0.3f), 0.0f});
   builder.get().materials.push_back({"satin", Color(0.3f, 0.5f, 0.5f), 0.4f});
   builder.room(1, 3, {0.5f, 0.0f});
-  builder.get().primitives[4].material = 1;  // before the camera
+  builder.get().primitives[4].material = 1;  // in front of the camera
   builder.quad({{{-0.6, 0.99, -0.4}, {0.0, 0.99, -0.4}, {0.0, 0.99, 0.2}, {-0.6, 0.99, 0.2}}}, 1, 1, {0.3f, 9.0f, 0});
   builder.quad({{{0.3, 0.9, -0.8}, {0.4, 0.9, -0.8}, {0.4, 0.9, -0.7}, {0.3, 0.9, -0.7}}}, 1, 1, {0.3f, 40.0f, 1});
   builder.quad({{{-0.4, 0, -0.5}, {-0.4, 0, 0.1}, {0.5, 0, 0.1}, {0.5, 0, -0.5}}}, 2, 2, {0.7f, 0.0f});
@@ -37,7 +36,7 @@ Solved lit_room() {
     EnergyField::Group& group = solved.energy.groups[g];
     for (std::size_t i = 0; i < solved.scene.patches.size(); ++i) {
       const Vec3d& at = solved.scene.patches[i].center;
-      // Steep, so that what lies beyond the outermost centres would be negative here and there.
+      // Steep, so that linear extrapolation beyond the outermost centres becomes negative in places.
       group.indirect[i] = Color(float(std::max(0.0, g == 0 ? at.x : -at.x)), 0.3f, float(std::max(0.0, at.y)));
       group.direct[i] = Color(float(std::max(0.0, at.z)), 0.2f, 0.1f);
     }
@@ -64,9 +63,9 @@ const std::vector<Value>& values(const Image& image, const std::string& name) {
   throw std::runtime_error("no layer " + name);
 }
 
-/// Within float rounding of what is added up.
-void expect_equal(const Color& is, const Color& should, std::size_t pixel) {
-  for (int k = 0; k < 3; ++k) ASSERT_NEAR(is[k], should[k], 2e-6 * (1 + should[k])) << "pixel " << pixel;
+/// Equal within float rounding of the sum.
+void expect_equal(const Color& value, const Color& expected, std::size_t pixel) {
+  for (int k = 0; k < 3; ++k) ASSERT_NEAR(value[k], expected[k], 2e-6 * (1 + expected[k])) << "pixel " << pixel;
 }
 
 TEST(Layers, DoNotChangeTheBeauty) {
@@ -75,29 +74,29 @@ TEST(Layers, DoNotChangeTheBeauty) {
     solved.job.trace.quality = quality;
     const Image plain = solved.render();
     EXPECT_TRUE(plain.layers.empty());
-    solved.job.trace.layers = kAll;
+    solved.job.trace.layers = kAllLayers;
     EXPECT_EQ(solved.render().pixels, plain.pixels) << quality;
   }
 }
 
-TEST(Layers, LightByItsWayAddsUpToTheBeauty) {
+TEST(Layers, LightByTransportPathAddsUpToTheBeauty) {
   for (const char* quality : {"patches", "direct", "gather"}) {
     Solved solved = lit_room();
     solved.job.trace.quality = quality;
     solved.job.trace.layers = {"direct", "indirect", "specular", "emission"};
     solved.job.lights["lamp"].scale = 0.3;
     const Image image = solved.render();
-    std::vector<double> most(4, 0.0);
+    std::vector<double> largest(4, 0.0);
     for (std::size_t p = 0; p < image.pixels.size(); ++p) {
       Color sum(0.0f);
       for (std::size_t k = 0; k < 4; ++k) {
         const Color& part = std::get<std::vector<Color>>(image.layers[k].values)[p];
         sum += part;
-        most[k] = std::max(most[k], double(part.y));
+        largest[k] = std::max(largest[k], double(part.y));
       }
       expect_equal(sum, image.pixels[p], p);
     }
-    for (std::size_t k = 0; k < 4; ++k) EXPECT_GT(most[k], 0.01) << quality << ": " << image.layers[k].name;
+    for (std::size_t k = 0; k < 4; ++k) EXPECT_GT(largest[k], 0.01) << quality << ": " << image.layers[k].name;
   }
 }
 
@@ -110,20 +109,20 @@ TEST(Layers, AFrameUnderOtherSettingsIsTheSumOfItsLightGroups) {
     const auto &sun = colors(layers, "Combined_sun"), &lamp = colors(layers, "Combined_lamp");
     for (std::size_t p = 0; p < sun.size(); ++p) expect_equal(sun[p] + lamp[p], layers.pixels[p], p);
     solved.job.trace.layers = {};
-    for (const auto& [of_sun, of_lamp] : {std::pair(0.0, 5.0), {0.25, 0.0}, {3.0, 0.1}}) {
-      solved.job.lights["sun"] = {of_sun, Color(1.0f, 0.5f, 0.0f)};
-      solved.job.lights["lamp"] = {of_lamp, Color(0.2f, 1.0f, 1.0f)};
+    for (const auto& [sun_scale, lamp_scale] : {std::pair(0.0, 5.0), {0.25, 0.0}, {3.0, 0.1}}) {
+      solved.job.lights["sun"] = {sun_scale, Color(1.0f, 0.5f, 0.0f)};
+      solved.job.lights["lamp"] = {lamp_scale, Color(0.2f, 1.0f, 1.0f)};
       const Image relit = solved.render();
-      const Color a = Color(1.0f, 0.5f, 0.0f) * float(of_sun), b = Color(0.2f, 1.0f, 1.0f) * float(of_lamp);
+      const Color a = Color(1.0f, 0.5f, 0.0f) * float(sun_scale), b = Color(0.2f, 1.0f, 1.0f) * float(lamp_scale);
       for (std::size_t p = 0; p < sun.size(); ++p) expect_equal(sun[p] * a + lamp[p] * b, relit.pixels[p], p);
     }
-    // The layers themselves are as they were.
+    // The layers themselves do not depend on the settings.
     solved.job.trace.layers = {"light_groups"};
     EXPECT_EQ(colors(solved.render(), "Combined_sun"), sun);
   }
 }
 
-TEST(Layers, TellPatchDepthPlaceAndNormalExactly) {
+TEST(Layers, HoldExactPatchDepthPositionAndNormal) {
   PatchScene builder;  // a slanted wall: its depth is 2 + x, at u = (x + 1) / 2
   builder.quad({{{-1, -2, -1}, {1, -2, -3}, {1, 2, -3}, {-1, 2, -1}}}, 4, 1, {0.5f});
   Solved solved(builder);
@@ -148,7 +147,7 @@ TEST(Layers, TellPatchDepthPlaceAndNormalExactly) {
   EXPECT_GE(patches_seen.size(), 3u);
 }
 
-TEST(Layers, DoNotMixPlacesWhereAPixelSeesTwo) {
+TEST(Layers, DoNotAverageDepthsOfTwoSurfaces) {
   PatchScene builder;
   builder.quad({{{-9, -9, -4}, {9, -9, -4}, {9, 9, -4}, {-9, 9, -4}}}, 1, 1, {0.5f});
   builder.quad({{{-9, -9, -1}, {0.1, -9, -1}, {0.1, 9, -1}, {-9, 9, -1}}}, 1, 1, {0.5f});
@@ -159,15 +158,15 @@ TEST(Layers, DoNotMixPlacesWhereAPixelSeesTwo) {
   for (std::size_t p = 0; p < image.pixels.size(); ++p) {
     const std::uint32_t at = values<std::uint32_t>(image, "patch")[p];
     EXPECT_FLOAT_EQ(values<float>(image, "depth")[p], at == 0 ? 4.0f : 1.0f);
-    EXPECT_EQ(at, p % 8 < 5 ? 1u : 0u) << "what is at the pixel's middle";
+    EXPECT_EQ(at, p % 8 < 5 ? 1u : 0u) << "the surface at the pixel's centre";
   }
 }
 
-TEST(Layers, OfNothing) {
+TEST(Layers, OfAnEmptyViewHoldTheirDefaults) {
   PatchScene builder;
   builder.quad({{{-9, -9, 1}, {-9, 9, 1}, {9, 9, 1}, {9, -9, 1}}}, 1, 1, {0.5f, 1.0f});  // behind the camera
   Solved solved(builder);
-  solved.job.trace.layers = kAll;
+  solved.job.trace.layers = kAllLayers;
   const Image image = solved.render();
   for (std::size_t p = 0; p < image.pixels.size(); ++p) {
     EXPECT_EQ(values<std::uint32_t>(image, "patch")[p], 0xffffffffu);
@@ -177,7 +176,7 @@ TEST(Layers, OfNothing) {
   }
 }
 
-TEST(Layers, RefuseALightGroupThatHasTooLongAName) {
+TEST(Layers, RefuseALightGroupWithTooLongAName) {
   PatchScene builder;
   builder.get().light_groups = {std::string(300, 'x')};
   builder.room(1, 1, {});
@@ -186,13 +185,13 @@ TEST(Layers, RefuseALightGroupThatHasTooLongAName) {
   EXPECT_ERROR(solved.render(), ExitCode::bad_config, "too long");
 }
 
-TEST(Layers, OfAMirrorAreItsOwnAndSpecularIsWhatItShows) {
+TEST(Layers, OfAMirrorDescribeItAndSpecularHoldsItsReflection) {
   PatchScene builder;
   builder.get().materials.push_back({"mirror", Color(0.5f), 0.0f});
   builder.quad({{{-9, -9, -1}, {9, -9, -1}, {9, 9, -1}, {-9, 9, -1}}}, 1, 1, {0.0f, 0.0f, 0, 1});
   builder.quad({{{-9, -9, 1}, {-9, 9, 1}, {9, 9, 1}, {9, -9, 1}}}, 1, 1, {0.6f, 3.0f});
   Solved solved(builder);
-  solved.job.trace.layers = kAll;
+  solved.job.trace.layers = kAllLayers;
   const Image image = solved.render();
   for (std::size_t p = 0; p < image.pixels.size(); ++p) {
     EXPECT_NEAR(colors(image, "specular")[p].y, 0.5 * (3 + 0.6 * 3) / kPi, 1e-5);
@@ -202,7 +201,7 @@ TEST(Layers, OfAMirrorAreItsOwnAndSpecularIsWhatItShows) {
   }
 }
 
-TEST(Layers, AlbedoTimesIrradianceIsWhatIsReflected) {
+TEST(Layers, AlbedoTimesIrradianceIsReflectedLight) {
   PatchScene builder;
   builder.quad({{{-9, -9, -1}, {9, -9, -1}, {9, 9, -1}, {-9, 9, -1}}}, 1, 1, {0.5f});
   builder.get().shaders = {{"wall", {"abs(sin(9*x))", "0.5", "0"}, {}}};
@@ -221,7 +220,7 @@ TEST(Layers, AreTheSameBitsForAnyNumberOfThreads) {
   for (const char* quality : {"patches", "direct", "gather"}) {
     Solved solved = lit_room();
     solved.job.trace.quality = quality;
-    solved.job.trace.layers = kAll;
+    solved.job.trace.layers = kAllLayers;
     std::vector<Image> images;
     for (const std::size_t threads : {1, 3}) {
       const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);

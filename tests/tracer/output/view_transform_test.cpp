@@ -20,12 +20,12 @@ TEST(ViewTransform, SrgbEncodesAndClamps) {
   EXPECT_NEAR(shown("sRGB", Color(7.0f)).x, 1.0f, 1e-6);
 }
 
-TEST(ViewTransform, AcesKeepsHighlightsApart) {
+TEST(ViewTransform, AcesKeepsHighlightsDistinct) {
   EXPECT_LT(shown("ACES", Color(1.0f)).x, shown("ACES", Color(4.0f)).x);
   EXPECT_LT(shown("ACES", Color(4.0f)).x, 1.0f);
 }
 
-TEST(ViewTransform, RawChangesNothing) {
+TEST(ViewTransform, RawIsLinear) {
   EXPECT_NEAR(shown("Raw", Color(0.18f)).x, 0.18, 1e-6);
 }
 
@@ -41,11 +41,11 @@ TEST(ViewTransform, ShowsOnlyFiniteValues) {
     }
 }
 
-TEST(ViewTransform, NamesTheViewsThereAre) {
+TEST(ViewTransform, NamesTheAvailableViews) {
   EXPECT_ERROR(ViewTransform("Filmic", 0), ExitCode::bad_config, "sRGB, ACES, Raw");
 }
 
-TEST(ViewTransform, HonoursOcio) {
+TEST(ViewTransform, UsesTheConfigInOcio) {
   const test::TemporaryFolder folder;
   const auto config = folder.write("config.ocio",
                                    "ocio_profile_version: 2\nroles: {default: lin, scene_linear: lin}\n"

@@ -51,7 +51,7 @@ TEST(CameraRays, OfAnOrthographicCameraAreParallel) {
   EXPECT_EQ(Ray(rays, 0, 0).origin, Vec3f(1 - 4, 2 + 2, 3));
 }
 
-TEST(CameraRays, LeadToThePointsThatTheyShow) {
+TEST(CameraRays, PassThroughTheImagePointThatToImageFinds) {
   for (const auto projection : {Camera::Projection::perspective, Camera::Projection::orthographic}) {
     const CameraRays rays(camera_of(projection, 1.0), 80, 60);
     const Ray ray(rays, 71.5f, 12.25f);

@@ -11,7 +11,7 @@ namespace {
 using test::PatchScene;
 using test::Solved;
 
-TEST(Edges, EdgesAreTheShareOfThePixelThatIsCovered) {
+TEST(Edges, AreTheCoveredFractionOfThePixel) {
   PatchScene builder;  // an emitter over the left 0.3 of the one pixel's width
   builder.quad({{{-1, -1, -1}, {-0.4, -1, -1}, {-0.4, 1, -1}, {-1, 1, -1}}}, 1, 1, {0.0f, float(kPi)});
   Solved solved(builder);
@@ -21,8 +21,8 @@ TEST(Edges, EdgesAreTheShareOfThePixelThatIsCovered) {
   EXPECT_NEAR(solved.render().pixels[0].y, 0.3, 0.01);
 }
 
-/// An emitter of radiance 1 that covers what is left of a slanted edge, seen by a camera to whose image plane, at
-/// distance 1, both are parallel: from `low` at the lower edge of the view to `high` at the upper one.
+/// An emitter of radiance 1 in the image plane, at distance 1, to the left of a slanted edge from x = `low` at the
+/// bottom of the view to x = `high` at the top.
 Solved slanted_edge(double low, double high, int size, int samples) {
   PatchScene builder;
   builder.quad({{{-3, -1, -1}, {low, -1, -1}, {high, 1, -1}, {-3, 1, -1}}}, 1, 1, {0.0f, float(kPi)});
@@ -33,7 +33,7 @@ Solved slanted_edge(double low, double high, int size, int samples) {
   return solved;
 }
 
-/// The part of a pixel that lies left of such an edge.
+/// Exact fraction of a pixel to the left of the slanted edge.
 double covered(double low, double high, int size, int x, int y) {
   constexpr int kFine = 64;
   double sum = 0;
@@ -45,7 +45,7 @@ double covered(double low, double high, int size, int x, int y) {
   return sum;
 }
 
-TEST(Edges, EdgesAreAsGoodAsFourTimesTheSamplesAreUnderGoodStratification) {
+TEST(Edges, AreAsGoodAsFourTimesTheSamplesUnderStratification) {
   constexpr int kSize = 40;
   for (const int samples : {4, 16, 64}) {
     const Image image = slanted_edge(-0.31, 0.42, kSize, samples).render();
@@ -53,36 +53,36 @@ TEST(Edges, EdgesAreAsGoodAsFourTimesTheSamplesAreUnderGoodStratification) {
     int crossed = 0;
     for (int y = 0; y < kSize; ++y)
       for (int x = 0; x < kSize; ++x) {
-        const double exact = covered(-0.31, 0.42, kSize, x, y), is = image.pixels[std::size_t(y * kSize + x)].y;
+        const double exact = covered(-0.31, 0.42, kSize, x, y), value = image.pixels[std::size_t(y * kSize + x)].y;
         if (exact <= 0 || exact >= 1) {
-          EXPECT_NEAR(is, exact, 1e-5);
+          EXPECT_NEAR(value, exact, 1e-5);
           continue;
         }
-        squares += (is - exact) * (is - exact);
+        squares += (value - exact) * (value - exact);
         ++crossed;
       }
-    // Of n x n stratified samples an edge crosses about n, each of which is wrong by chance.
+    // An edge crosses about n of n x n strata, and only the samples in these err.
     const double sides = 2 * std::sqrt(double(samples));
     EXPECT_GT(crossed, 40);
     EXPECT_LT(std::sqrt(squares / crossed), 0.5 * std::pow(sides, -1.5)) << samples;
   }
 }
 
-TEST(Edges, OneSampleIsOneSampleEverywhere) {
+TEST(Edges, OneSampleIsTakenInEveryPixel) {
   const Image image = slanted_edge(-0.31, 0.42, 40, 1).render();
   for (const Color& pixel : image.pixels) EXPECT_LT(std::min(std::abs(pixel.y), std::abs(pixel.y - 1)), 1e-5);
 }
 
-/// What comes of a bright sliver, of the width of a hundredth of a pixel and as long as the image is high, in parts of
-/// what should. `shift`: in pixels.
-double sliver_seen(bool mirrored, double shift) {
+/// Rendered over exact light of a bright sliver, a hundredth of a pixel wide and as long as the image is high.
+/// `shift`: in pixels.
+double sliver_ratio(bool mirrored, double shift) {
   constexpr int kSize = 24;
   const double width = 2.0 / kSize / 100, low = -0.3 + shift * 2.0 / kSize, high = low + 0.5;
   PatchScene builder;
   const double z = mirrored ? 0 : -1;
   std::array<Vec3d, 4> corners{{{low, -1, z}, {low + width, -1, z}, {high + width, 1, z}, {high, 1, z}}};
   if (mirrored) {
-    std::reverse(corners.begin(), corners.end());  // behind the camera's back, towards the mirror before it
+    std::reverse(corners.begin(), corners.end());  // behind the camera, facing the mirror in front of it
     builder.get().materials.push_back({"mirror", Color(1.0f), 0.0f});
     builder.quad({{{-9, -9, -0.5}, {9, -9, -0.5}, {9, 9, -0.5}, {-9, 9, -0.5}}}, 1, 1, {0.0f, 0.0f, 0, 1});
   }
@@ -96,16 +96,16 @@ double sliver_seen(bool mirrored, double shift) {
   return sum / kSize;
 }
 
-TEST(Edges, AThinBrightSliverIsNotLostInTheMean) {
+TEST(Edges, AThinBrightSliverIsUnbiased) {
   for (const bool mirrored : {false, true}) {
     constexpr int kFrames = 400;
     double mean = 0;
-    for (int k = 0; k < kFrames; ++k) mean += sliver_seen(mirrored, 3.7 * k / kFrames) / kFrames;
+    for (int k = 0; k < kFrames; ++k) mean += sliver_ratio(mirrored, 3.7 * k / kFrames) / kFrames;
     EXPECT_NEAR(mean, 1, mirrored ? 0.15 : 0.04) << mirrored;  // about 3 standard deviations
   }
 }
 
-TEST(Edges, AnEvenImageIsExactAtFewSamples) {
+TEST(Edges, ASmoothImageIsExactWithFewSamples) {
   PatchScene builder;
   builder.quad({{{-9, -9, -2}, {9, -9, -2}, {9, 9, -2}, {-9, 9, -2}}}, 1, 1, {0.8f, 0.0f});
   builder.quad({{{-1, -1, 3}, {-1, 1, 3}, {1, 1, 3}, {1, -1, 3}}}, 1, 1, {0.0f, 5.0f});

@@ -14,14 +14,14 @@ using test::PatchScene;
 
 constexpr int kSize = 20;
 
-/// By a camera in the origin that sees from -1 to 1 at distance 1.
+/// Outlines for a camera at the origin that sees from -1 to 1 at distance 1.
 std::vector<float> draw(const PatchSet& scene) {
   Camera camera;
   camera.vertical = kPi / 2;
   return Outlines(scene).draw(CameraRays(camera, kSize, kSize), kSize, kSize);
 }
 
-int drawn(const std::vector<float>& depths) {
+int edge_pixels(const std::vector<float>& depths) {
   return int(std::count_if(depths.begin(), depths.end(), [](float depth) { return std::isfinite(depth); }));
 }
 
@@ -40,50 +40,50 @@ TEST(Outlines, PassThroughEveryPixelAlongAnEdge) {
     }
 }
 
-TEST(Outlines, AreOfTheNearestEdgeAndOfWhatIsThinnerThanAnyPixel) {
+TEST(Outlines, HoldTheNearestEdgeAndThinSurfaces) {
   PatchScene builder;
-  builder.quad({{{-4, -4, -2}, {4, -4, -2}, {4, 4, -2}, {-4, 4, -2}}}, 1, 1, {});  // beyond the view
+  builder.quad({{{-4, -4, -2}, {4, -4, -2}, {4, 4, -2}, {-4, 4, -2}}}, 1, 1, {});  // its edges lie outside the view
   builder.quad({{{0.01, -9, -1}, {0.01001, -9, -1}, {0.01001, 9, -1}, {0.01, 9, -1}}}, 1, 1, {});
   builder.quad({{{0.04, -9, -2}, {0.5, -9, -2}, {0.5, 9, -2}, {0.04, 9, -2}}}, 1, 1, {});
   const std::vector<float> depths = draw(builder.get());
   for (int y = 0; y < kSize; ++y) EXPECT_NEAR(depths[std::size_t(y * kSize + 10)], 1, 1e-5);
 }
 
-TEST(Outlines, EndWhereTheCameraDoes) {
+TEST(Outlines, AreClippedAtTheCamera) {
   PatchScene builder;
-  builder.quad({{{0.5, -1, 3}, {0.5, -1, -3}, {0.5, 1, -3}, {0.5, 1, 3}}}, 1, 1, {});  // beside it
-  EXPECT_GT(drawn(draw(builder.get())), 0);
+  builder.quad({{{0.5, -1, 3}, {0.5, -1, -3}, {0.5, 1, -3}, {0.5, 1, 3}}}, 1, 1, {});  // beside the camera
+  EXPECT_GT(edge_pixels(draw(builder.get())), 0);
   PatchScene behind;
   behind.quad({{{-1, -1, 2}, {1, -1, 2}, {1, 1, 2}, {-1, 1, 2}}}, 1, 1, {});
-  EXPECT_EQ(drawn(draw(behind.get())), 0);
+  EXPECT_EQ(edge_pixels(draw(behind.get())), 0);
 }
 
-TEST(Outlines, OfSmoothSurfacesAreWhereTheyTurnAway) {
-  PatchScene builder;  // a roof whose ridge points at the camera, and meets smoothly
+TEST(Outlines, OfSmoothSurfacesAreSilhouettes) {
+  PatchScene builder;  // a roof whose ridge points at the camera
   builder.quad({{{-9, -9, -3}, {0, -9, -2}, {0, 9, -2}, {-9, 9, -3}}}, 1, 1, {});
   builder.quad({{{0, -9, -2}, {9, -9, -3}, {9, 9, -3}, {0, 9, -2}}}, 1, 1, {});
-  EXPECT_EQ(drawn(draw(builder.get())), kSize) << "a crease";
+  EXPECT_EQ(edge_pixels(draw(builder.get())), kSize) << "a crease";
   builder.get().primitives[0].smooth_vertices = {0, 1, 2, 3};
   builder.get().primitives[1].smooth_vertices = {1, 4, 5, 2};
-  EXPECT_EQ(drawn(draw(builder.get())), 0);
+  EXPECT_EQ(edge_pixels(draw(builder.get())), 0);
   EXPECT_EQ(Outlines(builder.get()).surface(0), Outlines(builder.get()).surface(1));
   builder.get().primitives[1].corners = {Vec3d(0, -9, -2), Vec3d(-1, -9, -5), Vec3d(-1, 9, -5), Vec3d(0, 9, -2)};
   EXPECT_TRUE(std::isfinite(draw(builder.get())[5 * kSize + 10])) << "folded back behind the first";
 }
 
-TEST(Outlines, OfASphereAreItsHorizon) {
+TEST(Outlines, OfASphereAreItsSilhouette) {
   PatchScene builder;
   builder.sphere({0, 0, -2}, 1, 2, 4, {});
   const std::vector<float> depths = draw(builder.get());
   const double radius = kSize / 2 / std::sqrt(3.0);  // the tangent of asin(1/2), in pixels
   for (int y = 0; y < kSize; ++y)
     for (int x = 0; x < kSize; ++x) {
-      const double middle = std::hypot(x + 0.5 - kSize / 2, y + 0.5 - kSize / 2);
+      const double distance = std::hypot(x + 0.5 - kSize / 2, y + 0.5 - kSize / 2);
       if (!std::isfinite(depths[std::size_t(y * kSize + x)])) continue;
-      EXPECT_NEAR(middle, radius, 0.75);
+      EXPECT_NEAR(distance, radius, 0.75);
       EXPECT_NEAR(depths[std::size_t(y * kSize + x)], 1.5, 1e-3);
     }
-  EXPECT_GT(drawn(depths), 2 * kPi * radius);
+  EXPECT_GT(edge_pixels(depths), 2 * kPi * radius);
 }
 
 }  // namespace

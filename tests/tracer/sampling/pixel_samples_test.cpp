@@ -7,7 +7,7 @@
 namespace patchlight {
 namespace {
 
-TEST(PixelSamples, AreStratifiedInSquaresAndAlongBothAxesAtEachPowerOfFour) {
+TEST(PixelSamples, AreStratifiedInSquaresAndAlongBothAxesAtPowersOfFour) {
   for (std::uint64_t pixel = 0; pixel < 50; ++pixel)
     for (const int side : {2, 4, 8, 16}) {
       const int count = side * side;
@@ -25,7 +25,7 @@ TEST(PixelSamples, AreStratifiedInSquaresAndAlongBothAxesAtEachPowerOfFour) {
     }
 }
 
-TEST(PixelSamples, AreEvenOverPixels) {
+TEST(PixelSamples, AreUniformOverPixels) {
   double x = 0, y = 0, product = 0;
   constexpr int kPixels = 20000;
   for (std::uint64_t pixel = 0; pixel < kPixels; ++pixel) {
