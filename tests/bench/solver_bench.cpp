@@ -35,8 +35,8 @@ const PatchSet& scene() {
   return patches;
 }
 
-/// Pre-generated cosine-distributed packets from all patches; traced, by Embree or as the solver does, and each hit
-/// resolved to its patch.
+/// Pre-generated cosine-distributed packets from all patches, traced by Embree or by the solver's tracer, with the
+/// patch of each hit.
 void raw_rays(benchmark::State& state) {
   const RayScene rays(scene(), state.range(0) != 0 ? 0 : RayScene::kFew);
   const PatchLookup lookup(scene());
@@ -88,7 +88,7 @@ void solver_cast(benchmark::State& state) {
 }
 BENCHMARK(solver_cast)->Unit(benchmark::kMillisecond)->Repetitions(5)->ReportAggregatesOnly();
 
-/// All rows, 256 rays each, by as many threads as the argument says; items are rays, per second of wall time.
+/// All rows with 256 rays each, with the argument's number of threads; items are rays.
 void rows_cast(benchmark::State& state) {
   const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, std::size_t(state.range(0)));
   const RayScene ray_scene(scene());
@@ -110,17 +110,17 @@ BENCHMARK(rows_cast)
     ->Repetitions(5)
     ->ReportAggregatesOnly();
 
-/// Rows of 2,000 patches, evenly chosen; CPU seconds of all threads, the rasteriser's too.
+/// Rows of 2,000 evenly chosen patches; CPU seconds include the rasteriser's threads.
 void hemicubes(benchmark::State& state) {
   HemicubeFormFactors factors(scene(), int(state.range(0)), 1);
   const std::size_t count = std::min<std::size_t>(2000, scene().patches.size());
   std::vector<Shot> shots;
   for (std::size_t k = 0; k < count; ++k) shots.push_back({std::int32_t(k * scene().patches.size() / count), 0, 1});
   for (auto _ : state) {
-    for (std::span<const Shot> left = shots; !left.empty();) {
-      const std::span<const Shot> batch = left.first(factors.batch(left));
+    for (std::span<const Shot> remaining = shots; !remaining.empty();) {
+      const std::span<const Shot> batch = remaining.first(factors.batch(remaining));
       benchmark::DoNotOptimize(factors.rows(batch));
-      left = left.subspan(batch.size());
+      remaining = remaining.subspan(batch.size());
     }
   }
   state.counters["patches"] = double(scene().patches.size());

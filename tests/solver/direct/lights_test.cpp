@@ -34,7 +34,7 @@ EnergyField solve_quietly(const PatchSet& scene, const SolveConfig& config = {})
   return solve_quietly(scene, config, transport);
 }
 
-TEST(LightsSolved, EveryPairHasTheClosedFormOnAFloor) {
+TEST(LightsSolved, EveryConfigurationMatchesTheClosedFormOnAFloor) {
   PatchScene builder;
   add_floor(builder, 0.5f);
   for (const auto kind : {Light::Kind::point, Light::Kind::sun}) {
@@ -49,14 +49,14 @@ TEST(LightsSolved, EveryPairHasTheClosedFormOnAFloor) {
           ASSERT_NEAR(energy.groups[0].direct[i].x, 10 * factor, 0.004 * 10 * factor) << method << form_factors << i;
           ASSERT_NEAR(energy.groups[0].direct[i].y, 5 * factor, 0.004 * 5 * factor);
           ASSERT_EQ(energy.groups[0].direct[i].z, 0);
-          ASSERT_EQ(energy.groups[0].indirect[i].x, 0) << "a floor does not see itself";
+          ASSERT_EQ(energy.groups[0].indirect[i].x, 0) << "a floor receives no light from itself";
         }
       }
   }
 }
 
-TEST(LightsSolved, EveryPairReflectsThemAlike) {
-  // In a closed room of reflectance rho all light of a lamp inside is absorbed: area (1 - rho) H = 4 pi I.
+TEST(LightsSolved, EveryConfigurationConservesReflectedPower) {
+  // A closed room of reflectance rho absorbs all light of a lamp in it: area (1 - rho) H = 4 pi I.
   PatchScene builder;
   builder.room(1, 8, {0.6f});
   PatchSet& scene = builder.get();
@@ -90,7 +90,7 @@ TEST(LightsSolved, ShadowsAreSharpAndBlack) {
     const double across = std::max(std::abs(patch.center.x), std::abs(patch.center.z)), size = 4.0 / 32;
     const double whole = 10 * 2 / std::pow((Vec3d(0, 2, 0) - patch.center).length(), 3);
     const double light = energy.groups[0].direct[i].x;
-    if (across < 1 - size) {  // the shadow is twice as wide as what throws it
+    if (across < 1 - size) {  // the shadow is twice as wide as the occluder
       EXPECT_EQ(light, 0) << i;
     } else if (across > 1 + size) {
       EXPECT_NEAR(light, whole, 0.01 * whole) << i;
@@ -100,7 +100,7 @@ TEST(LightsSolved, ShadowsAreSharpAndBlack) {
   }
 }
 
-TEST(LightsSolved, OtherStrengthsCastNoRayAndOtherPlacesCastTheirOwn) {
+TEST(LightsSolved, OtherStrengthsNeedNoRaysAndOtherPositionsOnlyTheirOwn) {
   PatchScene builder;
   builder.room(1, 6, {0.5f});
   PatchSet& scene = builder.get();
@@ -124,12 +124,12 @@ TEST(LightsSolved, OtherStrengthsCastNoRayAndOtherPlacesCastTheirOwn) {
   const EnergyField swapped = solve_quietly(scene, {}, transport);
   EXPECT_EQ(swapped.rays, 0);
   for (std::size_t i = 0; i < scene.patches.size(); ++i)
-    EXPECT_EQ(swapped.groups[0].direct[i], brighter.groups[0].direct[i]) << "of its own light still";
+    EXPECT_EQ(swapped.groups[0].direct[i], brighter.groups[0].direct[i]) << "factors follow their light";
 
   scene.lights[0].position.y = -0.5;
   const EnergyField moved = solve_quietly(scene, {}, transport);
   EXPECT_GT(moved.rays, 0);
-  EXPECT_LT(moved.rays, first.rays / 2) << "rows stay";
+  EXPECT_LT(moved.rays, first.rays / 2) << "the rows are reused";
   Transport none;
   const EnergyField fresh = solve_quietly(scene, {}, none);
   for (std::size_t g = 0; g < 2; ++g) {
@@ -139,8 +139,8 @@ TEST(LightsSolved, OtherStrengthsCastNoRayAndOtherPlacesCastTheirOwn) {
   }
 }
 
-TEST(LightsSolved, MirrorsThrowTheirLight) {
-  // A mirror in the plane x = 1 shows the light as far behind it, through 1 x 1 m.
+TEST(LightsSolved, MirrorsReflectTheirLight) {
+  // The mirror image of the light is behind the plane x = 1 and lights through the mirror's 1 x 1 m.
   for (const auto kind : {Light::Kind::point, Light::Kind::sun}) {
     PatchScene builder;
     builder.get().materials.push_back({"mirror", Color(0.5f), 0.0f});

@@ -20,7 +20,7 @@ std::vector<Color> shoot(const PatchSet& scene, std::int64_t photons, std::uint6
   return Photons(scene, ray_scene, seed).shoot(explicit_emitters(scene).at(0), photons, cast);
 }
 
-/// Irradiance of patches by mirrors for an exitance of 1 of the only emitter, as rows of form factors tell it: green.
+/// Specularly reflected irradiance by the only emitter's exitance of 1, from rows of form factors; green channel.
 std::vector<double> gathered(const PatchSet& scene, int rays, std::uint64_t seed) {
   const RayScene ray_scene(scene);
   Progress progress({"test", true, ""});
@@ -40,14 +40,14 @@ std::vector<double> by_photons(const PatchSet& scene, std::int64_t photons, std:
   return received;
 }
 
-/// Power that arrives by mirrors over the power emitted.
+/// Specularly reflected power that patches receive, over the emitted power.
 double arrived(const PatchSet& scene, const std::vector<Color>& factors) {
   double power = 0;
   for (std::size_t k = 0; k < factors.size(); ++k) power += 0.5 * factors[k].y * scene.patches[k / 2].area;
   return power / explicit_emitters(scene).at(0).area;
 }
 
-/// A room with a small lamp, a mirror, a half-mirror that leans, a ball of rough metal and one that is a mirror.
+/// A room with a small lamp, a mirror, a tilted half-mirror, a rough metal sphere and a mirror sphere.
 PatchScene mirror_room(double lamp = 0.1) {
   PatchScene builder;
   builder.get().materials.push_back({"mirror", Color(0.9f, 0.8f, 0.7f), 0.0f});
@@ -64,7 +64,7 @@ PatchScene mirror_room(double lamp = 0.1) {
   return builder;
 }
 
-/// Mean over seeds, and the square of its standard error.
+/// Means over seeds and their squared standard errors.
 struct Means {
   std::vector<double> mean, square;
 
@@ -80,34 +80,34 @@ struct Means {
   }
 };
 
-TEST(Photons, AgreeWithManyRaysOfRowsPatchByPatch) {
+TEST(Photons, AgreeWithManyRaysPatchByPatch) {
   PatchScene builder = mirror_room(0.6);
   const PatchSet& scene = builder.get();
   const std::size_t n = scene.patches.size();
   const Means photons(8, n, [&](std::uint64_t seed) { return by_photons(scene, 100'000, seed); });
   const Means rows(8, n, [&](std::uint64_t seed) { return gathered(scene, 4096, seed); });
-  int off = 0, lit = 0;
+  int outliers = 0, lit = 0;
   double squares = 0, difference = 0, all = 0, error = 0;
   for (std::size_t i = 0; i < n; ++i) {
     const double area = scene.patches[i].area;
-    const double separate = photons.mean[i] - rows.mean[i], square = photons.square[i] + rows.square[i];
-    difference += area * separate;
+    const double deviation = photons.mean[i] - rows.mean[i], square = photons.square[i] + rows.square[i];
+    difference += area * deviation;
     all += area * photons.mean[i];
     error += area * area * square;
-    if (rows.mean[i] < 1e-4) continue;  // too few rays to know their spread
-    squares += separate * separate / square;
-    off += separate * separate > 25 * square;
+    if (rows.mean[i] < 1e-4) continue;  // too few rays for an estimate of the variance
+    squares += deviation * deviation / square;
+    outliers += deviation * deviation > 25 * square;
     ++lit;
   }
   EXPECT_GT(lit, 150);
   EXPECT_LT(std::sqrt(error), 0.01 * all);
   EXPECT_LT(std::abs(difference), 4 * std::sqrt(error));
   // Student's t of some 10 degrees of freedom: beyond 5 once in 2000, mean square 1.25.
-  EXPECT_LE(off, 3);
+  EXPECT_LE(outliers, 3);
   EXPECT_LT(squares / lit, 1.6);
 }
 
-TEST(Photons, AreFarLessNoisyThanSixteenTimesAsManyRaysOfRows) {
+TEST(Photons, AreFarLessNoisyThanSixteenTimesAsManyRays) {
   PatchScene builder = mirror_room();
   const PatchSet& scene = builder.get();
   const std::size_t n = scene.patches.size();
@@ -125,7 +125,7 @@ TEST(Photons, AreFarLessNoisyThanSixteenTimesAsManyRaysOfRows) {
   EXPECT_LT(of_photons, 0.2 * of_rows) << of_rows;
 }
 
-TEST(Photons, BetweenMirrorsThatFaceEachOtherKeepTheirEnergy) {
+TEST(Photons, ConserveEnergyBetweenFacingMirrors) {
   for (const float specular : {0.5f, 0.9f}) {
     PatchScene builder;
     builder.get().materials[0] = {"mirror", Color(specular), 0.0f};
@@ -133,20 +133,20 @@ TEST(Photons, BetweenMirrorsThatFaceEachOtherKeepTheirEnergy) {
     PatchSet& scene = builder.get();
     scene.primitives[3].light_group = 0;
     for (int i = 12; i < 16; ++i) scene.patches[i].emission = Color(1.0f);
-    const double expected = specular / (1 - specular);  // each arrives, and goes on by what is reflected
+    const double expected = specular / (1 - specular);  // geometric series of reflections
     EXPECT_NEAR(arrived(scene, shoot(scene, 100'000)), expected, 0.01 * expected);
   }
 }
 
-TEST(Photons, EndBetweenPerfectMirrors) {
+TEST(Photons, TerminateBetweenPerfectMirrors) {
   PatchScene builder;
   builder.get().materials[0] = {"mirror", Color(1.0f), 0.0f};
   builder.room(1, 1, {0.0f, 1.0f});
   for (const Color& factor : shoot(builder.get(), 1000)) EXPECT_LT(factor.y, 300);
 }
 
-/// A faceted bowl about a lamp, its planes in nodes of their own or in one.
-TEST(Photons, FindManyPlanesOfANodeAsTheyFindFew) {
+/// A faceted bowl around a lamp, with its planes in separate nodes or in one.
+TEST(Photons, GiveTheSamePowerForOneTargetAsForManyPlanes) {
   const auto bowl = [](bool one_node) {
     PatchScene builder;
     PatchSet& scene = builder.get();
@@ -193,8 +193,9 @@ struct Solved {
   }
 };
 
-/// All emits 1 but a perfect mirror: an emitter apart, and a shell that only rows find. So all receive 1.
-TEST(Photons, NeitherLoseNorDoubleLightInAFurnaceWithAMirror) {
+/// Everything but a perfect mirror has exitance 1, of an explicitly sampled emitter and of a gathered shell, so the
+/// irradiance is 1 everywhere.
+TEST(Photons, NeitherLoseNorDuplicateLightInAFurnaceWithAMirror) {
   PatchScene builder;
   builder.get().materials.push_back({"mirror", Color(1.0f), 0.0f});
   builder.sphere({0, 0, 0}, -2, 12, 18, {0.0f, 1.0f});
@@ -214,7 +215,7 @@ TEST(Photons, NeitherLoseNorDoubleLightInAFurnaceWithAMirror) {
   EXPECT_NEAR(mean / area, 1, 1e-3);
 }
 
-TEST(Photons, NeedNoRayForOtherColoursAndLamps) {
+TEST(Photons, NeedNoRaysForOtherColoursAndExitances) {
   PatchScene builder = mirror_room();
   PatchSet& scene = builder.get();
   Solved solved;
@@ -243,7 +244,7 @@ TEST(Photons, CostNothingWithoutMetals) {
   EXPECT_TRUE(solved.energy.groups[0].by_photons.empty());
 }
 
-TEST(Photons, ReachVerticesOfTheDisplaySolutionOnce) {
+TEST(Photons, CountOnceAtVerticesOfTheDisplaySolution) {
   PatchScene builder = mirror_room();
   PatchSet& scene = builder.get();
   for (Patch& patch : scene.patches) patch.reflectance = Color(0.0f);
@@ -257,7 +258,7 @@ TEST(Photons, ReachVerticesOfTheDisplaySolutionOnce) {
     known += group.indirect[solved.energy.display->vertices[k].patch].y;
   }
   EXPECT_GT(known, 0);
-  EXPECT_NEAR(shown / known, 1, 0.05) << "nothing reflects but metals";
+  EXPECT_NEAR(shown / known, 1, 0.05) << "only metals reflect";
 }
 
 }  // namespace

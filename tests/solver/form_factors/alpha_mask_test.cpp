@@ -1,4 +1,4 @@
-// What cut-outs let through, keep back and give off, against closed forms.
+// Transmission, reflection and emission of alpha-masked surfaces against closed forms.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -40,8 +40,8 @@ double received(const PatchSet& scene, const EnergyField& energy, int primitive)
   return sum;
 }
 
-/// A floor and a lamp above, unit squares at distance 1, and between them a black screen of both sides that hides the
-/// one from the other, with `count` x `count` squares every other of which is a hole.
+/// A floor and a lamp above it, unit squares at distance 1, and between them a black two-sided screen with a
+/// checkerboard of `count` x `count` squares, half of which are holes.
 PatchSet screened(int count) {
   PatchScene builder;
   builder.quad({{{0, 0, 0}, {0, 0, 1}, {1, 0, 1}, {1, 0, 0}}}, 8, 8, {0.0f});
@@ -64,27 +64,27 @@ TEST(AlphaMasks, HalfAScreenOfHolesLetsHalfTheLightThrough) {
         << by.method << " " << by.form_factors;
 }
 
-TEST(AlphaMasks, LightGoesThroughEveryHoleToWhereItLeads) {
-  // A lamp's small square straight above a hole of the screen's that stands on the floor, and one above a square of it.
+TEST(AlphaMasks, LightPassesOnlyThroughHoles) {
+  // A screen just above the floor with 2 x 2 squares, half of which are holes.
   PatchScene builder;
   builder.quad({{{0, 0, 0}, {0, 0, 1}, {1, 0, 1}, {1, 0, 0}}}, 2, 2, {0.0f});
   builder.quad({{{0, 1, 0}, {1, 1, 0}, {1, 1, 1}, {0, 1, 1}}}, 1, 1, {0.0f, 1.0f});
   builder.quad({{{0, 1e-3, 0}, {0, 1e-3, 1}, {1, 1e-3, 1}, {1, 1e-3, 0}}}, 1, 1, {0.0f});
-  PatchSet scene = builder.get(), open = scene;
+  PatchSet scene = builder.get(), unscreened = scene;
   test::alpha_masked(scene, 2, test::checkers(2), 0.5f);
-  std::erase_if(open.patches, [](const Patch& patch) { return patch.primitive == 2; });
-  open.primitives.pop_back();
+  std::erase_if(unscreened.patches, [](const Patch& patch) { return patch.primitive == 2; });
+  unscreened.primitives.pop_back();
   for (const Method& by : {kMethods[0], kMethods[1]}) {
-    const EnergyField energy = solve_by(scene, by), bare = solve_by(open, by);
+    const EnergyField energy = solve_by(scene, by), reference = solve_by(unscreened, by);
     for (std::size_t i = 0; i < 4; ++i) {
       const bool hole = i == 1 || i == 2;
-      const double whole = bare.groups[0].direct[i].y;
+      const double whole = reference.groups[0].direct[i].y;
       EXPECT_NEAR(energy.groups[0].direct[i].y, hole ? whole : 0.0, 5 * by.tolerance * whole) << by.method << " " << i;
     }
   }
 }
 
-/// The inside of a ball where everything emits and reflects alike, by the rows, with a perforated baffle across it.
+/// The inside of a sphere with a perforated baffle, everywhere with the same exitance and reflectance.
 PatchSet furnace(float reflectance) {
   PatchScene builder;
   builder.sphere({0, 0, 0}, -1.5, 8, 12, {reflectance, 1.0f});
@@ -98,7 +98,7 @@ PatchSet furnace(float reflectance) {
   return scene;
 }
 
-TEST(AlphaMasks, AFurnaceWithAPerforatedBaffleGlowsAllOver) {
+TEST(AlphaMasks, AFurnaceWithAPerforatedBaffleIsUniform) {
   for (const float reflectance : {0.5f, 0.9f}) {
     const PatchSet scene = furnace(reflectance);
     const EnergyField energy = solve_by(scene, kMethods[0], 1e-6);
@@ -116,7 +116,7 @@ TEST(AlphaMasks, AFurnaceWithAPerforatedBaffleGlowsAllOver) {
   }
 }
 
-TEST(AlphaMasks, APerforatedLampGivesOffWhatIsThereOfIt) {
+TEST(AlphaMasks, APerforatedLampEmitsInProportionToItsCoverage) {
   PatchScene builder;
   builder.room(1, 4, {0.0f});
   builder.quad({{{-0.5, 0, -0.5}, {0.5, 0, -0.5}, {0.5, 0, 0.5}, {-0.5, 0, 0.5}}}, 2, 2, {0.0f, 3.0f});
@@ -132,18 +132,18 @@ TEST(AlphaMasks, APerforatedLampGivesOffWhatIsThereOfIt) {
   }
 }
 
-TEST(AlphaMasks, LightIsReflectedByWhatIsThereAlone) {
-  // Under a lamp that fills the sky a white square, half of it cut out, sends to a black ceiling what half of it would.
-  const auto sent = [](bool cut, const Method& by) {
+TEST(AlphaMasks, ReflectionIsProportionalToCoverage) {
+  // A white square with half of its area masked reflects half as much light to a black ceiling.
+  const auto reflected = [](bool masked, const Method& by) {
     PatchScene builder;
     builder.quad({{{0, 0, 0}, {0, 0, 1}, {1, 0, 1}, {1, 0, 0}}}, 4, 4, {0.8f});
     builder.quad({{{0, 1, 0}, {1, 1, 0}, {1, 1, 1}, {0, 1, 1}}}, 4, 4, {0.0f, 1.0f});
     PatchSet scene = builder.get();
-    if (cut) test::alpha_masked(scene, 0, test::checkers(32), 0.5f);
+    if (masked) test::alpha_masked(scene, 0, test::checkers(32), 0.5f);
     return received(scene, solve_by(scene, by), 1);
   };
   for (const Method& by : kMethods)
-    EXPECT_NEAR(sent(true, by) / sent(false, by), 0.5, std::max(0.02, by.tolerance))
+    EXPECT_NEAR(reflected(true, by) / reflected(false, by), 0.5, std::max(0.02, by.tolerance))
         << by.method << " " << by.form_factors;
 }
 

@@ -1,4 +1,4 @@
-// Scenes whose answer is known, at default settings but for the tolerance.
+// Scenes with closed-form solutions, at default settings except the tolerance.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -20,7 +20,7 @@ EnergyField solve_quietly(const PatchSet& scene) {
   return solve(scene, config, progress);
 }
 
-/// Area-weighted mean irradiance of a primitive.
+/// Area-weighted mean irradiance of a primitive, W/m2.
 double mean_irradiance(const PatchSet& scene, const EnergyField& energy, int primitive) {
   double sum = 0, area = 0;
   for (std::size_t i = 0; i < scene.patches.size(); ++i) {
@@ -32,7 +32,7 @@ double mean_irradiance(const PatchSet& scene, const EnergyField& energy, int pri
   return sum / area;
 }
 
-/// Relative RMS of a primitive's patches about a known profile.
+/// Relative RMS error of a primitive's patches against a known profile.
 double profile_error(const PatchSet& scene, const EnergyField& energy, int primitive,
                      const std::function<double(const Vec3d&)>& exact) {
   double square = 0, norm = 0;
@@ -70,7 +70,7 @@ TEST(ClosedForm, ConcentricSpheres) {
   EXPECT_LT(profile_error(builder.get(), energy, 0, [](const Vec3d&) { return 0.5; }), 0.01);
 }
 
-TEST(ClosedForm, SphereLitInsideLightsWhatItHolds) {
+TEST(ClosedForm, EmittingSphereLightsASphereInsideIt) {
   PatchScene builder;
   builder.sphere({0, 0, 0}, -2, 16, 24, {0.5f, 1.0f});
   builder.sphere({0.3, 0.2, 0.1}, 0.5, 8, 12, {0.5f, 0.0f});
@@ -103,7 +103,7 @@ TEST(ClosedForm, AMirrorIsAWindowToTheVirtualImage) {
   EXPECT_NEAR(seen, exact, 0.005 * exact);
 }
 
-/// A room with a ball in it and a panel light, and the mean irradiance of its floor.
+/// Mean irradiance, over the emission, of the floor of a room with a sphere and a panel light.
 double floor_irradiance(double scale, const Vec3d& shift, double turn, float emission, int cells) {
   PatchScene builder;
   const auto place = [&](const Vec3d& p) {

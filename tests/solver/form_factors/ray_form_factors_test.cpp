@@ -20,7 +20,7 @@ std::array<Vec3d, 4> square(double z, bool up) {
             : std::array<Vec3d, 4>{{{0, 0, z}, {0, 1, z}, {1, 1, z}, {1, 0, z}}};
 }
 
-/// Part of patch i's rays that ends on primitive `target`; -1 for what is lost.
+/// Fraction of patch i's rays that hit primitive `target`; -1: rays that hit nothing.
 double form_factor(const PatchSet& scene, std::int32_t i, std::int32_t target) {
   const RayFormFactors factors(scene, 1);
   const Shot shot{i, kRays, 0};
@@ -75,8 +75,8 @@ TEST(RayFormFactors, SphereAboveASquareMatchesTheClosedForm) {
   EXPECT_NEAR(form_factor(builder.get(), 1, 0), 1.0 / 6, kTolerance);
 }
 
-TEST(RayFormFactors, TriangleSeesWhatItsAreaSees) {
-  // Two triangles that make the unit square see the mean of what they see apart.
+TEST(RayFormFactors, TwoTrianglesMatchTheSquareTheyForm) {
+  // The form factor of the unit square is the mean of its two triangles'.
   PatchScene builder;
   builder.quad({{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {1, 1, 0}}}, 1, 1, {});
   builder.quad({{{0, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 1, 0}}}, 1, 1, {});
@@ -106,7 +106,7 @@ TEST(RayFormFactors, NoRayPassesAThinWall) {
   const PatchSet& scene = builder.get();
   const RayFormFactors factors(scene, 1);
   for (std::int32_t i = 0; i < std::int32_t(scene.patches.size()); ++i) {
-    if (scene.patches[i].primitive != 4 && scene.patches[i].primitive != 6) continue;  // all behind the wall
+    if (scene.patches[i].primitive != 4 && scene.patches[i].primitive != 6) continue;  // only patches behind the wall
     const Shot shot{i, 1 << 14, 0};
     for (const std::int32_t j : factors.cast({&shot, 1})) {
       const bool behind = j < 0 || scene.patches[j].center.z < 5e-5;
@@ -115,7 +115,7 @@ TEST(RayFormFactors, NoRayPassesAThinWall) {
   }
 }
 
-TEST(RayFormFactors, ShotsGoOnWhereThePatchLeftOff) {
+TEST(RayFormFactors, ShotsContinueTheSequenceOfThePatch) {
   PatchScene builder;
   builder.room(1, 3, {});
   const RayFormFactors factors(builder.get(), 1);

@@ -21,7 +21,7 @@ Transport cast(const PatchSet& scene, int rays) {
   return transport;
 }
 
-/// From the patches from `first` on, of equal areas, to those from `to` on.
+/// Mean form factor from `rows` patches of equal area, from `first` on, to `patches` patches from `to` on.
 double form_factor(const Transport& transport, int first, int rows, int to, int patches) {
   double sum = 0;
   for (int sample_set = 2 * first; sample_set < 2 * (first + rows); ++sample_set)
@@ -30,7 +30,7 @@ double form_factor(const Transport& transport, int first, int rows, int to, int 
   return sum / (2 * rows);
 }
 
-TEST(DirectionTable, SpreadsWithTheDensityOfTheCosine) {
+TEST(DirectionTable, HasTheCosineDensity) {
   const DirectionTable table(1024);
   double height = 0, square = 0, across = 0;
   for (int k = 0; k < table.count(); ++k) {
@@ -44,7 +44,7 @@ TEST(DirectionTable, SpreadsWithTheDensityOfTheCosine) {
   EXPECT_NEAR(across, 0, 2e-3);
 }
 
-TEST(DirectionTable, HasAPointInEachOfEqualPartsAlsoWhenTurned) {
+TEST(DirectionTable, IsStratifiedAfterAnyShift) {
   const DirectionTable table(64);
   for (const std::uint32_t index : {0u, 1u, 5u}) {
     const std::array<std::uint32_t, 4> shift = table.block(index);
@@ -58,27 +58,27 @@ TEST(DirectionTable, HasAPointInEachOfEqualPartsAlsoWhenTurned) {
   }
 }
 
-TEST(RayRows, HaveTwoHalvesOfEqualLength) {
+TEST(RayRows, HaveTwoSampleSetsOfEqualSize) {
   PatchScene builder;
   builder.room(1, 3, {});
   const Transport transport = cast(builder.get(), 100);
   EXPECT_EQ(transport.starts.size(), 2 * builder.get().patches.size() + 1);
   for (std::size_t k = 1; k < transport.starts.size(); ++k)
-    EXPECT_EQ(transport.starts[k] - transport.starts[k - 1], 64u) << "128 a row, in multiples of 32";
+    EXPECT_EQ(transport.starts[k] - transport.starts[k - 1], 64u) << "128 rays a row, a multiple of 32";
 }
 
-TEST(RayRows, GoOnWhereMostRaysMeetNothing) {
+TEST(RayRows, CastMoreBlocksWhereMostRaysHitNothing) {
   PatchScene builder;
   builder.quad({{{0, 0, 0}, {0, 0, 1}, {1, 0, 1}, {1, 0, 0}}}, 1, 1, {});
   builder.quad({{{0, 3, 0}, {1, 3, 0}, {1, 3, 1}, {0, 3, 1}}}, 1, 1, {});
   const Transport transport = cast(builder.get(), 1 << 12);
-  EXPECT_EQ(transport.hit_weights[0], 1.0f / (8 << 11)) << "up to eight times as many";
+  EXPECT_EQ(transport.hit_weights[0], 1.0f / (8 << 11)) << "eight blocks";
   EXPECT_NEAR(form_factor(transport, 0, 1, 1, 1), 0.032971, 3e-4);  // Howell 2010, C-11
 }
 
-TEST(RayRows, AreOfTheExposedPartOfAPatch) {
+TEST(RayRows, AreThoseOfTheVisiblePartOfAPatch) {
   PatchScene builder;
-  builder.quad({{{0, 0, 0}, {0, 0, 1}, {1, 0, 1}, {1, 0, 0}}}, 1, 1, {});  // a floor, and a block on what is left of x
+  builder.quad({{{0, 0, 0}, {0, 0, 1}, {1, 0, 1}, {1, 0, 0}}}, 1, 1, {});  // a floor, and a block on its part left of x
   const double x = 0.3;
   builder.quad({{{x, 0, 0}, {x, 1, 0}, {x, 1, 1}, {x, 0, 1}}}, 1, 1, {});
   builder.quad({{{-1, 1, 0}, {-1, 1, 1}, {x, 1, 1}, {x, 1, 0}}}, 1, 1, {});
@@ -91,11 +91,11 @@ TEST(RayRows, AreOfTheExposedPartOfAPatch) {
   EXPECT_NEAR(form_factor(transport, 0, 1, 1, 1), 0.24842, 0.004) << "rectangles that share an edge: Howell 2010, C-14";
 }
 
-TEST(RayRows, InAClosedRoomSeePatchesAloneAndNoneOfTheirOwnPlane) {
+TEST(RayRows, InAClosedRoomHitOnlyPatchesOfOtherPlanes) {
   PatchScene builder;
   builder.room(1, 4, {});
   const Transport transport = cast(builder.get(), 512);
-  EXPECT_EQ(form_factor(transport, 0, 96, 96, 1), 0) << "nothing leaves";
+  EXPECT_EQ(form_factor(transport, 0, 96, 96, 1), 0) << "no ray leaves the room";
   for (int wall = 0; wall < 6; ++wall) EXPECT_EQ(form_factor(transport, 16 * wall, 16, 16 * wall, 16), 0);
 }
 
@@ -108,14 +108,14 @@ TEST(RayRows, AgreeWithTheClosedFormOfParallelSquares) {
   EXPECT_NEAR(form_factor(transport, 9, 25, 0, 9), 0.199824895698387, 1e-3);
 }
 
-TEST(RayRows, EndNowhereOnUnlitBacks) {
+TEST(RayRows, DoNotCountHitsOfUnlitBacks) {
   PatchScene builder;
   builder.quad({{{0, 0, 0}, {0, 0, 1}, {1, 0, 1}, {1, 0, 0}}}, 1, 1, {});
   builder.quad({{{-9, 1, -9}, {-9, 1, 9}, {9, 1, 9}, {9, 1, -9}}}, 1, 1, {});  // lit upwards
   EXPECT_EQ(form_factor(cast(builder.get(), 256), 0, 1, 1, 1), 0);
 }
 
-/// Received by the first patch by way of mirrors, of each half: sums of weights.
+/// Sum of a row's specular weights.
 Vec3d mirrored(const Transport& transport, int row) {
   Vec3d sum(0.0);
   for (const auto& m : transport.mirrored)
@@ -131,7 +131,7 @@ PatchScene before_mirror(const Color& specular, float roughness) {
   return builder;
 }
 
-TEST(RayRows, GoOnThroughMirrorsByWhatTheyReflect) {
+TEST(RayRows, AreWeightedByTheReflectanceOfMirrors) {
   PatchScene builder = before_mirror(Color(0.8f, 0.4f, 0.0f), 0.0f);
   const Transport transport = cast(builder.get(), 4096);
   const double hits = form_factor(transport, 4, 1, 6, 1);  // the wall at -z sees the mirror
@@ -142,7 +142,7 @@ TEST(RayRows, GoOnThroughMirrorsByWhatTheyReflect) {
   EXPECT_EQ(by_mirror.z, 0);
 }
 
-TEST(RayRows, RoughMetalsSendOnNoMoreThanTheyGet) {
+TEST(RayRows, RoughMetalsReflectNoMoreThanTheyReceive) {
   for (const float roughness : {0.1f, 0.5f, 1.0f}) {
     PatchScene builder = before_mirror(Color(1.0f), roughness);
     const Transport transport = cast(builder.get(), 4096);
@@ -152,7 +152,7 @@ TEST(RayRows, RoughMetalsSendOnNoMoreThanTheyGet) {
   }
 }
 
-TEST(RayRows, EndBetweenMirrorsThatFaceEachOther) {
+TEST(RayRows, TerminateBetweenFacingMirrors) {
   PatchScene builder;
   builder.get().materials[0] = {"mirror", Color(1.0f), 0.0f};
   builder.room(1, 2, {0.0f, 0.0f});

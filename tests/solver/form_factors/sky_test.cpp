@@ -14,8 +14,8 @@ using test::PatchScene;
 
 const Color kRadiance(2.0f, 1.0f, 0.0f);
 
-/// The same all around, by one cell or by many.
-Environment even_sky(int rows) {
+/// A uniform environment with one cell or many.
+Environment uniform_sky(int rows) {
   Environment sky;
   sky.texels.assign(1, kRadiance);
   sky.rows = rows;
@@ -38,14 +38,14 @@ EnergyField solve_quietly(const PatchSet& scene, const std::string& method = "ma
   return solve_quietly(scene, config, transport);
 }
 
-TEST(SkySolved, AFloorHasPiTimesItsRadiance) {
+TEST(SkySolved, AFloorReceivesPiTimesItsRadiance) {
   PatchScene builder;
   builder.quad({{{-1, 0, -1}, {-1, 0, 1}, {1, 0, 1}, {1, 0, -1}}}, 4, 4, {0.5f});
   for (const int rows : {1, 24})
     for (const char* method : {"matrix", "progressive"})
       for (const char* form_factors : {"rays", "hemicube"}) {
         PatchSet scene = builder.get();
-        scene.environment = even_sky(rows);
+        scene.environment = uniform_sky(rows);
         const EnergyField energy = solve_quietly(scene, method, form_factors);
         for (std::size_t i = 0; i < scene.patches.size(); ++i) {
           EXPECT_NEAR(energy.groups[0].direct[i].x, 2 * kPi, 1e-4) << method << form_factors;
@@ -60,25 +60,25 @@ TEST(SkySolved, AWallHidesHalfOfIt) {
   builder.quad({{{0, 0, -0.1}, {0, 0, 0.1}, {0.01, 0, 0.1}, {0.01, 0, -0.1}}}, 1, 4, {0.0f});
   builder.quad({{{-0.001, 0, 500}, {-0.001, 0, -500}, {-0.001, 500, -500}, {-0.001, 500, 500}}}, 1, 1, {0.0f});
   PatchSet& scene = builder.get();
-  scene.environment = even_sky(24);
+  scene.environment = uniform_sky(24);
   const EnergyField energy = solve_quietly(scene);
   for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(energy.groups[0].direct[i].x / (2 * kPi), 0.5, 0.01);
 }
 
 TEST(SkySolved, AFurnaceIsAsBrightAsItsSky) {
-  // What stands alone, convex or not, and absorbs nothing, sends as much as it gets from everywhere: B = pi L.
+  // Surfaces under a uniform sky that absorb nothing have B = pi L.
   PatchScene builder;
   constexpr float kWhite = 0.9999f;
   builder.sphere({0, 2, 0}, 1, 12, 16, {kWhite});
   builder.quad({{{-2, 0, -2}, {-2, 0, 2}, {2, 0, 2}, {2, 0, -2}}}, 8, 8, {kWhite});
-  builder.quad({{{-2, 0, 2}, {-2, 0, -2}, {2, 0, -2}, {2, 0, 2}}}, 8, 8, {kWhite});  // its other side
+  builder.quad({{{-2, 0, 2}, {-2, 0, -2}, {2, 0, -2}, {2, 0, 2}}}, 8, 8, {kWhite});  // the back side
   PatchSet& scene = builder.get();
   scene.primitives[1].back = 2;
   scene.primitives[2].back = 1;
-  scene.environment = even_sky(24);
+  scene.environment = uniform_sky(24);
   for (const char* method : {"matrix", "progressive"}) {
     const EnergyField energy = solve_quietly(scene, method);
-    const bool exact = energy.method == "matrix";  // what is shot lands here or there
+    const bool exact = energy.method == "matrix";  // shot light is scattered randomly
     const std::vector<Color> b = radiosity(scene, energy);
     double square = 0, area = 0;
     for (std::size_t i = 0; i < b.size(); ++i) {
@@ -93,12 +93,12 @@ TEST(SkySolved, AFurnaceIsAsBrightAsItsSky) {
   }
 }
 
-TEST(SkySolved, CellsShineFromWhereTheyLie) {
-  // One bright cell: a floor's irradiance is L cos w.
+TEST(SkySolved, CellsLightFromTheirDirection) {
+  // With one bright cell, the floor's irradiance is L times cosine times the cell's solid angle.
   PatchScene builder;
   builder.quad({{{-1, 0, -1}, {-1, 0, 1}, {1, 0, 1}, {1, 0, -1}}}, 1, 1, {0.0f});
   PatchSet& scene = builder.get();
-  scene.environment = even_sky(4);
+  scene.environment = uniform_sky(4);
   Environment& sky = *scene.environment;
   for (const Vec3f& direction : {Vec3f(0.5f, 0.4f, 0.1f), Vec3f(-0.2f, 0.9f, -0.3f), Vec3f(0.5f, -0.4f, 0.1f)}) {
     std::fill(sky.cells.begin(), sky.cells.end(), Color(0.0f));
@@ -113,15 +113,15 @@ TEST(SkySolved, CellsShineFromWhereTheyLie) {
   }
 }
 
-TEST(SkySolved, MirrorsSendItOn) {
-  // A floor that sees a mirror where the sky would be sees the sky in it.
+TEST(SkySolved, MirrorsReflectIt) {
+  // A mirror that covers half of the sky reflects the other half.
   PatchScene builder;
   builder.get().materials.push_back({"mirror", Color(0.5f), 0.0f});
   builder.quad({{{0, 0, -0.1}, {0, 0, 0.1}, {0.01, 0, 0.1}, {0.01, 0, -0.1}}}, 1, 4, {0.5f});
   builder.quad({{{-0.001, 0, 500}, {-0.001, 0, -500}, {-0.001, 500, -500}, {-0.001, 500, 500}}}, 1, 1,
                {0.0f, 0.0f, 0, 1});
   PatchSet& scene = builder.get();
-  scene.environment = even_sky(24);
+  scene.environment = uniform_sky(24);
   const EnergyField energy = solve_quietly(scene);
   for (std::size_t i = 0; i < 4; ++i) {
     EXPECT_NEAR(energy.groups[0].direct[i].x / (2 * kPi), 0.5, 0.01);
@@ -129,14 +129,14 @@ TEST(SkySolved, MirrorsSendItOn) {
   }
 }
 
-TEST(SkySolved, AnotherSkyCastsNoRay) {
+TEST(SkySolved, AnotherSkyNeedsNoRays) {
   PatchScene builder;
   builder.room(1, 4, {0.5f});
   PatchSet& scene = builder.get();
   scene.primitives.pop_back();  // open on one side
   scene.patches.resize(scene.patches.size() - 16);
   scene.geometry_key = "geometry";
-  scene.environment = even_sky(24);
+  scene.environment = uniform_sky(24);
   Transport transport;
   const EnergyField first = solve_quietly(scene, {}, transport);
   EXPECT_GT(first.rays, 0);

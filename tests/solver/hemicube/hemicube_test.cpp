@@ -13,7 +13,7 @@ namespace {
 
 using test::PatchScene;
 
-/// Row of patch i, the mean of `count` hemicubes.
+/// Row of patch i: the mean of `count` hemicubes.
 std::vector<double> hemicube_row(const PatchSet& scene, std::int32_t i, int resolution, int count) {
   HemicubeFormFactors factors(scene, resolution, 1);
   std::vector<double> row(scene.patches.size());
@@ -29,14 +29,14 @@ double sum(const std::vector<double>& row) {
   return std::accumulate(row.begin(), row.end(), 0.0);
 }
 
-/// Of the patches of one primitive.
+/// Sum over the patches of one primitive.
 double sum_on(const PatchSet& scene, const std::vector<double>& row, std::int32_t primitive) {
   double total = 0;
   for (std::size_t j = 0; j < row.size(); ++j) total += scene.patches[j].primitive == primitive ? row[j] : 0.0;
   return total;
 }
 
-TEST(Hemicube, CellsAddUpToOne) {
+TEST(Hemicube, WeightsSumToOne) {
   for (const int n : {2, 64, 128}) {
     double total = 0;
     for (const float w : hemicube_weights(n)) total += w;
@@ -74,11 +74,11 @@ TEST(Hemicube, TouchingWallsMatchTheClosedForm) {
   EXPECT_NEAR(sum_on(builder.get(), hemicube_row(builder.get(), 0, 128, 256), 1), 0.200043776075403, 1e-3);
 }
 
-TEST(Hemicube, SpheresSeeAsTheClosedFormsSay) {
+TEST(Hemicube, SpheresMatchTheClosedForms) {
   PatchScene builder;
   builder.sphere({5, 6, 7}, 0.5, 4, 6, {});
   builder.sphere({5, 6, 7}, -1, 6, 8, {});
-  // Any patch of the inner sphere sees the outer one alone; one of the outer sees the inner by (r1/r2)^2.
+  // F from the inner to the outer sphere is 1, back (r1/r2)^2.
   EXPECT_NEAR(sum_on(builder.get(), hemicube_row(builder.get(), 9, 128, 1), 1), 1.0, 1e-5);
   const std::vector<double> outer = hemicube_row(builder.get(), 24 + 20, 128, 8);
   EXPECT_NEAR(sum_on(builder.get(), outer, 0), 0.25, 1e-3);
@@ -106,7 +106,7 @@ TEST(Hemicube, SeesNothingThroughAThinWallOrAnUnlitBack) {
   builder.quad({{{-1, -1, 0}, {-1, 1, 0}, {1, 1, 0}, {1, -1, 0}}}, 2, 2, {});
   builder.quad({{{-1, -1, 1e-4}, {1, -1, 1e-4}, {1, 1, 1e-4}, {-1, 1, 1e-4}}}, 2, 2, {});
   const PatchSet& scene = builder.get();
-  // On the wall at -z. Where walls meet without sharing a vertex a GPU may leave a cell open: seen on an H100.
+  // A patch of the wall at -z. A GPU may leave a cell open between walls that share no vertices (seen on an H100).
   constexpr double kCell = 1e-4 / 8;
   const std::vector<double> row = hemicube_row(scene, 17, 64, 8);
   for (std::size_t j = 0; j < row.size(); ++j) {

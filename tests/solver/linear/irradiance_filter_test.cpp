@@ -15,7 +15,7 @@ using test::PatchScene;
 constexpr int kSide = 32;
 const std::array<Vec3d, 4> kSquare{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}};
 
-/// A field over a square of patches, with two halves that scatter about it.
+/// A field over a square of patches, and two noisy sample sets of it.
 struct Sampled {
   PatchScene scene;
   SpectrumField truth, mean, deviation, reflectance;
@@ -48,23 +48,23 @@ double parabola(double x, double y) {
   return 2 + x - 3 * y + 2 * x * y - x * x + 0.5 * y * y;
 }
 
-TEST(IrradianceFilter, TakesNoiseFromWhatIsSmooth) {
+TEST(IrradianceFilter, RemovesNoiseFromSmoothFields) {
   Sampled sampled(parabola, 0.1);
   EXPECT_LT(sampled.error(sampled.filter().apply(sampled.mean)), 0.25 * sampled.error(sampled.mean));
 }
 
-TEST(IrradianceFilter, KeepsParabolasWhole) {
+TEST(IrradianceFilter, PreservesParabolas) {
   Sampled sampled(parabola, 0.1);
   EXPECT_LT(sampled.error(sampled.filter().apply(sampled.truth)), 1e-12);
 }
 
-TEST(IrradianceFilter, LeavesEdgesAlone) {
+TEST(IrradianceFilter, PreservesEdges) {
   Sampled sampled([](double x, double y) { return x > 0.4 + 0.3 * y ? 1.0 : 0.1; }, 0.01);
   EXPECT_LT(sampled.error(sampled.filter().apply(sampled.mean)), 1.05 * sampled.error(sampled.mean));
 }
 
-TEST(IrradianceFilter, KnowsWhatItBends) {
-  double stated = 0, squares = 0, before = 0;
+TEST(IrradianceFilter, EstimatesItsBias) {
+  double stated = 0, squares = 0, unfiltered = 0;
   for (unsigned seed = 0; seed < 50; ++seed) {
     Sampled sampled([](double x, double y) { return 2 + std::sin(9 * x) * std::cos(8 * y); }, 0.2, seed);
     const IrradianceFilter filter = sampled.filter();
@@ -72,19 +72,19 @@ TEST(IrradianceFilter, KnowsWhatItBends) {
     for (std::size_t i = 0; i < noise.size(); ++i)
       stated += (filter.bias(i).square / 0.75 + std::pow(noise[i].c[1], 2)) / double(noise.size());
     squares += std::pow(sampled.error(filter.apply(sampled.mean)), 2);
-    before += std::pow(sampled.error(sampled.mean), 2);
+    unfiltered += std::pow(sampled.error(sampled.mean), 2);
   }
-  EXPECT_LT(squares, 0.3 * before);
+  EXPECT_LT(squares, 0.3 * unfiltered);
   EXPECT_NEAR(stated / squares, 1.0, 0.3);  // 0.75: three channels of a reflectance of a half
 }
 
-TEST(IrradianceFilter, BringsNoLightToWhereNoneIs) {
+TEST(IrradianceFilter, LeavesUnlitPatchesBlack) {
   Sampled sampled([](double x, double) { return x < 0.5 ? 0.0 : 3.0; }, 0.0);
   const SpectrumField smooth = sampled.filter().apply(sampled.mean);
   for (std::size_t i = 0; i < smooth.size(); ++i) EXPECT_EQ(smooth[i].c[1] == 0, sampled.truth[i].c[1] == 0);
 }
 
-TEST(IrradianceFilter, LeavesFewPatchesAlone) {
+TEST(IrradianceFilter, DoesNotFilterSmallGrids) {
   PatchScene builder;
   builder.quad(kSquare, 3, 2, {0.5f, 0.0f});
   const std::size_t n = builder.get().patches.size();

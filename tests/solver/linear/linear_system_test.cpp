@@ -10,8 +10,8 @@ namespace {
 
 constexpr int kPatches = 40;
 
-/// Rows that see patches at random, `share` of them; the rest see nothing.
-Transport random_rows(double share, bool weighted) {
+/// Rows with random columns: a fraction `probability` of 16 for each sample set.
+Transport random_rows(double probability, bool weighted) {
   std::mt19937 random(3);
   std::uniform_int_distribution<int> patch(0, kPatches - 1);
   std::uniform_real_distribution<float> unit(0, 1);
@@ -21,7 +21,7 @@ Transport random_rows(double share, bool weighted) {
   if (!weighted) rows.hit_weights.assign(2 * kPatches, 1.0f / 16);
   for (int sample_set = 0; sample_set < 2 * kPatches; ++sample_set) {
     for (int k = 0; k < 16; ++k) {
-      if (unit(random) >= share) continue;
+      if (unit(random) >= probability) continue;
       rows.columns.push_back(patch(random));
       if (weighted) rows.weights.push_back(unit(random) / 16);
     }
@@ -54,10 +54,11 @@ double residual(const FormFactorRows& rows, const SpectrumField& reflectance, co
 }
 
 LinearSolve solve(const FormFactorRows& rows, const SpectrumField& reflectance, const SpectrumField& source,
-                  SpectrumField& x, double tolerance = 1e-10, int most = 1000) {
+                  SpectrumField& x, double tolerance = 1e-10, int max_iterations = 1000) {
   const std::vector<double> areas(kPatches, 0.5);
   std::vector<SpectrumField> fields{x};
-  const auto solves = solve_irradiance(rows, reflectance, areas, {source}, tolerance, most, fields, [](double) {});
+  const auto solves =
+      solve_irradiance(rows, reflectance, areas, {source}, tolerance, max_iterations, fields, [](double) {});
   x = fields[0];
   return solves[0];
 }
@@ -73,7 +74,7 @@ TEST(LinearSystem, IsSolvedForAnyRows) {
   }
 }
 
-TEST(LinearSystem, IsSolvedWhereLightHardlyFades) {
+TEST(LinearSystem, IsSolvedAtReflectancesNearOne) {
   const Transport transport = random_rows(1.0, false);
   const FormFactorRows rows(transport);
   const SpectrumField reflectance(kPatches, Spectrum(0.9999)), source(kPatches, Spectrum(1.0));
@@ -82,7 +83,7 @@ TEST(LinearSystem, IsSolvedWhereLightHardlyFades) {
   for (const Spectrum& value : x) EXPECT_NEAR(value.c[1], 1e4, 1);
 }
 
-TEST(LinearSystem, TakesChannelsOfAnySize) {
+TEST(LinearSystem, SolvesChannelsOfAnyMagnitude) {
   const Transport transport = random_rows(0.9, false);
   const FormFactorRows rows(transport);
   const SpectrumField reflectance = random_field(0.5f, 0.9f);
@@ -96,7 +97,7 @@ TEST(LinearSystem, TakesChannelsOfAnySize) {
   }
 }
 
-TEST(LinearSystem, SourcesSideBySideAreSolvedAsAlone) {
+TEST(LinearSystem, SourcesTogetherAreSolvedAsAlone) {
   const Transport transport = random_rows(0.9, false);
   const FormFactorRows rows(transport);
   const SpectrumField reflectance = random_field(0.1f, 0.9f);
@@ -105,7 +106,7 @@ TEST(LinearSystem, SourcesSideBySideAreSolvedAsAlone) {
     std::vector<SpectrumField> sources, together;
     for (int k = 0; k < int(RadiosityTable::kMaxFields); ++k) {
       SpectrumField& source = sources.emplace_back(random_field(0.0f, 2.0f));
-      for (int i = 0; i < 7 * k; ++i) source[i] = Spectrum();  // of other numbers of iterations
+      for (int i = 0; i < 7 * k; ++i) source[i] = Spectrum();  // for different numbers of iterations
       together.emplace_back(kPatches);
     }
     const auto solves = solve_irradiance(rows, reflectance, areas, sources, tolerance, 100, together, [](double) {});
@@ -127,7 +128,7 @@ TEST(LinearSystem, WithoutASourceIsZero) {
   EXPECT_EQ(result.residual, 0);
 }
 
-TEST(LinearSystem, StopsAtItsLimitAndSaysWhatIsLeft) {
+TEST(LinearSystem, StopsAtTheIterationLimitAndReportsTheResidual) {
   const Transport transport = random_rows(1.0, false);
   SpectrumField x(kPatches);
   const LinearSolve result =
@@ -136,24 +137,24 @@ TEST(LinearSystem, StopsAtItsLimitAndSaysWhatIsLeft) {
   EXPECT_GT(result.residual, 1e-12);
 }
 
-TEST(FormFactorRows, InSinglePrecisionLoseItsDigitsAlone) {
+TEST(FormFactorRows, InSinglePrecisionDifferByRoundingOnly) {
   for (const bool weighted : {false, true}) {
     const Transport transport = random_rows(0.8, weighted);
     const FormFactorRows rows(transport);
-    const SpectrumField light = random_field(0.0f, 3.0f), even(kPatches, Spectrum(0.1f));
-    SpectrumField full(kPatches), single(kPatches), of_even(kPatches);
+    const SpectrumField light = random_field(0.0f, 3.0f), uniform(kPatches, Spectrum(0.1f));
+    SpectrumField full(kPatches), single(kPatches), of_uniform(kPatches);
     rows.gather(light, full);
-    const std::vector<FormFactorRows::Field> fields{{&light, {&single}}, {&even, {&of_even}}};
+    const std::vector<FormFactorRows::Field> fields{{&light, {&single}}, {&uniform, {&of_uniform}}};
     rows.gather(fields, nullptr, FormFactorRows::Precision::single);
-    const SpectrumField seen = rows.row_sums();
+    const SpectrumField row_sums = rows.row_sums();
     for (int i = 0; i < kPatches; ++i) {
       EXPECT_NEAR(single[i].c[1], full[i].c[1], 1e-6);
-      EXPECT_NEAR(of_even[i].c[1], double(0.1f) * seen[i].c[1], 1e-15);  // where all is equal nothing is lost
+      EXPECT_NEAR(of_uniform[i].c[1], double(0.1f) * row_sums[i].c[1], 1e-15);  // equal values sum exactly
     }
   }
 }
 
-TEST(FormFactorRows, TellHowFarTheirHalvesAreApart) {
+TEST(FormFactorRows, ReportTheDeviationOfTheirSampleSets) {
   Transport transport;
   transport.starts = {0, 2, 3};
   transport.columns = {0, 1, 0};
@@ -164,7 +165,8 @@ TEST(FormFactorRows, TellHowFarTheirHalvesAreApart) {
   SpectrumField light(2), received(1), deviation(1);
   light[0] = Spectrum(4.0);
   const FormFactorRows::Field field{&light, {&received, &deviation}};
-  rows.gather({&field, 1}, nullptr, FormFactorRows::Precision::full);  // halves of 2, and of 4 + 4 times the mirror's
+  rows.gather({&field, 1}, nullptr,
+              FormFactorRows::Precision::full);  // sample sets: 2, and 4 + 4 times the mirror's weight
   EXPECT_DOUBLE_EQ(received[0].c[0], 0.5 * (2 + 6));
   EXPECT_DOUBLE_EQ(received[0].c[1], 0.5 * (2 + 5));
   EXPECT_DOUBLE_EQ(deviation[0].c[0], 0.5 * (2 - 6));

@@ -50,14 +50,14 @@ TEST(MatrixSolver, CubeWithOneHotFaceMatchesTheClosedForm) {
   scene.patches[0].emission = Color(1.0f);
   for (const auto& [form_factors, rays] : {std::pair("rays", 1 << 18), std::pair("hemicube", 64)}) {
     const std::vector<Color> b = radiosity(scene, solve_quietly(scene, rays, form_factors).energy);
-    const double tolerance = rays > 64 ? 2e-4 : 0.02;  // a hemicube stands in the middle of its patch
+    const double tolerance = rays > 64 ? 2e-4 : 0.02;  // hemicubes are at the patch centres
     EXPECT_NEAR(b[0].y, 1.090909098, tolerance) << form_factors;
     EXPECT_NEAR(b[1].y, 0.181745826, tolerance) << form_factors;
     for (int side = 2; side < 6; ++side) EXPECT_NEAR(b[side].y, 0.181836269, tolerance) << form_factors;
   }
 }
 
-TEST(MatrixSolver, DirectLightOfAPlaneIsItsClosedForm) {
+TEST(MatrixSolver, DirectLightOfAPlaneMatchesTheClosedForm) {
   PatchScene builder;
   builder.quad({{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}, 1, 1, {0.5f, 3.0f});
   builder.quad({{{0, 0, 1}, {0, 1, 1}, {1, 1, 1}, {1, 0, 1}}}, 16, 16, {0.0f, 0.0f});
@@ -65,7 +65,7 @@ TEST(MatrixSolver, DirectLightOfAPlaneIsItsClosedForm) {
   const EnergyField energy = solve_quietly(scene, 4).energy;
   double mean = 0;
   for (int i = 1; i <= 256; ++i) mean += energy.groups[0].direct[i].y / 256;
-  EXPECT_NEAR(mean, 3 * 0.199824895698387, 1e-6) << "nothing hides it: no noise";
+  EXPECT_NEAR(mean, 3 * 0.199824895698387, 1e-6) << "unoccluded, so without noise";
 }
 
 TEST(MatrixSolver, WallsThatTouchDoNotLeak) {
@@ -90,7 +90,7 @@ PatchScene shadowed_room() {
   return builder;
 }
 
-TEST(MatrixSolver, KnowsItsOwnError) {
+TEST(MatrixSolver, EstimatesItsError) {
   PatchScene builder = shadowed_room();
   const PatchSet& scene = builder.get();
   const EnergyField truth = solve_quietly(scene, 1 << 15).energy;
@@ -105,7 +105,7 @@ TEST(MatrixSolver, KnowsItsOwnError) {
     within += error <= energy.estimate->error_bound;
   }
   EXPECT_NEAR(std::sqrt(stated / squares), 1.0, 0.1);
-  EXPECT_GE(within, 34);  // 38 expected; fewer has a chance of 1 in 300
+  EXPECT_GE(within, 34);  // 38 expected; fewer than 34 has a probability of 1/300
 }
 
 TEST(Solve, CastsUntilTheErrorTargetIsMet) {
@@ -118,17 +118,17 @@ TEST(Solve, CastsUntilTheErrorTargetIsMet) {
   const EnergyField energy = solve(builder.get(), config, transport, progress);
   EXPECT_LE(energy.estimate->error_bound, 0.01);
   EXPECT_GT(energy.rays, 64 * transport.rows());
-  EXPECT_EQ(solve(builder.get(), config, transport, progress).rays, 0) << "what was cast is kept";
+  EXPECT_EQ(solve(builder.get(), config, transport, progress).rays, 0) << "the transport is reused";
 }
 
-TEST(MatrixSolver, OtherColoursAndLampsNeedNoRay) {
+TEST(MatrixSolver, OtherColoursAndExitancesNeedNoRays) {
   PatchScene builder = shadowed_room();
   PatchSet& scene = builder.get();
   scene.geometry_key = "room";
   Solved first = solve_quietly(scene, 64);
   EXPECT_GT(first.energy.rays, 0);
   for (Patch& patch : scene.patches) patch.reflectance *= 0.5f;
-  scene.patches.back().emission *= 3.0f;  // one patch of the lamp: now each is sampled apart
+  scene.patches.back().emission *= 3.0f;  // one patch of the lamp: its patches become separate emitters
   SolveConfig config;
   config.rays = 64;
   Progress progress({"test", true, ""});
@@ -154,7 +154,7 @@ TEST(MatrixSolver, GivesTheSameBitsForAnyNumberOfThreads) {
   }
 }
 
-TEST(MatrixSolver, BalancesWhatIsEmitted) {
+TEST(MatrixSolver, ConservesEmittedPower) {
   PatchScene builder = shadowed_room();
   const EnergyField rough = solve_quietly(builder.get(), 16).energy, fine = solve_quietly(builder.get(), 4096).energy;
   EXPECT_GT(rough.estimate->reciprocity, 4 * fine.estimate->reciprocity);

@@ -68,7 +68,7 @@ TEST(ProgressiveRefinement, CubeWithOneHotFaceMatchesTheClosedForm) {
   for (int side = 2; side < 6; ++side) EXPECT_NEAR(b[side].y, 0.181836269, 1e-3);
 }
 
-TEST(ProgressiveRefinement, DirectLightIsThePartThatIsNotReflected) {
+TEST(ProgressiveRefinement, DirectLightExcludesReflections) {
   PatchScene builder;
   builder.quad({{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}, 1, 1, {0.5f, 3.0f});
   builder.quad({{{0, 0, 1}, {0, 1, 1}, {1, 1, 1}, {1, 0, 1}}}, 1, 1, {0.5f, 0.0f});
@@ -101,7 +101,7 @@ TEST(ProgressiveRefinement, ByHemicubesAndByRaysAgree) {
   EXPECT_EQ(hemicubes.rays, 0);
 }
 
-TEST(ProgressiveRefinement, ASmallLampGetsAsManyRaysAsItIsWorth) {
+TEST(ProgressiveRefinement, RaysOfASmallLampAreProportionalToItsPower) {
   PatchScene builder;
   builder.room(1, 40, {0.0f, 0.0f});
   builder.quad({{{-0.01, 0.9, -0.01}, {0.01, 0.9, -0.01}, {0.01, 0.9, 0.01}, {-0.01, 0.9, 0.01}}}, 1, 1, {0.0f, 1.0f});
@@ -109,7 +109,7 @@ TEST(ProgressiveRefinement, ASmallLampGetsAsManyRaysAsItIsWorth) {
   EXPECT_GE(energy.rays, std::int64_t(1024 * builder.get().patches.size()));
 }
 
-TEST(ProgressiveRefinement, GroupsAddUpToTheWhole) {
+TEST(ProgressiveRefinement, DimGroupsAreNoNoisierThanBrightOnes) {
   PatchScene builder;
   builder.room(1, 4, {0.6f, 0.0f});
   PatchSet& scene = builder.get();
@@ -119,7 +119,7 @@ TEST(ProgressiveRefinement, GroupsAddUpToTheWhole) {
   scene.patches[0].emission = Color(1e6f);
   scene.patches[20].emission = Color(1e-6f);
   const EnergyField energy = solve_quietly(scene, config_of(2048));
-  // By symmetry both groups light the room alike, up to their strength: the dim one is no noisier than the bright one.
+  // By symmetry both groups light the room alike, except for their strength.
   Vec3d sums(0.0);
   for (std::size_t i = 0; i < scene.patches.size(); ++i) {
     sums.x += scene.patches[i].area * energy.groups[0].indirect[i].y / 1e6;
@@ -164,7 +164,7 @@ TEST(ProgressiveRefinement, SceneWithoutLightIsBlack) {
   EXPECT_EQ(mean_radiosity(builder.get(), energy), 0.0);
 }
 
-TEST(ProgressiveRefinement, StopsAtItsLimitWhenLightHardlyFades) {
+TEST(ProgressiveRefinement, StopsAtTheShotLimitAtReflectancesNearOne) {
   PatchScene builder;
   builder.room(1, 2, {0.99999f, 1.0f});
   SolveConfig config = config_of(64);

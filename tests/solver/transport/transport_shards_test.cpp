@@ -14,7 +14,7 @@ namespace {
 using test::PatchScene;
 using test::TemporaryFolder;
 
-/// A room with a lamp, a mirror, and a block that stands on the floor's patches and is lit outside alone.
+/// A room with a lamp, a mirror, and a block on the floor whose surfaces are unlit inside.
 PatchSet mirror_room() {
   PatchScene scene;
   scene.room(1, 6, {0.5f});
@@ -69,7 +69,7 @@ class TransportShards : public ::testing::Test {
   std::int64_t cast_ = 0;
 };
 
-TEST_F(TransportShards, MakeTheRowsAndTheSolutionOfOneSolve) {
+TEST_F(TransportShards, GiveTheRowsAndSolutionOfASingleSolve) {
   Transport whole;
   const EnergyField alone = solve(scene_, job_.solve, whole, progress_);
   ASSERT_FALSE(whole.mirrored.empty());
@@ -93,18 +93,18 @@ TEST_F(TransportShards, MakeTheRowsAndTheSolutionOfOneSolve) {
   }
 }
 
-TEST_F(TransportShards, MakeRowsAloneWithoutADisplaySolution) {
+TEST_F(TransportShards, HaveOnlyPatchRowsWithoutADisplaySolution) {
   job_.solve.display = false;
   Transport whole;
   solve(scene_, job_.solve, whole, progress_);
-  const int count = int(scene_.patches.size()) + 20;  // some have no row
+  const int count = int(scene_.patches.size()) + 20;  // some shards have no rows
   for (int k = 1; k <= count; ++k) cast({k, count});
   Transport merged = merge(count);
   expect_equal(merged, whole);
   EXPECT_FALSE(merged.display);
 }
 
-TEST_F(TransportShards, AreRefusedWhereOneIsMissingOrOfSomethingElse) {
+TEST_F(TransportShards, AreRefusedIfOneIsMissingOrOfAnotherJob) {
   for (int k = 1; k <= 3; ++k) cast({k, 3});
   std::filesystem::remove(transport_shard_file(job_, {2, 3}));
   EXPECT_ERROR(merge(3), ExitCode::missing_input, "transport.2-of-3.h5): run patchlight-solve --shard 2/3");
@@ -118,7 +118,7 @@ TEST_F(TransportShards, AreRefusedWhereOneIsMissingOrOfSomethingElse) {
   folder_.write("transport.2-of-3.h5", "damaged");
   EXPECT_ERROR(merge(3), ExitCode::bad_data, "transport.2-of-3.h5");
 
-  // Of the right key, but what is in it is not what it should be.
+  // Shards with the right key and the wrong content.
   TransportShard rows = cast_transport_shard(scene_, job_.solve, {2, 3}, progress_);
   rows.key = transport_shard_key(job_, scene_, {2, 3});
   TransportShard fewer = rows;
