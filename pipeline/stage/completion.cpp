@@ -70,6 +70,7 @@ std::string bash_script(const Command& program) {
   return fmt::format(R"sh(# bash completion for {program}
 {function}() {{
   local word=${{COMP_WORDS[COMP_CWORD]}} before=${{COMP_WORDS[COMP_CWORD - 1]}} command={command} words=
+  COMPREPLY=()
 {first}  case "$command $before" in
 {values}  esac
   case "$command" in
