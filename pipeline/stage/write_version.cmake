@@ -1,4 +1,5 @@
 # Writes version.cpp with the version and, in a Git checkout of this project, the commit; leaves it alone if it is unchanged.
+cmake_minimum_required(VERSION 3.25)
 execute_process(COMMAND git rev-parse --show-toplevel WORKING_DIRECTORY ${SOURCE}
   OUTPUT_VARIABLE top OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET RESULT_VARIABLE failed)
 set(commit "")
