@@ -3,6 +3,7 @@
 #include "pipeline/driver/commands/batch.h"
 #include "pipeline/driver/commands/diff.h"
 #include "pipeline/driver/commands/info.h"
+#include "pipeline/driver/commands/init.h"
 #include "pipeline/driver/commands/preview.h"
 #include "pipeline/driver/commands/relight.h"
 #include "pipeline/driver/commands/status.h"
@@ -45,6 +46,16 @@ Action make_run() {
                                    .help = "Say all reasons for which stages run or do not"}},
                       .footer = job_key_help},
                      run.common, [](Progress& progress) { return run_jobs(run, progress); });
+}
+
+Action make_init() {
+  static InitCommand init;
+  return make_action(
+      {.name = "init",
+       .purpose = "Print a commented job for a scene, with its cameras, light groups and materials: init "
+                  "A.glb > A.yaml",
+       .options = {file_argument("SCENE", init.scene, "The scene, .glb or .gltf")}},
+      init.common, [](Progress& progress) { return print_starter_job(init, progress); });
 }
 
 Action make_status() {
@@ -152,8 +163,8 @@ Action make_diff() {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const std::vector<Action> actions{make_run(),    make_status(), make_clean(), make_preview(), make_relight(),
-                                    make_report(), make_bench(),  make_info(),  make_diff()};
+  const std::vector<Action> actions{make_run(),     make_init(),   make_status(), make_clean(), make_preview(),
+                                    make_relight(), make_report(), make_bench(),  make_info(),  make_diff()};
   Command program{.name = "patchlight",
                   .purpose = "Patchlight: radiosity from glTF scenes, in stages that run again only when they must."};
   for (const Action& action : actions) program.subcommands.push_back(action.command);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <fstream>
 #include <set>
 #include <sstream>
@@ -172,16 +173,48 @@ class JobReader {
   const std::string* set_ = nullptr;  ///< The override that is being read; null: the file.
 };
 
+/// In small letters.
+std::string extension(const fs::path& file) {
+  std::string text = file.extension().string();
+  for (char& c : text) c = char(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+void refuse_blender_file(const fs::path& file, const std::string& place) {
+  if (extension(file) == ".blend")
+    throw Error(ExitCode::bad_config, "a Blender file is not a glTF scene", place,
+                "export it from Blender as glTF (File > Export > glTF 2.0) and name the .glb");
+}
+
+/// The job that a scene stands for; its paths are relative to the scene's folder.
+Job scene_job(const fs::path& scene) {
+  refuse_blender_file(scene, scene.string());
+  std::error_code fault;
+  if (!fs::is_regular_file(scene, fault))
+    throw Error(ExitCode::missing_input, "missing scene", scene.string(), "check the path");
+  Job job;
+  job.scene = scene.filename();
+  job.output = scene.stem();
+  job.output += ".patchlight";
+  return job;
+}
+
 }  // namespace
 
+bool is_scene_file(const fs::path& file) {
+  return extension(file) == ".glb" || extension(file) == ".gltf" || extension(file) == ".blend";
+}
+
 Job read_job(const fs::path& file, const std::vector<std::string>& sets, const fs::path& output) {
-  Job job;
+  const bool is_scene = is_scene_file(file);
+  Job job = is_scene ? scene_job(file) : Job();
   job.file = file;
   JobReader reader(file, job);
   int budget = kMostIncludes;
-  reader.read_file(budget);
+  if (!is_scene) reader.read_file(budget);
   for (const auto& set : sets) reader.apply(set);
   if (job.scene.empty()) throw Error(ExitCode::bad_config, "no `scene`", file.string(), "add `scene: FILE.glb`");
+  refuse_blender_file(job.scene, file.string() + ", scene");
   if (!output.empty()) job.output = fs::absolute(output);
   if (job.output.empty()) throw Error(ExitCode::bad_config, "no `output`", file.string(), "add `output: FOLDER`");
   const fs::path folder = fs::absolute(file).parent_path();

@@ -7,10 +7,15 @@
 
 namespace patchlight {
 
+/// Whether a file's name is that of a scene, not of a job: .glb, .gltf or .blend, in letters of either case.
+bool is_scene_file(const std::filesystem::path& file);
+
 /// Reads a job file and those that it includes, whose keys it overrides; entries of `materials` and `lights` are
-/// merged. Relative paths become relative to the folder of the file that they stand in. `output`, unless empty,
-/// replaces the job's, relative to the working directory. `sets` are `key.path=value` overrides; a key that holds dots
-/// stands in double quotes. Throws: Error (missing_input) without a file; (usage) for a malformed override;
+/// merged. A scene may stand for a job: all settings are the defaults, and the output folder is `<scene>.patchlight`
+/// beside the scene, without the scene's extension. Relative paths become relative to the folder of the file that they
+/// stand in, those of `sets` to the folder of `file`. `output`, unless empty, replaces the job's, relative to the
+/// working directory. `sets` are `key.path=value` overrides; a key that holds dots stands in double quotes.
+/// Throws: Error (missing_input) without a file; (usage) for a malformed override;
 /// (bad_config), with key and line, for broken YAML, an unknown key or a value that is not allowed; (over_limit) for
 /// frames too large.
 Job read_job(const std::filesystem::path& file, const std::vector<std::string>& sets = {},
