@@ -187,6 +187,26 @@ void leave_out_invisible(const GltfModel& model, GltfScene& scene, Progress& pro
     progress.warning(fmt::format("material '{}' is left out: its alpha is below its cutoff everywhere", name));
 }
 
+/// Names the nodes of surfaces that have no material, unless the job says what these reflect.
+void warn_of_missing_materials(const GltfScene& scene, std::size_t default_material, Progress& progress) {
+  constexpr std::size_t kMostNames = 5;
+  if (default_material >= scene.materials.size() || scene.materials[default_material].overridden) return;
+  std::vector<std::string> names;
+  std::set<int> nodes;
+  for (const Surface& surface : scene.surfaces) {
+    const bool shaded = surface.shader >= 0 && is_set(scene.shaders[surface.shader].reflectance);
+    if (shaded || surface.material != static_cast<int>(default_material) || !nodes.insert(surface.node).second)
+      continue;
+    if (names.size() < kMostNames) names.push_back("`" + scene.nodes[surface.node] + "`");
+  }
+  if (names.empty()) return;
+  const std::string more = nodes.size() > names.size() ? fmt::format(" and {} more", nodes.size() - names.size()) : "";
+  progress.warning(
+      fmt::format("a surface without a material is diffuse grey, {} (node {}{}): give it a material, or set "
+                  "`materials.default: {{reflectance: [R, G, B]}}` in the job",
+                  scene.materials[default_material].reflectance.x, fmt::join(names, ", "), more));
+}
+
 std::vector<Camera> placed_cameras(const GltfModel& model, const std::vector<PlacedNode>& nodes,
                                    const std::vector<std::string>& names, Progress& progress) {
   std::vector<Camera> cameras;
@@ -236,6 +256,7 @@ GltfScene read_gltf_scene(const Job& job, Progress& progress) {
     surface.reads_uv = material.has_texture() || material.mask >= 0;
   }
   assign_shaders(job, reads_uv, scene, progress);
+  warn_of_missing_materials(scene, model->gltf.materials.size(), progress);
   assign_vertex_colors(*model, scene);
   LightGroups groups(*model, scene);
   assign_light_groups(*model, groups, scene);

@@ -298,10 +298,7 @@ std::vector<SurfaceMaterial> read_materials(GltfModel& model, const std::vector<
   for (std::size_t i = 0; i < model.gltf.materials.size(); ++i) {
     materials.push_back(read_material(model.gltf.materials[i], used[i], reader));
   }
-  if (used.back()) {
-    materials.push_back(default_material());
-    progress.warning(fmt::format("what has no material is diffuse grey, {}", kDefaultGrey));
-  }
+  if (used.back()) materials.push_back(default_material());
   apply_overrides(job, materials, progress);
   for (SurfaceMaterial& material : materials) check_values(model, material, progress);
   return materials;
