@@ -9,6 +9,7 @@
 
 #include "pipeline/frames/frame_check.h"
 #include "pipeline/frames/frame_layers.h"
+#include "pipeline/frames/frame_warnings.h"
 #include "tracer/light/integrator.h"
 #include "tracer/output/frame_claims.h"
 #include "tracer/output/frame_writer.h"
@@ -78,11 +79,12 @@ void trace_frames(const Job& job, const PatchSet& scene, const EnergyField& ener
     writer.write(frame, image, seconds);
     progress.note(fmt::format("{} in {:.2f} s", frame.exr.filename().string(), seconds));
   };
-  if (skip_fresh) return share_frames(frames, writer, frame_layers(job.trace, scene), job.output, render, progress);
-  for (std::size_t i = 0; i < frames.size(); ++i) {
+  if (skip_fresh) share_frames(frames, writer, frame_layers(job.trace, scene), job.output, render, progress);
+  for (std::size_t i = 0; !skip_fresh && i < frames.size(); ++i) {
     progress.set_part(i, frames.size());
     render(frames[i]);
   }
+  for (const std::string& warning : frame_warnings(job, scene, frames)) progress.warning(warning);
 }
 
 }  // namespace patchlight

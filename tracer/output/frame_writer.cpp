@@ -10,6 +10,7 @@
 #include <limits>
 #include <utility>
 
+#include "pipeline/frames/frame_warnings.h"
 #include "pipeline/job/reader/job_reader.h"
 #include "pipeline/job/stage_keys.h"
 #include "pipeline/system/content_hash.h"
@@ -21,9 +22,18 @@ namespace {
 /// Largest half float; larger values would become infinite in the file.
 constexpr float kMaxHalf = 65504.0f;
 
+/// Smallest half float above zero.
+constexpr float kMinHalf = 5.9604645e-8f;
+
 void clamp(std::vector<Color>& pixels, float limit) {
   for (Color& pixel : pixels)
     for (int k = 0; k < 3; ++k) pixel[k] = pixel[k] > 0 ? std::min(pixel[k], limit) : 0.0f;  // NaN is not > 0
+}
+
+bool is_black(const std::vector<Color>& pixels) {
+  return std::all_of(pixels.begin(), pixels.end(), [](const Color& pixel) {
+    return std::max({pixel.x, pixel.y, pixel.z}) < kMinHalf;
+  });
 }
 
 /// SMPTE timecode: hours, minutes, seconds and frames.
@@ -95,6 +105,7 @@ void FrameWriter::write(const Frame& frame, Image image, double seconds, const s
       {"patchlight:view_config", view_config_},
       {"patchlight:job", effective_job(job)},
   };
+  if (is_black(image.pixels)) image.metadata[kBlackFrame] = "yes";
   if (!relit_from.empty()) {
     image.metadata["patchlight:key"] = relit_key(key(frame));
     image.metadata["patchlight:relit_from"] = relit_from;
