@@ -26,11 +26,11 @@ Transport read_existing_transport(const Job& job, const PatchSet& scene, Progres
         read_transport(job.transport_file(), transport_key(scene.geometry_key, job.solve));
     if (!existing) return {};
     if (existing->rows() == std::int64_t(scene.patches.size())) return std::move(*existing);
-    progress.warning("casting all rays again: " + job.transport_file().string() +
-                     " has rows for a different number of patches");
+    progress.transient_warning("casting all rays again: " + job.transport_file().string() +
+                               " has rows for a different number of patches");
     return {};
   } catch (const Error& error) {
-    progress.warning(std::string("casting all rays again: ") + error.what());
+    progress.transient_warning(std::string("casting all rays again: ") + error.what());
     return {};
   }
 }

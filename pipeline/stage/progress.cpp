@@ -53,6 +53,10 @@ void Progress::note(const std::string& message) {
 
 void Progress::warning(const std::string& message) {
   warnings_.push_back(message);
+  transient_warning(message);
+}
+
+void Progress::transient_warning(const std::string& message) {
   clear_line();
   fmt::print(stderr, "patchlight-{}: warning: {}\n", options_.stage, message);
   write_json("warning", message);
@@ -74,6 +78,13 @@ void Progress::pass_on(const nlohmann::json& line) {
   if (level != "note" || !options_.quiet)
     fmt::print(stderr, "patchlight-{}: {}{}\n", text("stage"), level == "note" ? "" : level + ": ", text("message"));
   if (json_) write_line(line);
+}
+
+void Progress::repeat_warning(const std::string& stage, const std::string& message) {
+  nlohmann::json line = json_line("warning", message);
+  line["stage"] = stage;
+  line["repeated"] = true;
+  pass_on(line);
 }
 
 double Progress::seconds() const {

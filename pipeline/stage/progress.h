@@ -27,6 +27,8 @@ class Progress {
 
   void note(const std::string& message);
   void warning(const std::string& message);
+  /// About this run, not about its output: warnings() leaves it out.
+  void transient_warning(const std::string& message);
   void error(const std::string& message, int exit_code);
 
   /// All that warning() was given so far.
@@ -54,6 +56,10 @@ class Progress {
 
   /// Tells what another program told in its JSON log, in that program's name: notes, warnings and errors.
   void pass_on(const nlohmann::json& line);
+
+  /// Gives a warning again that `stage` gave when it made an output that is still up to date. The JSON log marks it
+  /// with `"repeated": true`.
+  void repeat_warning(const std::string& stage, const std::string& message);
 
   /// From now on update() is about part `part` of `count` alike.
   void set_part(std::size_t part, std::size_t count);

@@ -173,6 +173,7 @@ Freshness patches_freshness(const Job& job, PatchSet& scene) {
   }
   const auto key_of = [&](const Job& other) { return import_inputs_key(sources, other); };
   state.key = key_of(job);
+  state.warnings = scene.made.warnings;
   compare_keys(state, job, scene.inputs_key, scene.made.job, key_of, changed);
   return state;
 }
@@ -183,6 +184,7 @@ Freshness energy_freshness(const Job& job, const PatchSet& scene) {
   Freshness state = try_reading(job.energy_file(), [&] { energy = read_energy(job.energy_file()); });
   state.key = key_of(job);
   if (!state.fresh()) return state;
+  state.warnings = energy.made.warnings;
   std::vector<std::string> inputs;
   if (energy.patches_key != scene.key) inputs.push_back(change("the patches", energy.patches_key, scene.key));
   compare_keys(state, job, energy.key, energy.made.job, key_of, inputs);

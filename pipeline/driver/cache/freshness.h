@@ -16,7 +16,8 @@ struct Freshness {
   State state = State::fresh;
   /// For people: what changed and how, as in `solve.rays 64 -> 256`; what is missing or damaged. Empty if fresh.
   std::vector<std::string> reasons;
-  std::string key;  ///< That the job wants of it; empty where it cannot be told yet.
+  std::string key;                      ///< That the job wants of it; empty where it cannot be told yet.
+  std::vector<std::string> warnings{};  ///< That its stage gave when it made it.
 
   bool fresh() const { return state == State::fresh; }
   const char* name() const;  ///< Of the state.

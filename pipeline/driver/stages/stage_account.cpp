@@ -13,6 +13,7 @@ bool StageAccount::needs(const std::string& stage, const StageState& state) {
       say(damaged, stage + " restored, made before: " + reason(state.before));
     else
       progress_.note(stage + " skipped: up to date" + explanation);
+    for (const std::string& warning : state.now.warnings) progress_.repeat_warning(stage, warning);
     tell({stage, state.restored ? "restored" : "fresh"});
     return false;
   }

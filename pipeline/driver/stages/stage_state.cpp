@@ -1,5 +1,6 @@
 #include "pipeline/driver/stages/stage_state.h"
 
+#include "pipeline/frames/frame_warnings.h"
 #include "pipeline/job/stage_keys.h"
 
 namespace patchlight {
@@ -7,7 +8,8 @@ namespace patchlight {
 StageState frames_state(const Job& job, const PatchSet& scene, const OutputCache* cache, std::vector<bool>* fresh) {
   JointFreshness before, now;
   bool restored = false;
-  for (const Frame& frame : job_frames(job, scene)) {
+  const std::vector<Frame> frames = job_frames(job, scene);
+  for (const Frame& frame : frames) {
     const std::string name = frame.exr.filename().string();
     Freshness one = frame_freshness(job, scene, frame);
     before.add(name, one);
@@ -18,7 +20,9 @@ StageState frames_state(const Job& job, const PatchSet& scene, const OutputCache
     now.add(name, one);
     if (fresh) fresh->push_back(one.fresh());
   }
-  return {now.all(), before.all(), restored};
+  StageState state{now.all(), before.all(), restored};
+  if (state.now.fresh()) state.now.warnings = frame_warnings(job, scene, frames);
+  return state;
 }
 
 void keep_frames(const Job& job, const PatchSet& scene, const OutputCache& cache) {
