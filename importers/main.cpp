@@ -1,10 +1,10 @@
-#include <cstdio>
 #include <string>
 
 #include "importers/import.h"
 #include "pipeline/formats/describe.h"
 #include "pipeline/formats/patches/patch_file.h"
 #include "pipeline/stage/stage.h"
+#include "pipeline/system/standard_streams.h"
 
 int main(int argc, char** argv) {
   using namespace patchlight;
@@ -12,7 +12,7 @@ int main(int argc, char** argv) {
     return with_progress("import", {}, [&](Progress& progress) {
       Job job;
       job.scene = argv[2];
-      std::fputs(describe(import_scene(job, progress)).c_str(), stdout);
+      print(describe(import_scene(job, progress)));
     });
   }
   return run_stage("import", argc, argv, [](const Job& job, Progress& progress) {

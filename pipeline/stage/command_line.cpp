@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <sstream>
 
 #include "pipeline/model/error.h"
 #include "pipeline/stage/completion.h"
 #include "pipeline/stage/version.h"
+#include "pipeline/system/standard_streams.h"
 #include "pipeline/system/text_scanner.h"
 
 namespace patchlight {
@@ -81,11 +83,19 @@ void add_command(CLI::App& app, const Command& command) {
 }  // namespace
 
 ParsedCommand parse_command_line(const Command& program, int argc, char** argv) {
-  if (argc == 3 && argv[1] == std::string("--completion")) {
-    if (const std::string script = completion_script(program, argv[2]); !script.empty()) {
-      fmt::print("{}", script);
-      return {int(ExitCode::ok), ""};
+  open_standard_streams();
+  const auto answer = [&](const std::string& text, int exit_code) -> ParsedCommand {
+    try {
+      print(text);
+      return {exit_code, ""};
+    } catch (const Error& error) {
+      print_error(fmt::format("{}: error: {}\n", program.name, error.what()));
+      return {int(error.code()), ""};
     }
+  };
+  if (argc == 3 && argv[1] == std::string("--completion")) {
+    if (const std::string script = completion_script(program, argv[2]); !script.empty())
+      return answer(script, int(ExitCode::ok));
   }
   CLI::App app{program.purpose, program.name};
   add_command(app, program);
@@ -93,12 +103,14 @@ ParsedCommand parse_command_line(const Command& program, int argc, char** argv) 
     app.parse(argc, argv);
     const auto chosen = app.get_subcommands();
     return {std::nullopt, chosen.empty() ? "" : chosen.front()->get_name()};
-  } catch (const CLI::Success& help) {
-    return {app.exit(help), ""};
+  } catch (const CLI::Success& success) {
+    std::ostringstream help;
+    const int exit_code = app.exit(success, help, help);
+    return answer(help.str(), exit_code);
   } catch (const CLI::ParseError& error) {
     std::string line = program.name;
     for (int i = 1; i < argc; ++i) line += std::string(" ") + argv[i];
-    fmt::print(stderr, "{}: error: {} ({}): see {} --help\n", program.name, error.what(), line, program.name);
+    print_error(fmt::format("{}: error: {} ({}): see {} --help\n", program.name, error.what(), line, program.name));
     return {int(ExitCode::usage), ""};
   }
 }

@@ -1,6 +1,10 @@
 #include "pipeline/stage/progress.h"
 
 #include <fmt/format.h>
+#include <spdlog/logger.h>
+#include <spdlog/pattern_formatter.h>
+#include <spdlog/sinks/ostream_sink.h>
+#include <spdlog/sinks/stdout_sinks.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
 
@@ -10,6 +14,7 @@
 #include <nlohmann/json.hpp>
 
 #include "pipeline/model/error.h"
+#include "pipeline/system/standard_streams.h"
 
 namespace patchlight {
 
@@ -32,22 +37,63 @@ std::string duration_text(double s) {
   return fmt::format("{:.0f} min {:02.0f} s", std::floor(s / 60), std::fmod(s, 60));
 }
 
+/// `warning: ` or `error: `; a note has none.
+class LevelPrefix : public spdlog::custom_flag_formatter {
+ public:
+  void format(const spdlog::details::log_msg& message, const std::tm&, spdlog::memory_buf_t& text) override {
+    if (message.level < spdlog::level::warn) return;
+    text.append(spdlog::level::to_string_view(message.level));
+    text.append(std::string_view(": "));
+  }
+  std::unique_ptr<custom_flag_formatter> clone() const override { return std::make_unique<LevelPrefix>(); }
+};
+
+std::shared_ptr<spdlog::logger> open_terminal_log(const std::string& name, bool quiet) {
+  auto formatter = std::make_unique<spdlog::pattern_formatter>();
+  formatter->add_flag<LevelPrefix>('*').set_pattern("%n: %*%v");
+  auto log = std::make_shared<spdlog::logger>(name, std::make_shared<spdlog::sinks::stderr_sink_st>());
+  log->set_formatter(std::move(formatter));
+  log->set_level(quiet ? spdlog::level::warn : spdlog::level::info);
+  return log;
+}
+
+spdlog::level::level_enum level_named(const std::string& name) {
+  if (name == "note") return spdlog::level::info;
+  if (name == "warning") return spdlog::level::warn;
+  return name == "error" ? spdlog::level::err : spdlog::level::off;
+}
+
 }  // namespace
 
-Progress::Progress(Options options) : options_(std::move(options)), terminal_(isatty(STDERR_FILENO) == 1) {
-  if (options_.log_json_file.empty()) return;
-  json_ = {std::fopen(options_.log_json_file.c_str(), "ab"), std::fclose};
-  if (!json_)
-    throw Error(ExitCode::cannot_create, "cannot open the log", options_.log_json_file, "choose another --log-json");
+Progress::Progress(Options options)
+    : options_(std::move(options)),
+      terminal_log_(open_terminal_log("patchlight-" + options_.stage, options_.quiet)),
+      terminal_(isatty(STDERR_FILENO) == 1) {
+  if (!options_.log_json_file.empty()) open_json_log();
 }
 
 Progress::~Progress() {
   clear_line();
 }
 
+void Progress::open_json_log() {
+  const std::string& file = options_.log_json_file;
+  json_file_.open(file, std::ios::binary | std::ios::app);
+  if (!json_file_) throw Error(ExitCode::cannot_create, "cannot open the log", file, "choose another --log-json");
+  json_file_.exceptions(std::ios::badbit);
+  json_log_ = std::make_shared<spdlog::logger>(
+      "json", std::make_shared<spdlog::sinks::ostream_sink_st>(json_file_, /*force_flush=*/true));
+  json_log_->set_pattern("%v");
+  json_log_->set_error_handler([this](const std::string&) {
+    json_failed_ = true;
+    clear_line();
+    terminal_log_->warn(fmt::format("cannot write the log ({}): check the space on the disk", options_.log_json_file));
+  });
+}
+
 void Progress::note(const std::string& message) {
   clear_line();
-  if (!options_.quiet) fmt::print(stderr, "patchlight-{}: {}\n", options_.stage, message);
+  terminal_log_->info(message);
   write_json("note", message);
 }
 
@@ -58,13 +104,13 @@ void Progress::warning(const std::string& message) {
 
 void Progress::transient_warning(const std::string& message) {
   clear_line();
-  fmt::print(stderr, "patchlight-{}: warning: {}\n", options_.stage, message);
+  terminal_log_->warn(message);
   write_json("warning", message);
 }
 
 void Progress::error(const std::string& message, int exit_code) {
   clear_line();
-  fmt::print(stderr, "patchlight-{}: error: {}\n", options_.stage, message);
+  terminal_log_->error(message);
   write_json("error", message, exit_code);
 }
 
@@ -72,12 +118,11 @@ void Progress::pass_on(const nlohmann::json& line) {
   const auto text = [&](const char* key) {
     return line.is_object() && line.contains(key) && line[key].is_string() ? line[key].get<std::string>() : "";
   };
-  const std::string level = text("level");
-  if (level != "note" && level != "warning" && level != "error") return;
+  const spdlog::level::level_enum level = level_named(text("level"));
+  if (level == spdlog::level::off) return;
   clear_line();
-  if (level != "note" || !options_.quiet)
-    fmt::print(stderr, "patchlight-{}: {}{}\n", text("stage"), level == "note" ? "" : level + ": ", text("message"));
-  if (json_) write_line(line);
+  terminal_log_->clone("patchlight-" + text("stage"))->log(level, text("message"));
+  write_line(line);
 }
 
 void Progress::repeat_warning(const std::string& stage, const std::string& message) {
@@ -106,18 +151,16 @@ void Progress::update(double fraction, const std::string& detail, std::int64_t r
   const double rate = rays > 0 && spent > 0 ? double(rays) / spent : 0.0;
   write_json("progress", detail, -1, fraction, rate);
   if (options_.quiet) return;
-  std::string line = fmt::format("patchlight-{}: {:3.0f}%  {}", options_.stage, 100 * fraction, detail);
+  std::string line = fmt::format("{:3.0f}%  {}", 100 * fraction, detail);
   if (rate > 0) line += fmt::format("  {:.3g} million rays/s", rate * 1e-6);
   if (fraction > 0.01) line += "  " + duration_text(spent * (1 / fraction - 1)) + " left";
-  if (terminal_) {
-    winsize size{};  // a longer line would wrap and stay
-    if (ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 && line.size() >= size.ws_col)
-      line.resize(std::size_t(size.ws_col - 1));
-    fmt::print(stderr, "\r\033[K{}", line);
-    line_open_ = true;
-  } else {
-    fmt::print(stderr, "{}\n", line);
-  }
+  if (!terminal_) return terminal_log_->info(line);
+  line = "patchlight-" + options_.stage + ": " + line;
+  winsize size{};  // a longer line would wrap and stay
+  if (ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 && line.size() >= size.ws_col)
+    line.resize(std::size_t(size.ws_col - 1));
+  print_error("\r\033[K" + line);
+  line_open_ = true;
 }
 
 void Progress::set_part(std::size_t part, std::size_t count) {
@@ -131,7 +174,7 @@ void Progress::set_job(const std::string& job, const std::string& output) {
 }
 
 void Progress::result(const StageResult& result) {
-  if (!json_) return;
+  if (!json_log_) return;
   nlohmann::json line = json_line("result", result.state);
   line["target"] = result.stage;
   line["exit_code"] = result.exit_code;
@@ -165,14 +208,13 @@ nlohmann::json Progress::json_line(const char* level, const std::string& message
 }
 
 void Progress::write_line(const nlohmann::json& line) {
-  const std::string text = line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
-  std::fwrite(text.data(), 1, text.size(), json_.get());
-  std::fflush(json_.get());
+  if (!json_log_ || json_failed_) return;
+  json_log_->info(line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
 }
 
 void Progress::write_json(const char* level, const std::string& message, int exit_code, double fraction,
                           double rays_per_second) {
-  if (!json_) return;
+  if (!json_log_) return;
   nlohmann::json line = json_line(level, message);
   if (fraction >= 0) line["fraction"] = fraction;
   if (rays_per_second > 0) line["rays_per_second"] = rays_per_second;
@@ -181,7 +223,7 @@ void Progress::write_json(const char* level, const std::string& message, int exi
 }
 
 void Progress::clear_line() {
-  if (line_open_) fmt::print(stderr, "\r\033[K");
+  if (line_open_) print_error("\r\033[K");
   line_open_ = false;
 }
 

@@ -1,16 +1,20 @@
 #pragma once
 #include <chrono>
 #include <cstdint>
-#include <cstdio>
+#include <fstream>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
+namespace spdlog {
+class logger;
+}
+
 namespace patchlight {
 
 /// What a stage tells its user while it runs: notes, warnings and how far it is, on stderr and in the JSON log.
-/// Safe to call from the stage's main thread only.
+/// Safe to call from the stage's main thread only. Where stderr cannot be written it goes on without.
 class Progress {
  public:
   struct Options {
@@ -80,10 +84,14 @@ class Progress {
                   double rays_per_second = 0);
   nlohmann::json json_line(const char* level, const std::string& message) const;
   void write_line(const nlohmann::json& line);
+  void open_json_log();
   void clear_line();
 
   Options options_;
-  std::unique_ptr<std::FILE, int (*)(std::FILE*)> json_{nullptr, nullptr};
+  std::shared_ptr<spdlog::logger> terminal_log_;
+  std::ofstream json_file_;
+  std::shared_ptr<spdlog::logger> json_log_;  ///< Null: none.
+  bool json_failed_ = false;
   double part_ = 0, parts_ = 1;
   Clock::time_point start_ = Clock::now();
   Clock::time_point last_shown_{};

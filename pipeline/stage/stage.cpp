@@ -10,6 +10,7 @@
 #include "pipeline/job/reader/job_reader.h"
 #include "pipeline/model/error.h"
 #include "pipeline/system/large_pages.h"
+#include "pipeline/system/standard_streams.h"
 
 namespace patchlight {
 
@@ -74,7 +75,7 @@ int with_progress(const std::string& stage, const CommonOptions& options, const 
   try {
     progress = std::make_unique<Progress>(Progress::Options{stage, options.quiet, options.log_json});
   } catch (const Error& error) {
-    fmt::print(stderr, "patchlight-{}: error: {}\n", stage, error.what());
+    print_error(fmt::format("patchlight-{}: error: {}\n", stage, error.what()));
     return int(error.code());
   }
   return report_errors(stage, *progress, [&] { body(*progress); });

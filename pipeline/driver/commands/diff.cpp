@@ -17,6 +17,7 @@
 #include "pipeline/hdf5/h5_store.h"
 #include "pipeline/image/image_file.h"
 #include "pipeline/model/error.h"
+#include "pipeline/system/standard_streams.h"
 
 namespace patchlight {
 
@@ -82,7 +83,8 @@ Columns read_columns(const std::string& file, FileKind kind) {
 bool texts_equal(const std::string& name, const std::vector<std::string>& a, const std::vector<std::string>& b) {
   if (a == b) return true;
   const auto at = std::mismatch(a.begin(), a.end(), b.begin());
-  fmt::print("{:<40}differs: row {}: expected `{}`, found `{}`\n", name, at.first - a.begin(), *at.first, *at.second);
+  print(fmt::format("{:<40}differs: row {}: expected `{}`, found `{}`\n", name, at.first - a.begin(), *at.first,
+                    *at.second));
   return false;
 }
 
@@ -123,7 +125,7 @@ bool compare(const std::string& name, const Column& in_a, const Column& in_b, st
              std::optional<double> max) {
   const std::vector<double>&a = in_a.values.numbers, &b = in_b.values.numbers;
   if (in_a.values.shape != in_b.values.shape || a.size() != b.size()) {
-    fmt::print("{:<40}differs: expected {} values, found {}\n", name, in_a.values.shape, in_b.values.shape);
+    print(fmt::format("{:<40}differs: expected {} values, found {}\n", name, in_a.values.shape, in_b.values.shape));
     return false;
   }
   if (!in_a.values.texts.empty()) return texts_equal(name, in_a.values.texts, in_b.values.texts);
@@ -144,9 +146,9 @@ bool compare(const std::string& name, const Column& in_a, const Column& in_b, st
   const double rms = square > 0 ? std::sqrt(difference / square) : INFINITY;
   const double peak = largest > 0 ? largest_difference / largest : INFINITY;
   const bool allowed = rms <= tolerance.value_or(max ? INFINITY : 0.0) && peak <= max.value_or(INFINITY);
-  fmt::print("{:<40}{}: {} of {} values, relative RMS {:.3g}, largest {:.3g} at {}: expected {:.6g}, found {:.6g}\n",
-             name, allowed ? "within tolerance" : "differs", unequal, a.size(), rms, peak, in_a.place(where), a[where],
-             b[where]);
+  print(fmt::format(
+      "{:<40}{}: {} of {} values, relative RMS {:.3g}, largest {:.3g} at {}: expected {:.6g}, found {:.6g}\n", name,
+      allowed ? "within tolerance" : "differs", unequal, a.size(), rms, peak, in_a.place(where), a[where], b[where]));
   return allowed;
 }
 
@@ -163,7 +165,7 @@ int compare_files(const DiffCommand& command) {
   for (const auto& [name, column] : a) {
     const auto other = b.find(name);
     if (other == b.end()) {
-      fmt::print("{:<40}differs: only in {}\n", name, command.a);
+      print(fmt::format("{:<40}differs: only in {}\n", name, command.a));
       same = false;
     } else {
       same = compare(name, column, other->second, tolerance.of(name), max.of(name)) && same;
@@ -171,10 +173,10 @@ int compare_files(const DiffCommand& command) {
   }
   for (const auto& [name, column] : b) {
     if (a.contains(name)) continue;
-    fmt::print("{:<40}differs: only in {}\n", name, command.b);
+    print(fmt::format("{:<40}differs: only in {}\n", name, command.b));
     same = false;
   }
-  if (same) fmt::print("no difference beyond the tolerance\n");
+  if (same) print("no difference beyond the tolerance\n");
   return same ? 0 : 1;
 }
 

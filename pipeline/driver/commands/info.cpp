@@ -14,6 +14,7 @@
 #include "pipeline/formats/solution/transport_shard_file.h"
 #include "pipeline/hdf5/h5_store.h"
 #include "pipeline/image/image_file.h"
+#include "pipeline/system/standard_streams.h"
 
 namespace patchlight {
 
@@ -24,18 +25,18 @@ void show_frame(const std::string& file) {
   Vec3d sum(0.0);
   for (const Color& pixel : image.pixels) sum += Vec3d(pixel);
   sum /= double(image.pixels.size());
-  fmt::print("pixels      {} x {}, mean radiance {:.4g} {:.4g} {:.4g} W/m2/sr\n", image.width, image.height, sum.x,
-             sum.y, sum.z);
-  if (!image.layers.empty()) fmt::print("layers\n");
-  for (const ImageLayer& layer : image.layers) fmt::print("  {}.{}\n", layer.name, layer.channels);
+  print(fmt::format("pixels      {} x {}, mean radiance {:.4g} {:.4g} {:.4g} W/m2/sr\n", image.width, image.height,
+                    sum.x, sum.y, sum.z));
+  if (!image.layers.empty()) print("layers\n");
+  for (const ImageLayer& layer : image.layers) print(fmt::format("  {}.{}\n", layer.name, layer.channels));
   for (const auto& [name, value] : image.metadata)
-    if (value.find('\n') == std::string::npos) fmt::print("{:<24}{}\n", name, value);
+    if (value.find('\n') == std::string::npos) print(fmt::format("{:<24}{}\n", name, value));
 }
 
 void show_shard(const std::string& file) {
   const H5Reader reader(file, kTransportShardFormat, kTransportShardVersion);
   const std::size_t rows = reader.dataset<std::int64_t>("/rows/start", -1).size() / 2;
-  fmt::print("rows        {}, {} rays cast\n", rows, reader.integer("rays_cast"));
+  print(fmt::format("rows        {}, {} rays cast\n", rows, reader.integer("rays_cast")));
 }
 
 }  // namespace
@@ -43,16 +44,16 @@ void show_shard(const std::string& file) {
 int show_info(const InfoCommand& command) {
   switch (kind_of(command.file)) {
     case FileKind::patches:
-      fmt::print("{}", describe(read_patches(command.file)));
+      print(describe(read_patches(command.file)));
       break;
     case FileKind::transport:
-      fmt::print("{}", describe(read_transport(command.file)));
+      print(describe(read_transport(command.file)));
       break;
     case FileKind::transport_shard:
       show_shard(command.file);
       break;
     case FileKind::energy:
-      fmt::print("{}", describe(read_energy(command.file)));
+      print(describe(read_energy(command.file)));
       break;
     case FileKind::frame:
       show_frame(command.file);

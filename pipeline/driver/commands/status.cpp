@@ -7,13 +7,14 @@
 #include "pipeline/frames/light_settings.h"
 #include "pipeline/job/job_check.h"
 #include "pipeline/job/reader/job_reader.h"
+#include "pipeline/system/standard_streams.h"
 
 namespace patchlight {
 
 namespace {
 
 void print_line(const char* stage, const std::string& state, const std::string& file, const std::string& reason) {
-  fmt::print("{:<8}{:<9}{}{}{}\n", stage, state, file, reason.empty() ? "" : "  ", reason);
+  print(fmt::format("{:<8}{:<9}{}{}{}\n", stage, state, file, reason.empty() ? "" : "  ", reason));
 }
 
 /// Prints a line on one output. Returns whether it is fresh.
@@ -37,7 +38,8 @@ bool report_job(const JobVariant& variant) {
   check_names(job, scene);
   bool fresh = report("solve", "energy.h5", energy_freshness(job, scene));
   for (const Frame& frame : job_frames(job, scene))
-    fresh &= report("trace", "frames/" + frame.exr.filename().string(), frame_freshness(job, scene, frame));
+    fresh &=
+        report("trace", "frames/" + frame.exr.filename().string(), frame_freshness(job, scene, frame));
   if (std::error_code fault; std::filesystem::exists(job.relit_folder(), fault))  // else nobody asked for them
     for (const Frame& frame : job_frames(job, scene))
       report("relight", "relit/" + frame.exr.filename().string(), relit_freshness(job, scene, frame));
@@ -51,7 +53,7 @@ int show_status(const StatusCommand& command) {
   for (const std::string& job_file : command.job_files) {
     const std::vector<JobVariant> variants = job_variants(job_file, command.common, command.variant);
     for (const JobVariant& variant : variants) {
-      if (command.job_files.size() + variants.size() > 2) fmt::print("{}\n", variant.label());
+      if (command.job_files.size() + variants.size() > 2) print(fmt::format("{}\n", variant.label()));
       fresh &= report_job(variant);
     }
   }
