@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <csignal>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "pipeline/model/error.h"
@@ -63,6 +64,20 @@ spdlog::level::level_enum level_named(const std::string& name) {
   return name == "error" ? spdlog::level::err : spdlog::level::off;
 }
 
+/// Whether a log may be appended to a file: a new or empty one, one that begins with a line of such a log, or a pipe
+/// or device.
+bool takes_log(const std::string& file) {
+  std::error_code fault;
+  if (!std::filesystem::is_regular_file(file, fault) || std::filesystem::file_size(file, fault) == 0) return true;
+  std::string line(1 << 20, '\0');
+  std::ifstream stream(file, std::ios::binary);
+  stream.read(line.data(), std::streamsize(line.size()));
+  line.resize(std::size_t(stream.gcount()));
+  line.resize(std::min(line.find('\n'), line.size()));
+  const nlohmann::json first = nlohmann::json::parse(line, nullptr, false);
+  return first.is_object() && first.contains("stage") && first.contains("level");
+}
+
 }  // namespace
 
 Progress::Progress(Options options)
@@ -78,6 +93,8 @@ Progress::~Progress() {
 
 void Progress::open_json_log() {
   const std::string& file = options_.log_json_file;
+  if (!takes_log(file))
+    throw Error(ExitCode::cannot_create, "not a JSON log of Patchlight", file, "choose another --log-json");
   json_file_.open(file, std::ios::binary | std::ios::app);
   if (!json_file_) throw Error(ExitCode::cannot_create, "cannot open the log", file, "choose another --log-json");
   json_file_.exceptions(std::ios::badbit);

@@ -23,7 +23,7 @@ class Progress {
     std::string log_json_file;  ///< Empty: none.
   };
 
-  /// Throws: Error (cannot_create) if the log file cannot be opened.
+  /// Throws: Error (cannot_create) if the log file cannot be opened, or holds something else than such a log.
   explicit Progress(Options options);
   ~Progress();
   Progress(const Progress&) = delete;

@@ -1,4 +1,10 @@
+#include <fcntl.h>
 #include <gmock/gmock.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
 
 #include "tests/end_to_end/program.h"
 
@@ -61,6 +67,32 @@ TEST_F(Streams, ALogThatCannotBeWrittenIsAWarning) {
   const Outcome outcome = run_program(folder_, "patchlight-import", {"job.yaml", "--quiet", "--log-json", "/dev/full"});
   EXPECT_EQ(outcome.code, 0);
   EXPECT_EQ(outcome.err, "patchlight-import: warning: cannot write the log (/dev/full): check the space on the disk\n");
+}
+
+TEST_F(Streams, ALogIsAppendedToALogAlone) {
+  const auto import_with_log = [&](const std::string& log) {
+    return run_program(folder_, "patchlight-import", {"job.yaml", "--log-json", log});
+  };
+  for (const std::string content : {"a = 1\n", "{\"color\": 1}\n", "[]", "{\"stage\"", "\n"}) {
+    folder_.write("mine", content);
+    const Outcome outcome = import_with_log("mine");
+    EXPECT_EQ(outcome.code, 73);
+    EXPECT_EQ(outcome.err,
+              "patchlight-import: error: not a JSON log of Patchlight (mine): choose another --log-json\n");
+    EXPECT_EQ(read_text(folder_ / "mine"), content);
+  }
+  folder_.write("log", "");
+  for (const char* log : {"log", "log", "new", "/dev/null"}) EXPECT_EQ(import_with_log(log).code, 0) << log;
+  const std::string lines = read_text(folder_ / "log");
+  EXPECT_EQ(std::count(lines.begin(), lines.end(), '\n'), 2);
+  EXPECT_EQ(run("patchlight-import", "job.yaml --log-json /dev/stdout 2>&- | grep -q '\"level\":\"note\"'"), 0);
+  ASSERT_EQ(mkfifo((folder_ / "pipe").c_str(), 0600), 0);
+  const int reader = open((folder_ / "pipe").c_str(), O_RDONLY | O_NONBLOCK);
+  EXPECT_EQ(import_with_log("pipe").code, 0);
+  std::array<char, 8> begin{};
+  EXPECT_EQ(read(reader, begin.data(), begin.size()), 8);
+  EXPECT_EQ(begin.front(), '{');
+  close(reader);
 }
 
 }  // namespace
