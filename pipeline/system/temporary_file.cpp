@@ -9,9 +9,11 @@
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
+#include <random>
 #include <string>
 
 #include "pipeline/model/error.h"
+#include "pipeline/system/content_hash.h"
 
 namespace patchlight {
 
@@ -19,14 +21,29 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Names of temporaries are .patchlight-HOST.PID.NUMBER and the target's extension.
-std::string temporary_prefix() {
+/// Tells processes with the same number apart: of another boot of the machine, or in another container, where host
+/// names may be the same. Random where the system does not tell, so that no file is taken for a leftover of a dead
+/// process.
+std::string process_space() {
+  std::string boot;
+  std::ifstream("/proc/sys/kernel/random/boot_id") >> boot;
+  std::error_code fault;
+  const std::string numbers = fs::read_symlink("/proc/self/ns/pid", fault).string();  // one for each container
   std::array<char, 256> host{};
   if (::gethostname(host.data(), host.size() - 1) != 0) host[0] = '\0';
-  return ".patchlight-" + std::string(host.data()).substr(0, 64) + ".";
+  KeyHasher hasher;
+  hasher.add(host.data()).add(boot).add(numbers);
+  static const std::int64_t unknown = std::int64_t(std::random_device()()) << 32 | std::random_device()();
+  if (boot.empty() || numbers.empty()) hasher.add(unknown);
+  return hasher.hex().substr(0, 16);
 }
 
-/// Whether a process of this host still runs; one that has ended and waits to be reaped does not.
+/// Names of temporaries are .patchlight-SPACE.PID.NUMBER and the target's extension.
+std::string temporary_prefix() {
+  return kTemporaryPrefix + process_space() + ".";
+}
+
+/// Whether a process of this process space still runs; one that has ended and waits to be reaped does not.
 bool is_running(pid_t process) {
   if (::kill(process, 0) != 0 && errno == ESRCH) return false;
   std::ifstream status("/proc/" + std::to_string(process) + "/stat");

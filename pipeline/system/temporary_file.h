@@ -4,8 +4,14 @@
 
 namespace patchlight {
 
+/// What names of temporary files begin with.
+inline constexpr const char* kTemporaryPrefix = ".patchlight-";
+
 /// A name to write `target` under until all is well, in `folder` of the same file system, or else beside it. Makes the
-/// folders, and removes from the one what processes of this host left there when they were killed.
+/// folders, and removes temporary files that killed processes left in the one. The name of a file holds its process and
+/// a hash of the machine's boot and the container (the namespace of process numbers): only processes of the same boot
+/// and container judge whether the writer is dead. Files from elsewhere stay, on network file systems too, which need
+/// no locks for this.
 /// Without commit() the destructor removes what was written; `target` is never touched before.
 class TemporaryFile {
  public:
