@@ -5,9 +5,9 @@
 #include "pipeline/driver/bench/bench_run.h"
 #include "pipeline/driver/cache/output_cache.h"
 #include "pipeline/driver/cache/output_lock.h"
+#include "pipeline/driver/cache/own_files.h"
 #include "pipeline/driver/slurm/slurm_script.h"
 #include "pipeline/driver/stages/job_variants.h"
-#include "pipeline/formats/solution/transport_shard_file.h"
 #include "pipeline/job/reader/job_reader.h"
 #include "pipeline/model/error.h"
 
@@ -17,48 +17,59 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Bytes that removing a file or folder would free: those of files that stand nowhere else.
-std::uintmax_t size_of(const fs::path& path) {
+/// Removes a file. Returns the bytes that this frees: none if the file stands elsewhere too.
+std::uintmax_t discard(const fs::path& file) {
   std::error_code fault;
-  const auto alone = [&](const fs::path& file) {
-    if (!fs::is_regular_file(fs::symlink_status(file, fault)) || fs::hard_link_count(file, fault) > 1)
-      return std::uintmax_t(0);
-    return fs::file_size(file, fault);
-  };
-  if (!fs::is_directory(fs::symlink_status(path, fault))) return alone(path);
-  std::uintmax_t size = 0;
-  for (fs::recursive_directory_iterator entry(path, fault), end; !fault && entry != end; entry.increment(fault))
-    size += alone(entry->path());
-  return size;
-}
-
-std::uintmax_t discard(const fs::path& path) {
-  const std::uintmax_t size = size_of(path);
-  std::error_code fault;
-  fs::remove_all(path, fault);
+  const bool alone = fs::is_regular_file(fs::symlink_status(file, fault)) && fs::hard_link_count(file, fault) == 1;
+  const std::uintmax_t size = alone ? fs::file_size(file, fault) : 0;
+  fs::remove(file, fault);
   if (fault)
-    throw Error(ExitCode::io_error, "cannot remove it: " + fault.message(), path.string(), "check its permissions");
+    throw Error(ExitCode::io_error, "cannot remove it: " + fault.message(), file.string(), "check its permissions");
   return size;
 }
 
-/// What a job makes in its output folder, by name; what others put there stays.
-std::uintmax_t remove_outputs(const Job& job) {
-  std::uintmax_t size = 0;
-  for (const fs::path& file : {job.patch_file(), job.transport_file(), job.energy_file(), job.output / "report.html"})
-    size += discard(file);
-  for (const fs::path& file : transport_shard_files(job)) size += discard(file);
-  for (const fs::path& file : slurm_files(slurm_folder(job))) size += discard(file);
+/// Removes a folder if nothing is in it.
+void remove_if_empty(const fs::path& folder) {
   std::error_code fault;
-  fs::remove(slurm_folder(job), fault);  // if nothing else is in it
-  for (const fs::path& folder : {job.frame_folder(), job.relit_folder(), job.output / "preview"}) {
-    std::vector<fs::path> pictures;
-    for (fs::directory_iterator entry(folder, fault), end; !fault && entry != end; entry.increment(fault))
-      if (entry->path().extension() == ".exr" || entry->path().extension() == ".png") pictures.push_back(entry->path());
-    for (const fs::path& picture : pictures) size += discard(picture);
-    fs::remove(folder, fault);  // if nothing else is in it
+  if (fs::is_directory(fs::symlink_status(folder, fault))) fs::remove(folder, fault);
+}
+
+/// Removes all that stages made in an output folder.
+std::uintmax_t remove_stage_files(const fs::path& output) {
+  std::uintmax_t size = 0;
+  for (const fs::path& file : own_stage_files(output)) size += discard(file);
+  for (const char* folder : {"frames", "relit"}) remove_if_empty(output / folder);
+  return size;
+}
+
+/// Removes all that `patchlight bench` made: an output folder for each of its variants, tables and pictures.
+std::uintmax_t remove_bench(const fs::path& bench) {
+  std::uintmax_t size = 0;
+  std::error_code fault;
+  std::vector<fs::path> folders;
+  for (fs::directory_iterator entry(bench, fault), end; !fault && entry != end; entry.increment(fault))
+    if (fs::is_directory(entry->symlink_status(fault))) folders.push_back(entry->path());
+  for (const fs::path& folder : folders) {
+    size += OutputCache(folder / "cache", 0).clear() + remove_stage_files(folder);
+    remove_if_empty(folder);
   }
-  const bool benched = fs::exists(bench_folder(job) / "bench.json", fault);
-  return size + (benched ? discard(bench_folder(job)) : 0);
+  const bool own = is_own_bench(bench / "bench.json");
+  for (const char* name :
+       {"bench.csv", "bench.json", "comparison.png", "error_against_seconds.gnuplot", "error_against_seconds.png"})
+    if (own && fs::is_regular_file(bench / name, fault)) size += discard(bench / name);
+  remove_if_empty(bench);
+  return size;
+}
+
+/// Removes all that Patchlight made in a job's output folder, and leaves files of others.
+std::uintmax_t remove_outputs(const Job& job) {
+  std::uintmax_t size = remove_stage_files(job.output);
+  if (is_own_report(job.output / "report.html")) size += discard(job.output / "report.html");
+  for (const fs::path& file : slurm_files(slurm_folder(job))) size += discard(file);
+  for (const fs::path& file : own_previews(job.output / "preview")) size += discard(file);
+  size += remove_bench(bench_folder(job));
+  for (const fs::path& folder : {slurm_folder(job), job.output / "preview", cache_folder(job)}) remove_if_empty(folder);
+  return size;
 }
 
 }  // namespace
@@ -79,13 +90,15 @@ int clean_job(const CleanCommand& command, Progress& progress) {
       for (const JobVariant& variant : job_variants(command.job_file, command.common)) {
         const Job made = read_job(command.job_file, variant.options.sets, variant.options.output);
         size += remove_outputs(made);
-        if (made.output != job.output) fs::remove(made.output, fault);
+        if (made.output != job.output) remove_if_empty(made.output);
       }
       size += job.matrix.empty() ? 0 : remove_outputs(job);
     }
   }
-  fs::remove(job.output, fault);  // if nothing else is in it
-  progress.note(fmt::format("removed {:.1f} MiB", double(size) / (1 << 20)));
+  remove_if_empty(job.output);
+  const std::size_t others = command.all ? count_files(job.output) : 0;
+  const std::string left = others > 0 ? fmt::format("; {} other files stay in {}", others, job.output.string()) : "";
+  progress.note(fmt::format("removed {:.1f} MiB{}", double(size) / (1 << 20), left));
   return 0;
 }
 

@@ -179,5 +179,30 @@ TEST_F(Cache, IsCleaned) {
   EXPECT_THAT(run_program(folder_, "patchlight", {"clean", "job.yaml"}).err, HasSubstr("nothing to remove"));
 }
 
+TEST_F(Cache, CleaningLeavesFilesOfOthersAlone) {
+  const std::vector<std::string> others{
+      "out/frames/photo.exr",     "out/frames/photo.png",  "out/frames/alone.0001.png",
+      "out/relit/notes.exr",      "out/preview/mine.png",  "out/report.html",
+      "out/bench/mine/energy.h5", "out/bench/results.txt", "out/transport.1-of-2.h5"};
+  for (const std::string& file : others) {
+    fs::create_directories((folder_ / file).parent_path());
+    folder_.write(file, "of another");
+  }
+  folder_.write("out/bench/bench.json", "[]");
+  folder_.write("out/frames/.patchlight-half.1.0.exr", "");
+  fs::copy(folder_ / "out/energy.h5", folder_ / "out/bench/mine/patches.h5");
+  fs::remove(folder_ / "out/patches.h5");
+  folder_.write("out/patches.h5", "of another");
+  const Outcome outcome = run_program(folder_, "patchlight", {"clean", "job.yaml", "--all"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("; 11 other files stay in "));
+  for (const std::string& file : others) EXPECT_EQ(read_text(folder_ / file), "of another") << file;
+  EXPECT_EQ(read_text(folder_ / "out/patches.h5"), "of another");
+  EXPECT_FALSE(fs::exists(folder_ / "out/frames/camera.0001.exr"));
+  EXPECT_FALSE(fs::exists(folder_ / "out/frames/camera.0001.png"));
+  EXPECT_FALSE(fs::exists(folder_ / "out/energy.h5"));
+  EXPECT_FALSE(fs::exists(folder_ / "out/bench/mine/patches.h5"));
+}
+
 }  // namespace
 }  // namespace patchlight::test
