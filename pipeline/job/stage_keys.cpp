@@ -1,8 +1,5 @@
 #include "pipeline/job/stage_keys.h"
 
-#include <cstdlib>
-
-#include "pipeline/model/error.h"
 #include "pipeline/system/content_hash.h"
 
 namespace patchlight {
@@ -88,15 +85,6 @@ std::string energy_key(const std::string& patches_key, const SolveConfig& solve)
       .add(solve.method == "progressive" ? solve.max_shots : 0)
       .add(solve.seed)
       .hex();
-}
-
-std::string view_config_key() {
-  const char* file = std::getenv("OCIO");
-  if (!file || !*file) return "shipped";
-  std::error_code fault;
-  if (!std::filesystem::is_regular_file(file, fault))
-    throw Error(ExitCode::missing_input, "missing OpenColorIO config", file, "set or unset $OCIO");
-  return hash_file(file);
 }
 
 std::string camera_key(const Camera& camera) {

@@ -21,10 +21,6 @@ std::string transport_key(const std::string& geometry_key, const SolveConfig& so
 /// Key of energy.h5 for a patch file's key and the settings of solving.
 std::string energy_key(const std::string& patches_key, const SolveConfig& solve);
 
-/// Key of the OpenColorIO config that frames are viewed through: that of $OCIO, or the one that Patchlight ships.
-/// Throws: Error (missing_input, io_error).
-std::string view_config_key();
-
 /// Key of a camera: its name, lens and place.
 std::string camera_key(const Camera& camera);
 

@@ -13,6 +13,7 @@
 #include "pipeline/frames/frame_warnings.h"
 #include "pipeline/job/reader/job_reader.h"
 #include "pipeline/job/stage_keys.h"
+#include "pipeline/job/view_config.h"
 #include "pipeline/system/content_hash.h"
 
 namespace patchlight {

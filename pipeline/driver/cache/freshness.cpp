@@ -68,9 +68,8 @@ void compare_keys(Freshness& state, const Job& job, const std::string& key, cons
 }
 
 /// Of a frame's files, whose key is made by `key_of_frame` of that which a traced frame would have.
-Freshness picture_freshness(const Job& job, const PatchSet& scene, const Frame& frame,
+Freshness picture_freshness(const Job& job, const PatchSet& scene, const Frame& frame, const std::string& view_config,
                             std::string (*key_of_frame)(const std::string&), const std::vector<ImageLayer>& layers) {
-  const std::string view_config = view_config_key();
   const auto key_of = [&](const Job& other) {
     return key_of_frame(
         frame_key(scene, energy_key(scene.key, other.solve), other, frame.camera, frame.number, view_config));
@@ -195,12 +194,12 @@ Freshness energy_freshness(const Job& job, const PatchSet& scene) {
   return state;
 }
 
-Freshness frame_freshness(const Job& job, const PatchSet& scene, const Frame& frame) {
-  return picture_freshness(job, scene, frame, traced_key, frame_layers(job.trace, scene));
+Freshness frame_freshness(const Job& job, const PatchSet& scene, const Frame& frame, const std::string& view_config) {
+  return picture_freshness(job, scene, frame, view_config, traced_key, frame_layers(job.trace, scene));
 }
 
-Freshness relit_freshness(const Job& job, const PatchSet& scene, const Frame& frame) {
-  return picture_freshness(job, scene, relit_frame(job, frame), relit_key, relit_layers(job.trace, scene));
+Freshness relit_freshness(const Job& job, const PatchSet& scene, const Frame& frame, const std::string& view_config) {
+  return picture_freshness(job, scene, relit_frame(job, frame), view_config, relit_key, relit_layers(job.trace, scene));
 }
 
 }  // namespace patchlight

@@ -53,10 +53,10 @@ Freshness patches_freshness(const Job& job, PatchSet& scene);
 /// Of energy.h5, and transport.h5 where the method keeps one, for the patches in `scene`.
 Freshness energy_freshness(const Job& job, const PatchSet& scene);
 
-/// Of one frame's EXR and PNG, by a solution of `scene` as the job wants it.
-Freshness frame_freshness(const Job& job, const PatchSet& scene, const Frame& frame);
+/// Of one frame's EXR and PNG, by a solution of `scene` as the job wants it. `view_config`: the view_config_key().
+Freshness frame_freshness(const Job& job, const PatchSet& scene, const Frame& frame, const std::string& view_config);
 
 /// Of what `patchlight relight` makes of a frame.
-Freshness relit_freshness(const Job& job, const PatchSet& scene, const Frame& frame);
+Freshness relit_freshness(const Job& job, const PatchSet& scene, const Frame& frame, const std::string& view_config);
 
 }  // namespace patchlight

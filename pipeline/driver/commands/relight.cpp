@@ -8,6 +8,7 @@
 #include "pipeline/driver/stages/stage_program.h"
 #include "pipeline/frames/light_settings.h"
 #include "pipeline/job/reader/job_reader.h"
+#include "pipeline/job/view_config.h"
 #include "pipeline/model/error.h"
 
 namespace patchlight {
@@ -31,9 +32,10 @@ int relight_job(const RelightCommand& command, const JobVariant& variant, Progre
   const PatchSet scene = fresh_patches(job);
   check_names(job, scene);
   const OutputLock lock(job, progress);
+  const std::string view_config = view_config_key();
   JointFreshness frames;
   for (const Frame& frame : job_frames(job, scene))
-    frames.add(frame.exr.filename().string(), relit_freshness(job, scene, frame));
+    frames.add(frame.exr.filename().string(), relit_freshness(job, scene, frame, view_config));
   const Freshness state = frames.all();
   if (state.fresh() && !command.force) {
     progress.note("relight skipped: up to date");

@@ -7,6 +7,7 @@
 #include "pipeline/frames/light_settings.h"
 #include "pipeline/job/job_check.h"
 #include "pipeline/job/reader/job_reader.h"
+#include "pipeline/job/view_config.h"
 #include "pipeline/system/standard_streams.h"
 
 namespace patchlight {
@@ -37,12 +38,13 @@ bool report_job(const JobVariant& variant) {
   }
   check_names(job, scene);
   bool fresh = report("solve", "energy.h5", energy_freshness(job, scene));
+  const std::string view_config = view_config_key();
   for (const Frame& frame : job_frames(job, scene))
     fresh &=
-        report("trace", "frames/" + frame.exr.filename().string(), frame_freshness(job, scene, frame));
+        report("trace", "frames/" + frame.exr.filename().string(), frame_freshness(job, scene, frame, view_config));
   if (std::error_code fault; std::filesystem::exists(job.relit_folder(), fault))  // else nobody asked for them
     for (const Frame& frame : job_frames(job, scene))
-      report("relight", "relit/" + frame.exr.filename().string(), relit_freshness(job, scene, frame));
+      report("relight", "relit/" + frame.exr.filename().string(), relit_freshness(job, scene, frame, view_config));
   return fresh;
 }
 

@@ -17,6 +17,7 @@
 #include "pipeline/frames/frame_list.h"
 #include "pipeline/image/image_file.h"
 #include "pipeline/job/reader/job_reader.h"
+#include "pipeline/job/view_config.h"
 #include "pipeline/model/error.h"
 #include "pipeline/stage/version.h"
 #include "pipeline/system/temporary_file.h"
@@ -85,10 +86,11 @@ std::string traced_frames(const std::vector<FrameRecord>& frames) {
 /// The relit frames, fresh or stale; empty if `relight` never ran.
 std::string relit_frames(const Job& job, const PatchSet& scene, const std::vector<FrameRecord>& frames) {
   if (std::error_code fault; !fs::exists(job.relit_folder(), fault)) return "";
+  const std::string view_config = view_config_key();
   JointFreshness all;
   std::vector<std::string> states;
   for (const FrameRecord& f : frames) {
-    const Freshness state = relit_freshness(job, scene, f.frame);
+    const Freshness state = relit_freshness(job, scene, f.frame, view_config);
     all.add(f.frame.exr.filename().string(), state);
     states.push_back(state.name());
   }

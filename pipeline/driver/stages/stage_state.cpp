@@ -2,19 +2,21 @@
 
 #include "pipeline/frames/frame_warnings.h"
 #include "pipeline/job/stage_keys.h"
+#include "pipeline/job/view_config.h"
 
 namespace patchlight {
 
 StageState frames_state(const Job& job, const PatchSet& scene, const OutputCache* cache, std::vector<bool>* fresh) {
   JointFreshness before, now;
   bool restored = false;
+  const std::string view_config = view_config_key();
   const std::vector<Frame> frames = job_frames(job, scene);
   for (const Frame& frame : frames) {
     const std::string name = frame.exr.filename().string();
-    Freshness one = frame_freshness(job, scene, frame);
+    Freshness one = frame_freshness(job, scene, frame, view_config);
     before.add(name, one);
     if (!one.fresh() && cache && cache->restore_frame(frame, one.key)) {
-      one = frame_freshness(job, scene, frame);
+      one = frame_freshness(job, scene, frame, view_config);
       restored |= one.fresh();
     }
     now.add(name, one);

@@ -10,6 +10,7 @@
 #include "pipeline/image/image_file.h"
 #include "pipeline/job/reader/job_reader.h"
 #include "pipeline/job/stage_keys.h"
+#include "pipeline/job/view_config.h"
 #include "pipeline/system/content_hash.h"
 #include "tests/end_to_end/program.h"
 

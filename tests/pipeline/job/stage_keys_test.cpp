@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <set>
 
 #include "tests/expect_error.h"
@@ -149,19 +148,6 @@ TEST(Key, OfAFrameCoversWhatItsFileHolds) {
   job.trace.compression = "piz";
   keys.insert(frame_key(scene, "e", job, Camera(), 1, "v"));
   EXPECT_EQ(keys.size(), 5u);
-}
-
-TEST(Key, OfAFrameCoversTheContentOfTheViewsConfig) {
-  const test::TemporaryFolder folder;
-  unsetenv("OCIO");
-  EXPECT_EQ(view_config_key(), "shipped");
-  setenv("OCIO", folder.write("config.ocio", "a").c_str(), 1);
-  const std::string key = view_config_key();
-  folder.write("config.ocio", "b");
-  EXPECT_NE(view_config_key(), key);
-  setenv("OCIO", folder.path().c_str(), 1);
-  EXPECT_ERROR(view_config_key(), ExitCode::missing_input, "$OCIO");
-  unsetenv("OCIO");
 }
 
 TEST(Key, IgnoresTheBench) {
