@@ -31,7 +31,8 @@ PrimitiveList build_primitives(const GltfScene& scene, const Job& job, Progress&
     }
     progress.update(static_cast<double>(i + 1) / static_cast<double>(scene.surfaces.size()), scene.nodes[surface.node]);
   }
-  if (list.without_area > 0) progress.warning(fmt::format("{} triangles without area are skipped", list.without_area));
+  if (list.degenerate_triangles > 0)
+    progress.warning(fmt::format("{} triangles without area are skipped", list.degenerate_triangles));
   if (!list.texcoords.empty()) list.texcoords.resize(list.primitives.size(), kOwnTexcoords);
   for (auto* others : {&list.emission_texcoords, &list.metallic_roughness_texcoords}) {
     if (others->empty()) continue;

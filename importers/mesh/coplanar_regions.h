@@ -6,25 +6,27 @@
 
 namespace patchlight {
 
-/// Triangles that lie in one plane, connected through edges, whose texture coordinates and colours are one affine map.
+/// Connected triangles in one plane whose texture coordinates and colours are affine functions of position.
 struct CoplanarRegion {
-  /// A vertex of the boundary, as a corner of one of the region's triangles.
+  /// A boundary vertex, as a corner of one of the region's triangles.
   struct Corner {
     std::int32_t vertex = 0;
     std::int32_t triangle = 0;
-    int index = 0;
-    bool kept = false;  ///< A smooth surface bends away from here: it needs this vertex.
+    int index = 0;          ///< Corner of the triangle, 0 to 2.
+    bool required = false;  ///< A smooth surface bends here and shares this vertex, so it must not be removed.
 
-    std::int32_t number() const { return 3 * triangle + index; }
+    /// Index into arrays over the corners of all triangles.
+    std::int32_t corner_index() const { return 3 * triangle + index; }
   };
 
-  std::vector<std::int32_t> triangles;     ///< Growing numbers.
-  std::vector<std::vector<Corner>> loops;  ///< Boundary, the region to its left. Empty where it touches itself.
-  Vec3d normal{0.0};                       ///< Unit.
-  double tolerance = 0.0;                  ///< m; how far vertices may lie from the plane, and from a straight edge.
+  std::vector<std::int32_t> triangles;  ///< In ascending order.
+  std::vector<std::vector<Corner>>
+      loops;               ///< Boundary, counter-clockwise; holes clockwise. Empty if the boundary touches itself.
+  Vec3d normal{0.0};       ///< Unit.
+  double tolerance = 0.0;  ///< m; distance of vertices from the plane, and from a straight edge.
 };
 
-/// The regions of three triangles and more. `taken[t]` leaves out triangle t.
-std::vector<CoplanarRegion> find_coplanar_regions(const MeshTopology& topology, const std::vector<char>& taken);
+/// The regions of at least three triangles. Triangles t with `excluded[t]` belong to none.
+std::vector<CoplanarRegion> find_coplanar_regions(const MeshTopology& topology, const std::vector<char>& excluded);
 
 }  // namespace patchlight

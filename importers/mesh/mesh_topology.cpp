@@ -10,15 +10,15 @@
 namespace patchlight {
 namespace {
 
-constexpr double kLeastHeight = 1e-7;    // of a triangle, in longest edges
-constexpr double kLeastSquare = 1e-200;  // of the longest edge, m2: what areas of its pieces can still be told from 0
-constexpr double kCoplanarSine = 1e-3;   // of the angle at an edge
-constexpr double kCreaseCosine = 0.5;    // 60 degrees
+constexpr double kMinHeight = 1e-7;           // of a triangle, relative to its longest edge
+constexpr double kMinSquaredLength = 1e-200;  // of the longest edge, m2; below, areas of patches underflow
+constexpr double kCoplanarSine = 1e-3;        // of the dihedral angle at an edge
+constexpr double kCreaseCosine = 0.5;         // 60 degrees
 constexpr float kSameNormalCosine = 0.9998f;
-constexpr float kFlatCosine = 0.9995f;  // between normals of 8 bits
-constexpr double kLargestFold = 0.1;    // sine
-constexpr int kLayers = 8;              // of copied vertices, before a triangle stands alone
-constexpr int kLargestFan = 1024;       // triangles at a vertex; OpenMesh walks around it for each of them
+constexpr float kFlatCosine = 0.9995f;  // between normals quantized to 8 bits
+constexpr double kMaxFoldSine = 0.1;
+constexpr int kMaxLayers = 8;         // attempts with duplicated vertices, before a triangle gets its own
+constexpr int kMaxVertexUses = 1024;  // triangles at a vertex; OpenMesh visits all of them for each one added
 
 /// Twice the vector area.
 Vec3d area_vector(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
@@ -27,25 +27,25 @@ Vec3d area_vector(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
 
 bool has_area(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
   const double longest = std::max({(b - a).length2(), (c - b).length2(), (a - c).length2()});
-  return area_vector(a, b, c).length() > kLeastHeight * longest && longest > kLeastSquare;
+  return area_vector(a, b, c).length() > kMinHeight * longest && longest > kMinSquaredLength;
 }
 
-/// OpenMesh's connectivity with the places of its vertices.
+/// OpenMesh's half-edge connectivity and the positions of its vertices.
 struct Connectivity {
   OpenMesh::TriConnectivity mesh;
   std::vector<std::int32_t> soup_triangle;  ///< By face.
   std::vector<Vec3d> positions;             ///< By vertex.
 };
 
-/// Vertices of one attempt to connect triangles: the current copy of each welded vertex and how often it is in use.
+/// Vertices of one attempt to connect triangles: the current copy of each welded vertex and its number of triangles.
 struct VertexLayer {
   explicit VertexLayer(std::size_t count) : vertex(count), uses(count, 0) {}
 
   std::vector<OpenMesh::VertexHandle> vertex;
   std::vector<int> uses;
 
-  OpenMesh::VertexHandle take(Connectivity& connected, std::int32_t weld, const Vec3d& position) {
-    if (!vertex[weld].is_valid() || uses[weld] == kLargestFan) {
+  OpenMesh::VertexHandle vertex_for(Connectivity& connected, std::int32_t weld, const Vec3d& position) {
+    if (!vertex[weld].is_valid() || uses[weld] == kMaxVertexUses) {
       vertex[weld] = connected.mesh.add_vertex();
       uses[weld] = 0;
       connected.positions.push_back(position);
@@ -58,16 +58,16 @@ struct VertexLayer {
 Connectivity connect(const TriangleSoup& soup, const std::vector<std::int32_t>& weld,
                      std::vector<std::int32_t> triangles) {
   Connectivity connected;
-  omerr().disable();  // it would tell of each triangle that has to be copied
+  omerr().disable();  // it reports each triangle that cannot be added
   for (int layer = 0; !triangles.empty(); ++layer) {
-    const bool alone = layer >= kLayers;
+    const bool separate = layer >= kMaxLayers;
     VertexLayer vertices(soup.positions.size());
     std::vector<std::int32_t> refused;
     for (const std::int32_t triangle : triangles) {
       std::array<OpenMesh::VertexHandle, 3> corners;
       for (int i = 0; i < 3; ++i) {
         const std::int32_t corner = 3 * triangle + i;
-        corners[i] = vertices.take(connected, alone ? corner : weld[corner], soup.positions[corner]);
+        corners[i] = vertices.vertex_for(connected, separate ? corner : weld[corner], soup.positions[corner]);
       }
       if (connected.mesh.add_face(corners[0], corners[1], corners[2]).is_valid()) {
         connected.soup_triangle.push_back(triangle);
@@ -89,28 +89,28 @@ void fill_triangles(const Connectivity& connected, MeshTopology& topology) {
       triangle.neighbors[i] = connected.mesh.opposite_face_handle(edge).idx();
     }
     const std::array<std::int32_t, 3>& v = triangle.vertices;
-    const Vec3d twice = area_vector(topology.vertices[v[0]], topology.vertices[v[1]], topology.vertices[v[2]]);
-    triangle.area = twice.length() * 0.5;
-    triangle.normal = twice.normalized();
+    const Vec3d vector_area2 = area_vector(topology.vertices[v[0]], topology.vertices[v[1]], topology.vertices[v[2]]);
+    triangle.area = vector_area2.length() * 0.5;
+    triangle.normal = vector_area2.normalized();
   }
 }
 
-int corner_of(const MeshTopology::Triangle& triangle, std::int32_t vertex) {
+int corner_index(const MeshTopology::Triangle& triangle, std::int32_t vertex) {
   return static_cast<int>(std::find(triangle.vertices.begin(), triangle.vertices.end(), vertex) -
                           triangle.vertices.begin());
 }
 
-/// What the file says of each corner, by the corners of the connected triangles.
+/// The soup's values by corner, in the order of the connected triangles' corners.
 template <class Value>
-std::vector<Value> by_corner(const std::vector<Value>& values, const TriangleSoup& soup, const Connectivity& connected,
-                             const MeshTopology& topology) {
+std::vector<Value> reordered_by_corner(const std::vector<Value>& values, const TriangleSoup& soup,
+                                       const Connectivity& connected, const MeshTopology& topology) {
   std::vector<Value> result(topology.triangles.size() * 3);
   for (std::size_t t = 0; t < topology.triangles.size(); ++t) {
     for (std::size_t i = 0; i < 3; ++i) {
       const std::size_t corner = 3 * static_cast<std::size_t>(connected.soup_triangle[t]) + i;
       for (std::size_t k = 0; k < 3; ++k) {
-        const Vec3d& place = topology.vertices[topology.triangles[t].vertices[k]];
-        if (place == soup.positions[corner]) result[3 * t + k] = values[corner];
+        const Vec3d& position = topology.vertices[topology.triangles[t].vertices[k]];
+        if (position == soup.positions[corner]) result[3 * t + k] = values[corner];
       }
     }
   }
@@ -123,11 +123,11 @@ void number_smooth_vertices(MeshTopology& topology, const std::vector<Vec3f>& no
     const MeshTopology::Triangle& a = topology.triangles[t];
     for (int i = 0; i < 3; ++i) {
       const std::int32_t other = a.neighbors[i];
-      if (other <= static_cast<std::int32_t>(t)) continue;  // none, or met before
+      if (other <= static_cast<std::int32_t>(t)) continue;  // no neighbour, or visited before
       const MeshTopology::Triangle& b = topology.triangles[other];
       const std::array<int, 2> corners{static_cast<int>(3 * t) + i, static_cast<int>(3 * t) + (i + 1) % 3};
-      const std::array<int, 2> others{3 * other + corner_of(b, a.vertices[i]),
-                                      3 * other + corner_of(b, a.vertices[(i + 1) % 3])};
+      const std::array<int, 2> others{3 * other + corner_index(b, a.vertices[i]),
+                                      3 * other + corner_index(b, a.vertices[(i + 1) % 3])};
       const double cosine = a.normal.dot(b.normal);
       const bool coplanar = cosine > 0.0 && a.normal.cross(b.normal).length() < kCoplanarSine;
       const auto agree = [&](int k) { return normals[corners[k]].dot(normals[others[k]]) > kSameNormalCosine; };
@@ -170,7 +170,7 @@ bool flat_by_normals(const MeshTopology& topology, std::int32_t a, std::int32_t 
   if (topology.normals.empty()) return true;
   const Vec3f first = topology.normals[3 * static_cast<std::size_t>(a)];
   if (first == Vec3f(0.0f))
-    return topology.triangles[a].normal.cross(topology.triangles[b].normal).length() <= kLargestFold;
+    return topology.triangles[a].normal.cross(topology.triangles[b].normal).length() <= kMaxFoldSine;
   for (const std::int32_t triangle : {a, b}) {
     for (std::size_t i = 0; i < 3; ++i) {
       if (!(first.dot(topology.normals[3 * static_cast<std::size_t>(triangle) + i]) >= kFlatCosine)) return false;
@@ -188,19 +188,19 @@ MeshTopology build_topology(const TriangleSoup& soup) {
     if (has_area(soup.positions[i], soup.positions[i + 1], soup.positions[i + 2])) {
       triangles.push_back(static_cast<std::int32_t>(i / 3));
     } else {
-      ++topology.without_area;
+      ++topology.degenerate_triangles;
     }
   }
-  const std::vector<std::int32_t> vertices = part_surfaces(weld_corners(soup.positions), triangles);
+  const std::vector<std::int32_t> vertices = split_non_manifold_vertices(weld_corners(soup.positions), triangles);
   Connectivity connected = connect(soup, vertices, std::move(triangles));
   topology.vertices = std::move(connected.positions);
   fill_triangles(connected, topology);
-  std::vector<Vec3f> normals = by_corner(soup.normals, soup, connected, topology);
+  std::vector<Vec3f> normals = reordered_by_corner(soup.normals, soup, connected, topology);
   number_smooth_vertices(topology, normals);
   if (soup.quantized) topology.normals = std::move(normals);
   for (const auto& texcoords : soup.texcoords)
-    topology.texcoords.push_back(by_corner(texcoords, soup, connected, topology));
-  if (!soup.colors.empty()) topology.colors = by_corner(soup.colors, soup, connected, topology);
+    topology.texcoords.push_back(reordered_by_corner(texcoords, soup, connected, topology));
+  if (!soup.colors.empty()) topology.colors = reordered_by_corner(soup.colors, soup, connected, topology);
   find_components(topology);
   return topology;
 }

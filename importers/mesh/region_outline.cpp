@@ -9,26 +9,27 @@ namespace {
 
 using Imath::V2d;
 
-constexpr std::size_t kMostVertices = 8192;  // of a loop; straightening takes the square of it at worst
+constexpr std::size_t kMaxVertices = 8192;  // of a loop; simplification takes quadratic time at worst
 
 double distance_to_segment(const V2d& p, const V2d& a, const V2d& b) {
-  const V2d along = b - a;
-  const double length2 = along.length2();
+  const V2d edge = b - a;
+  const double length2 = edge.length2();
   if (!(length2 > 0.0)) return (p - a).length();
-  const double t = std::clamp((p - a).dot(along) / length2, 0.0, 1.0);
-  return (p - (a + along * t)).length();
+  const double t = std::clamp((p - a).dot(edge) / length2, 0.0, 1.0);
+  return (p - (a + edge * t)).length();
 }
 
-std::size_t farthest_from(const std::vector<V2d>& points, const V2d& place) {
+std::size_t farthest_from(const std::vector<V2d>& points, const V2d& from) {
   std::size_t result = 0;
   for (std::size_t i = 1; i < points.size(); ++i) {
-    if ((points[i] - place).length2() > (points[result] - place).length2()) result = i;
+    if ((points[i] - from).length2() > (points[result] - from).length2()) result = i;
   }
   return result;
 }
 
-/// Marks what Douglas and Peucker (1973) keep of a loop: all else lies within the tolerance of an edge between these.
-std::vector<char> corners_of(const std::vector<V2d>& points, std::vector<char> kept, double tolerance) {
+/// Simplifies a loop (Douglas and Peucker 1973): marks the vertices to keep. All others lie within the tolerance of an
+/// edge between these. Vertices already marked in `kept` stay.
+std::vector<char> simplify_loop(const std::vector<V2d>& points, std::vector<char> kept, double tolerance) {
   const std::size_t n = points.size();
   V2d mean(0.0, 0.0);
   for (const V2d& p : points) mean += p / static_cast<double>(n);
@@ -43,11 +44,11 @@ std::vector<char> corners_of(const std::vector<V2d>& points, std::vector<char> k
   while (!pending.empty()) {
     const auto [from, to] = pending.back();
     pending.pop_back();
-    double most = tolerance;
+    double largest = tolerance;
     std::size_t corner = from;
     for (std::size_t i = from + 1; i < to; ++i) {
       const double distance = distance_to_segment(points[i % n], points[from % n], points[to % n]);
-      if (distance > most) most = distance, corner = i;
+      if (distance > largest) largest = distance, corner = i;
     }
     if (corner == from) continue;
     kept[corner % n] = 1;
@@ -65,17 +66,17 @@ RegionOutline outline_of(const MeshTopology& topology, const CoplanarRegion& reg
   const Vec3d y = n.cross(x);
   RegionOutline outline;
   for (const auto& loop : region.loops) {
-    if (loop.size() > kMostVertices) return {};
+    if (loop.size() > kMaxVertices) return {};
     const Vec3d& origin = topology.vertices[region.loops[0][0].vertex];
     std::vector<V2d> points;
-    std::vector<char> needed;
+    std::vector<char> required;
     for (const CoplanarRegion::Corner& corner : loop) {
       const Vec3d to = topology.vertices[corner.vertex] - origin;
       points.emplace_back(to.dot(x), to.dot(y));
-      needed.push_back(corner.kept ? 1 : 0);
-      outline.needs_vertices = outline.needs_vertices || corner.kept;
+      required.push_back(corner.required ? 1 : 0);
+      outline.has_required_vertices = outline.has_required_vertices || corner.required;
     }
-    const std::vector<char> kept = corners_of(points, needed, region.tolerance);
+    const std::vector<char> kept = simplify_loop(points, required, region.tolerance);
     const std::size_t first = outline.corners.size();
     for (std::size_t i = 0; i < loop.size(); ++i) {
       if (!kept[i]) continue;

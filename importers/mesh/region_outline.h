@@ -5,15 +5,15 @@
 
 namespace patchlight {
 
-/// A region's boundary without the vertices on its straight edges, in the plane.
+/// A region's boundary loops in 2D, without vertices inside straight edges.
 struct RegionOutline {
   std::vector<CoplanarRegion::Corner> corners;
-  std::vector<Imath::V2d> points;  ///< The corners in the plane, m.
-  std::vector<std::size_t> next;   ///< The corner that each is followed by, the region to its left.
-  bool needs_vertices = false;     ///< Some corners stand on straight edges, since a smooth surface needs them.
+  std::vector<Imath::V2d> points;      ///< Positions of the corners in the plane, m.
+  std::vector<std::size_t> next;       ///< Index of the next corner on the loop; the region lies to the left.
+  bool has_required_vertices = false;  ///< A smooth neighbour shares vertices, which stay even on straight edges.
 };
 
-/// Empty where a region has no loops, or more vertices on them than can be looked at.
+/// Empty if the region has no loops, or a loop of too many vertices.
 RegionOutline outline_of(const MeshTopology& topology, const CoplanarRegion& region);
 
 }  // namespace patchlight

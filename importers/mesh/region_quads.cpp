@@ -12,69 +12,70 @@ namespace {
 
 using Imath::V2d;
 
-constexpr std::size_t kMostCorners = 512;  // cutting takes the square of them
-constexpr double kLeastCornerSine = 1e-3;
-constexpr double kSquareCosine = 1e-3;  // of a rectangle's corners
-constexpr double kSliver = 0.01;        // area of a facet, in its longest edge squared
+constexpr std::size_t kMaxCorners = 512;  // decomposition takes quadratic time
+constexpr double kMinCornerSine = 1e-3;
+constexpr double kRightAngleCosine = 1e-3;
+constexpr double kSliver = 0.01;  // area / squared longest edge of a facet
 constexpr double kAreaRounding = 1e-9;
 
-/// A corner of a facet: one of the outline, or a place on an edge of it where a cut ends.
-struct Node {
+/// A corner of a facet: a point on the outline.
+struct OutlinePoint {
   std::size_t corner = 0;
-  double part = 0.0;  ///< Of the way to the next corner; 0: the corner itself.
+  double fraction = 0.0;  ///< Of the edge to the next corner; 0: the corner itself.
 
-  auto operator<=>(const Node&) const = default;
+  auto operator<=>(const OutlinePoint&) const = default;
 };
 
-/// The facets that one direction of cuts gives, and what speaks against them.
-struct Cutting {
-  std::vector<std::array<Node, 4>> facets;
-  bool slivers = false;
-  bool rectangles = true;
+/// Facets of an outline and their quality.
+struct Decomposition {
+  std::vector<std::array<OutlinePoint, 4>> facets;
+  bool has_slivers = false;
+  bool all_rectangles = true;
   double area = 0.0;
 };
 
-class Cutter {
+/// Trapezoidal decomposition of an outline by a sweep line.
+class TrapezoidSweep {
  public:
-  Cutter(const RegionOutline& outline, double tolerance) : outline_(outline), tolerance_(tolerance) {}
+  TrapezoidSweep(const RegionOutline& outline, double tolerance) : outline_(outline), tolerance_(tolerance) {}
 
-  /// Cuts along `direction`; nothing where the outline crosses itself.
-  std::optional<Cutting> cut(const V2d& direction);
+  /// Splits the outline by lines along `direction` through its corners; nothing if the outline intersects itself.
+  std::optional<Decomposition> decompose(const V2d& direction);
 
-  V2d place(const Node& node) const {
-    const V2d& a = outline_.points[node.corner];
-    return a + (outline_.points[outline_.next[node.corner]] - a) * node.part;
+  V2d position(const OutlinePoint& point) const {
+    const V2d& a = outline_.points[point.corner];
+    return a + (outline_.points[outline_.next[point.corner]] - a) * point.fraction;
   }
 
   /// Adds a facet. False for one that is not convex.
-  bool add(const std::array<Node, 4>& facet, Cutting& cutting) const;
+  bool add_facet(const std::array<OutlinePoint, 4>& facet, Decomposition& result) const;
 
  private:
-  /// An edge of the outline between two levels of cuts.
+  /// An edge of the outline between two levels.
   struct Edge {
-    std::size_t start;  ///< Its corner of the outline.
+    std::size_t start;  ///< Corner of the outline.
     int low, high;      ///< Levels.
-    bool rises;         ///< It starts below.
+    bool rises;         ///< From low to high.
   };
-  /// A facet that grows upwards between two edges.
-  struct Open {
-    std::size_t left, right;  ///< Edges.
+  /// A trapezoid between two edges whose upper side is not reached yet.
+  struct OpenTrapezoid {
+    std::size_t left, right;  ///< Indices into edges_.
     int low;
   };
 
   void find_levels(const V2d& up);
-  Node node_at(const Edge& edge, int level) const;
-  bool close(const Open& open, int level, Cutting& cutting) const;
+  OutlinePoint point_at(const Edge& edge, int level) const;
+  bool close_trapezoid(const OpenTrapezoid& open, int level, Decomposition& result) const;
 
   const RegionOutline& outline_;
   double tolerance_;
-  std::vector<double> heights_;  ///< Of the corners.
-  std::vector<double> levels_;   ///< Heights of the cuts.
+  std::vector<double> heights_;  ///< Of the corners, m.
+  std::vector<double> levels_;   ///< Heights of the dividing lines, m.
   std::vector<Edge> edges_;
 };
 
-/// Corners of nearly one height share a level; edges within a level are left out.
-void Cutter::find_levels(const V2d& up) {
+/// Corners of nearly equal height share a level; edges within a level are omitted.
+void TrapezoidSweep::find_levels(const V2d& up) {
   const std::size_t n = outline_.points.size();
   heights_.assign(n, 0.0);
   std::vector<std::size_t> order(n);
@@ -95,7 +96,7 @@ void Cutter::find_levels(const V2d& up) {
   }
 }
 
-Node Cutter::node_at(const Edge& edge, int level) const {
+OutlinePoint TrapezoidSweep::point_at(const Edge& edge, int level) const {
   const std::size_t end = outline_.next[edge.start];
   if (level == (edge.rises ? edge.low : edge.high)) return {edge.start, 0.0};
   if (level == (edge.rises ? edge.high : edge.low)) return {end, 0.0};
@@ -103,55 +104,55 @@ Node Cutter::node_at(const Edge& edge, int level) const {
   return {edge.start, (levels_[static_cast<std::size_t>(level)] - from) / (heights_[end] - from)};
 }
 
-bool Cutter::close(const Open& open, int level, Cutting& cutting) const {
-  const Node a = node_at(edges_[open.left], open.low), b = node_at(edges_[open.right], open.low);
-  const Node c = node_at(edges_[open.right], level), d = node_at(edges_[open.left], level);
-  if (a == b) return c != d && add({c, d, a, a}, cutting);
-  return add({a, b, c, d}, cutting);
+bool TrapezoidSweep::close_trapezoid(const OpenTrapezoid& open, int level, Decomposition& result) const {
+  const OutlinePoint a = point_at(edges_[open.left], open.low), b = point_at(edges_[open.right], open.low);
+  const OutlinePoint c = point_at(edges_[open.right], level), d = point_at(edges_[open.left], level);
+  if (a == b) return c != d && add_facet({c, d, a, a}, result);
+  return add_facet({a, b, c, d}, result);
 }
 
-bool Cutter::add(const std::array<Node, 4>& facet, Cutting& cutting) const {
+bool TrapezoidSweep::add_facet(const std::array<OutlinePoint, 4>& facet, Decomposition& result) const {
   std::array<V2d, 4> p;
-  for (std::size_t i = 0; i < 4; ++i) p[i] = place(facet[i]);
+  for (std::size_t i = 0; i < 4; ++i) p[i] = position(facet[i]);
   const std::size_t corners = facet[2] == facet[3] ? 3 : 4;
   double longest = 0.0;
   for (std::size_t i = 0; i < corners; ++i) {
     const V2d in = p[(i + 1) % corners] - p[i], out = p[(i + 2) % corners] - p[(i + 1) % corners];
     const double lengths = in.length() * out.length();
-    if (!(in.cross(out) > kLeastCornerSine * lengths)) return false;
-    if (std::abs(in.dot(out)) > kSquareCosine * lengths) cutting.rectangles = false;
+    if (!(in.cross(out) > kMinCornerSine * lengths)) return false;
+    if (std::abs(in.dot(out)) > kRightAngleCosine * lengths) result.all_rectangles = false;
     longest = std::max(longest, in.length());
   }
   const double area = (p[2] - p[0]).cross(p[3] - p[1]) * 0.5;
-  cutting.slivers = cutting.slivers || area < kSliver * longest * longest;
-  cutting.rectangles = cutting.rectangles && corners == 4;
-  cutting.area += area;
-  cutting.facets.push_back(facet);
+  result.has_slivers = result.has_slivers || area < kSliver * longest * longest;
+  result.all_rectangles = result.all_rectangles && corners == 4;
+  result.area += area;
+  result.facets.push_back(facet);
   return true;
 }
 
-std::optional<Cutting> Cutter::cut(const V2d& direction) {
+std::optional<Decomposition> TrapezoidSweep::decompose(const V2d& direction) {
   const V2d up(-direction.y, direction.x);
   find_levels(up);
-  Cutting cutting;
-  std::vector<Open> open;
+  Decomposition result;
+  std::vector<OpenTrapezoid> open;
   for (int k = 0; k + 1 < static_cast<int>(levels_.size()); ++k) {
     const double middle = (levels_[static_cast<std::size_t>(k)] + levels_[static_cast<std::size_t>(k) + 1]) * 0.5;
     std::vector<std::pair<double, std::size_t>> crossed;
     for (std::size_t e = 0; e < edges_.size(); ++e) {
       if (edges_[e].low > k || edges_[e].high <= k) continue;
       const std::size_t start = edges_[e].start, end = outline_.next[start];
-      const double part = (middle - heights_[start]) / (heights_[end] - heights_[start]);
-      crossed.emplace_back(place({start, part}).dot(direction), e);
+      const double fraction = (middle - heights_[start]) / (heights_[end] - heights_[start]);
+      crossed.emplace_back(position({start, fraction}).dot(direction), e);
     }
     if (crossed.size() % 2 != 0) return std::nullopt;
     std::sort(crossed.begin(), crossed.end());
-    std::vector<Open> above;
+    std::vector<OpenTrapezoid> above;
     for (std::size_t i = 0; i < crossed.size(); i += 2) {
       const std::size_t left = crossed[i].second, right = crossed[i + 1].second;
-      if (edges_[left].rises || !edges_[right].rises) return std::nullopt;  // the region is not between them
-      const auto below =
-          std::find_if(open.begin(), open.end(), [&](const Open& o) { return o.left == left && o.right == right; });
+      if (edges_[left].rises || !edges_[right].rises) return std::nullopt;  // the region is not between these edges
+      const auto below = std::find_if(open.begin(), open.end(),
+                                      [&](const OpenTrapezoid& o) { return o.left == left && o.right == right; });
       if (below == open.end()) {
         above.push_back({left, right, k});
       } else {
@@ -159,30 +160,30 @@ std::optional<Cutting> Cutter::cut(const V2d& direction) {
         open.erase(below);
       }
     }
-    for (const Open& ended : open) {
-      if (!close(ended, k, cutting)) return std::nullopt;
+    for (const OpenTrapezoid& ended : open) {
+      if (!close_trapezoid(ended, k, result)) return std::nullopt;
     }
     open = std::move(above);
   }
-  for (const Open& ended : open) {
-    if (!close(ended, static_cast<int>(levels_.size()) - 1, cutting)) return std::nullopt;
+  for (const OpenTrapezoid& ended : open) {
+    if (!close_trapezoid(ended, static_cast<int>(levels_.size()) - 1, result)) return std::nullopt;
   }
-  return cutting;
+  return result;
 }
 
-/// The better of the cuttings along and across the longest edge.
-std::optional<Cutting> best_cutting(const RegionOutline& outline, Cutter& cutter) {
+/// The better of the decompositions along and across the longest edge: without slivers, then with fewer facets.
+std::optional<Decomposition> best_decomposition(const RegionOutline& outline, TrapezoidSweep& sweep) {
   V2d longest(0.0, 0.0);
   for (std::size_t i = 0; i < outline.points.size(); ++i) {
     const V2d edge = outline.points[outline.next[i]] - outline.points[i];
     if (edge.length2() > longest.length2() * (1.0 + 1e-9)) longest = edge;
   }
   const V2d along = longest.normalized();
-  std::optional<Cutting> best;
+  std::optional<Decomposition> best;
   for (const V2d& direction : {along, V2d(-along.y, along.x)}) {
-    std::optional<Cutting> cutting = cutter.cut(direction);
-    const auto order = [](const Cutting& c) { return std::pair(c.slivers, c.facets.size()); };
-    if (cutting && (!best || order(*cutting) < order(*best))) best = std::move(cutting);
+    std::optional<Decomposition> found = sweep.decompose(direction);
+    const auto order = [](const Decomposition& d) { return std::pair(d.has_slivers, d.facets.size()); };
+    if (found && (!best || order(*found) < order(*best))) best = std::move(found);
   }
   return best;
 }
@@ -200,19 +201,19 @@ double perimeter_of(const RegionOutline& outline) {
   return length;
 }
 
-/// Facets in space, and where they are on the mesh.
-std::vector<Facet> placed(const MeshTopology& topology, const RegionOutline& outline, const Cutting& cutting,
-                          std::int32_t& next_smooth) {
-  std::map<Node, std::int32_t> new_corners;
+/// The facets in 3D, and the corners of the mesh that they take their values from.
+std::vector<Facet> facets_in_space(const MeshTopology& topology, const RegionOutline& outline,
+                                   const Decomposition& found, std::int32_t& next_smooth) {
+  std::map<OutlinePoint, std::int32_t> new_corners;
   std::vector<Facet> facets;
-  for (const std::array<Node, 4>& source : cutting.facets) {
+  for (const std::array<OutlinePoint, 4>& source : found.facets) {
     Facet& facet = facets.emplace_back();
     for (std::size_t i = 0; i < 4; ++i) {
       const CoplanarRegion::Corner& corner = outline.corners[source[i].corner];
       const CoplanarRegion::Corner& next = outline.corners[outline.next[source[i].corner]];
-      facet.corners[i] = CornerSource{corner.vertex, next.vertex, source[i].part}(topology.vertices);
-      facet.sources[i] = {corner.number(), next.number(), source[i].part};
-      if (source[i].part == 0.0) {
+      facet.corners[i] = CornerSource{corner.vertex, next.vertex, source[i].fraction}(topology.vertices);
+      facet.sources[i] = {corner.corner_index(), next.corner_index(), source[i].fraction};
+      if (source[i].fraction == 0.0) {
         facet.smooth_vertices[i] =
             topology.triangles[corner.triangle].smooth_vertices[static_cast<std::size_t>(corner.index)];
       } else {
@@ -227,25 +228,26 @@ std::vector<Facet> placed(const MeshTopology& topology, const RegionOutline& out
 
 }  // namespace
 
-std::vector<Facet> region_quads(const MeshTopology& topology, const CoplanarRegion& region, std::size_t most,
+std::vector<Facet> region_quads(const MeshTopology& topology, const CoplanarRegion& region, std::size_t max_facets,
                                 std::int32_t& next_smooth) {
   const RegionOutline outline = outline_of(topology, region);
   const std::size_t corners = outline.corners.size();
-  if (corners < 3 || corners > kMostCorners) return {};
-  Cutter cutter(outline, region.tolerance);
-  std::optional<Cutting> cutting;
-  if (corners <= 4) {  // one loop
-    cutting.emplace();
-    if (!cutter.add({Node{0}, Node{1}, Node{2}, Node{corners - 1}}, *cutting)) cutting.reset();
+  if (corners < 3 || corners > kMaxCorners) return {};
+  TrapezoidSweep sweep(outline, region.tolerance);
+  std::optional<Decomposition> found;
+  if (corners <= 4) {  // a single loop
+    found.emplace();
+    const std::array whole{OutlinePoint{0}, OutlinePoint{1}, OutlinePoint{2}, OutlinePoint{corners - 1}};
+    if (!sweep.add_facet(whole, *found)) found.reset();
   }
-  if (!cutting && !outline.needs_vertices) {
-    cutting = best_cutting(outline, cutter);
-    if (cutting && !cutting->rectangles && (cutting->slivers || 2 * cutting->facets.size() > most)) return {};
+  if (!found && !outline.has_required_vertices) {
+    found = best_decomposition(outline, sweep);
+    if (found && !found->all_rectangles && (found->has_slivers || 2 * found->facets.size() > max_facets)) return {};
   }
-  if (!cutting || cutting->facets.size() > most) return {};
-  const double error = 2.0 * region.tolerance * perimeter_of(outline) + kAreaRounding * cutting->area;
-  if (!(std::abs(cutting->area - area_of(topology, region)) <= error)) return {};
-  return placed(topology, outline, *cutting, next_smooth);
+  if (!found || found->facets.size() > max_facets) return {};
+  const double error = 2.0 * region.tolerance * perimeter_of(outline) + kAreaRounding * found->area;
+  if (!(std::abs(found->area - area_of(topology, region)) <= error)) return {};
+  return facets_in_space(topology, outline, *found, next_smooth);
 }
 
 }  // namespace patchlight

@@ -7,12 +7,12 @@
 
 namespace patchlight {
 
-/// Cuts a region into few large quads: one where its outline has four corners, else trapezoids between parallel cuts
-/// through its corners, rectangles where its edges are at right angles.
-/// `most`: more facets are no gain. New corners on straight edges take numbers from `next_smooth` on.
-/// Returns nothing for an outline that cannot be cut so, or that is better left as triangles: where a smooth surface
-/// needs its vertices, and where trapezoids would be slivers.
-std::vector<Facet> region_quads(const MeshTopology& topology, const CoplanarRegion& region, std::size_t most,
+/// Replaces a region's triangles by few large quads: a single one if its outline has four corners, else the trapezoids
+/// between parallel lines through its corners, which are rectangles if all its edges are at right angles.
+/// New corners on straight edges get smooth vertex numbers from `next_smooth` on.
+/// Returns nothing if the outline allows no such decomposition, if more than `max_facets` facets result, if a smooth
+/// neighbour requires the vertices, or if the trapezoids are slivers.
+std::vector<Facet> region_quads(const MeshTopology& topology, const CoplanarRegion& region, std::size_t max_facets,
                                 std::int32_t& next_smooth);
 
 }  // namespace patchlight

@@ -7,9 +7,9 @@
 namespace patchlight {
 namespace {
 
-constexpr double kVertexTolerance = 1e-4;  // distance from the sphere, in radii
-constexpr double kLeastCoverage = 0.7;     // area of the facets, in areas of the sphere
-constexpr double kMostCoverage = 1.01;
+constexpr double kVertexTolerance = 1e-4;  // distance from the sphere / radius
+constexpr double kMinCoverage = 0.7;       // area of the facets / area of the sphere
+constexpr double kMaxCoverage = 1.01;
 
 std::vector<Vec3d> distinct_vertices(const MeshTopology& topology, const MeshTopology::Component& component) {
   std::vector<std::int32_t> numbers;
@@ -24,7 +24,7 @@ std::vector<Vec3d> distinct_vertices(const MeshTopology& topology, const MeshTop
   return vertices;
 }
 
-/// The sphere with the least sum of squares of |p - c|^2 - R^2: a linear system about the vertices' mean.
+/// Least-squares sphere: minimises the sum of (|p - c|^2 - R^2)^2, which is linear in c about the vertices' mean.
 std::optional<Sphere> fitted_sphere(const std::vector<Vec3d>& vertices) {
   Vec3d mean(0.0);
   for (const Vec3d& p : vertices) mean += p;
@@ -32,7 +32,7 @@ std::optional<Sphere> fitted_sphere(const std::vector<Vec3d>& vertices) {
   Imath::M33d matrix;
   matrix.makeIdentity();
   for (int i = 0; i < 3; ++i) matrix[i][i] = 0.0;
-  Vec3d right(0.0);
+  Vec3d rhs(0.0);
   double extent = 0.0;
   for (const Vec3d& p : vertices) extent = std::max(extent, (p - mean).length());
   if (!(extent > 0.0)) return std::nullopt;
@@ -41,14 +41,14 @@ std::optional<Sphere> fitted_sphere(const std::vector<Vec3d>& vertices) {
     for (int i = 0; i < 3; ++i) {
       for (int j = 0; j < 3; ++j) matrix[i][j] += d[i] * d[j];
     }
-    right += d * (0.5 * d.length2());
+    rhs += d * (0.5 * d.length2());
   }
   const auto count = static_cast<double>(vertices.size());
   matrix *= 1.0 / count;
-  right /= count;
-  if (!(std::abs(matrix.determinant()) > 1e-9)) return std::nullopt;  // flat
+  rhs /= count;
+  if (!(std::abs(matrix.determinant()) > 1e-9)) return std::nullopt;  // coplanar vertices
   Sphere sphere;
-  sphere.center = mean + extent * (right * matrix.inverse());
+  sphere.center = mean + extent * (rhs * matrix.inverse());
   for (const Vec3d& p : vertices) sphere.radius += (p - sphere.center).length() / count;
   return sphere;
 }
@@ -71,13 +71,13 @@ std::optional<Sphere> recognize_sphere(const MeshTopology& topology, const MeshT
   for (const std::int32_t number : component.triangles) {
     const MeshTopology::Triangle& triangle = topology.triangles[number];
     const double height = triangle.normal.dot(topology.vertices[triangle.vertices[0]] - sphere->center);
-    if (!(std::abs(height) >= (1.0 - kLargestSagitta) * radius)) return std::nullopt;
+    if (!(std::abs(height) >= (1.0 - kMaxSagitta) * radius)) return std::nullopt;
     if (height > 0.0) ++outward;
     area += triangle.area;
   }
   if (outward != 0 && outward != component.triangles.size()) return std::nullopt;
   const double coverage = area / (4.0 * kPi * radius * radius);
-  if (coverage < kLeastCoverage || coverage > kMostCoverage) return std::nullopt;
+  if (coverage < kMinCoverage || coverage > kMaxCoverage) return std::nullopt;
   if (outward == 0) sphere->radius = -radius;
   return sphere;
 }

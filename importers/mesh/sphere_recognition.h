@@ -6,12 +6,12 @@
 
 namespace patchlight {
 
-/// How far a facet's plane may lie inside the sphere, in radii. Blender's icosphere of 80 faces reaches 0.066, its UV
-/// sphere of 32 x 16 0.010; an icosahedron's 0.205 and a cube's 0.42 stay outside.
-constexpr double kLargestSagitta = 0.08;
+/// Largest distance of a facet's plane from the sphere, in radii. Blender's icosphere of 80 faces has 0.066, its UV
+/// sphere of 32 x 16 has 0.010; an icosahedron with 0.205 and a cube with 0.42 are not spheres.
+constexpr double kMaxSagitta = 0.08;
 
-/// The sphere that a closed mesh stands for: all its vertices lie on it within 1e-4 radii, all its facets within
-/// kLargestSagitta, and it is covered once. Its radius is negative where the facets face inward.
+/// The sphere that a closed mesh approximates: all vertices lie on it within 1e-4 radii, all facets within kMaxSagitta,
+/// and they cover it once. The radius is negative if the facets face inward. Nothing for any other mesh.
 std::optional<Sphere> recognize_sphere(const MeshTopology& topology, const MeshTopology::Component& component);
 
 }  // namespace patchlight

@@ -10,18 +10,18 @@
 namespace patchlight {
 namespace {
 
-/// One triangle's way through an edge.
-struct EdgeUse {
-  std::int32_t low = 0;  ///< Vertices.
+/// A half-edge: one triangle's use of an edge.
+struct HalfEdge {
+  std::int32_t low = 0;  ///< Vertices, low < high.
   std::int32_t high = 0;
   std::int32_t triangle = 0;
   bool upward = false;  ///< From low to high.
 
   auto edge() const { return std::tie(low, high); }
-  auto order() const { return std::tie(high, triangle); }  ///< Among those of one low vertex.
+  auto order() const { return std::tie(high, triangle); }  ///< Among equal `low`.
 };
 
-/// Sorts items by a key in [0, keys), and those of one key by their order().
+/// Counting sort by a key in [0, keys), then by order() among equal keys.
 template <class Entry, class Key>
 std::vector<Entry> sorted_by(Key Entry::*key, std::size_t keys, const std::vector<Entry>& items) {
   std::vector<std::uint32_t> counts(keys + 1, 0);
@@ -35,28 +35,28 @@ std::vector<Entry> sorted_by(Key Entry::*key, std::size_t keys, const std::vecto
   return sorted;
 }
 
-std::vector<EdgeUse> sorted_edge_uses(const std::vector<std::int32_t>& weld, std::size_t vertices,
-                                      const std::vector<std::int32_t>& triangles) {
-  std::vector<EdgeUse> uses;
-  uses.reserve(triangles.size() * 3);
+std::vector<HalfEdge> sorted_half_edges(const std::vector<std::int32_t>& weld, std::size_t vertices,
+                                        const std::vector<std::int32_t>& triangles) {
+  std::vector<HalfEdge> half_edges;
+  half_edges.reserve(triangles.size() * 3);
   for (const std::int32_t triangle : triangles) {
     for (int i = 0; i < 3; ++i) {
       const std::int32_t from = weld[3 * triangle + i];
       const std::int32_t to = weld[3 * triangle + (i + 1) % 3];
-      uses.push_back({std::min(from, to), std::max(from, to), triangle, from < to});
+      half_edges.push_back({std::min(from, to), std::max(from, to), triangle, from < to});
     }
   }
-  return sorted_by(&EdgeUse::low, vertices, uses);
+  return sorted_by(&HalfEdge::low, vertices, half_edges);
 }
 
-/// Sets of triangles that belong to one surface.
-DisjointSets surfaces(const std::vector<EdgeUse>& uses, std::size_t triangles) {
+/// Sets of triangles connected through manifold edges of consistent winding.
+DisjointSets manifold_surfaces(const std::vector<HalfEdge>& half_edges, std::size_t triangles) {
   DisjointSets sets(triangles);
-  for (std::size_t begin = 0; begin < uses.size();) {
+  for (std::size_t begin = 0; begin < half_edges.size();) {
     std::size_t end = begin + 1;
-    while (end < uses.size() && uses[end].edge() == uses[begin].edge()) ++end;
-    if (end - begin == 2 && uses[begin].upward != uses[begin + 1].upward) {
-      sets.join(uses[begin].triangle, uses[begin + 1].triangle);
+    while (end < half_edges.size() && half_edges[end].edge() == half_edges[begin].edge()) ++end;
+    if (end - begin == 2 && half_edges[begin].upward != half_edges[begin + 1].upward) {
+      sets.join(half_edges[begin].triangle, half_edges[begin + 1].triangle);
     }
     begin = end;
   }
@@ -81,12 +81,12 @@ void DisjointSets::join(std::int32_t a, std::int32_t b) {
 }
 
 std::vector<std::int32_t> weld_corners(const std::vector<Vec3d>& positions) {
-  // In a table of places by hash, with a factor of this run's own: no file can know which places meet there.
+  // Hash table with a random factor, so that no file can be made to cause collisions on purpose.
   static const std::uint64_t factor = std::uint64_t(std::random_device()()) << 32 | std::random_device()() | 1;
   const std::size_t slots = std::bit_ceil(2 * positions.size() + 1);
   const auto slot_of = [&](const Vec3d& p) {
     std::uint64_t hash = 0;
-    for (int k = 0; k < 3; ++k) {  // -0 is 0
+    for (int k = 0; k < 3; ++k) {  // adding 0 turns -0 into 0
       hash = (hash ^ std::bit_cast<std::uint64_t>(p[k] + 0.0)) * factor;
       hash ^= hash >> 32;
     }
@@ -104,10 +104,10 @@ std::vector<std::int32_t> weld_corners(const std::vector<Vec3d>& positions) {
   return number;
 }
 
-std::vector<std::int32_t> part_surfaces(const std::vector<std::int32_t>& weld,
-                                        const std::vector<std::int32_t>& triangles) {
+std::vector<std::int32_t> split_non_manifold_vertices(const std::vector<std::int32_t>& weld,
+                                                      const std::vector<std::int32_t>& triangles) {
   const std::size_t vertices = weld.empty() ? 0 : std::size_t(*std::max_element(weld.begin(), weld.end())) + 1;
-  DisjointSets sets = surfaces(sorted_edge_uses(weld, vertices, triangles), weld.size() / 3);
+  DisjointSets sets = manifold_surfaces(sorted_half_edges(weld, vertices, triangles), weld.size() / 3);
   struct Corner {
     std::int32_t weld, surface, corner;
     auto vertex() const { return std::tie(weld, surface); }

@@ -6,7 +6,7 @@
 
 namespace patchlight {
 
-/// Disjoint sets of numbers from 0; a set is known by its least member.
+/// Union-find over the numbers from 0 to count - 1; a set's representative is its smallest member.
 struct DisjointSets {
   explicit DisjointSets(std::size_t count);
 
@@ -16,13 +16,14 @@ struct DisjointSets {
   void join(std::int32_t a, std::int32_t b);
 };
 
-/// For each corner the number of its position, in order of first appearance; -0 is 0.
+/// Vertex number of each corner: equal positions share one. Numbered by first appearance; -0 equals 0.
 std::vector<std::int32_t> weld_corners(const std::vector<Vec3d>& positions);
 
-/// Parts vertices where surfaces touch: triangles that are connected through edges of exactly two of them, which run
-/// through it in opposite directions, keep common vertices; all others get vertices of their own.
-/// `weld` numbers the corners of all triangles; `triangles` are those in use. Returns new numbers for their corners.
-std::vector<std::int32_t> part_surfaces(const std::vector<std::int32_t>& weld,
-                                        const std::vector<std::int32_t>& triangles);
+/// Splits vertices at non-manifold places. Triangles stay connected through edges that exactly two of them use, in
+/// opposite directions; everywhere else they get separate vertices.
+/// `weld`: vertex numbers of all corners. `triangles`: the ones in use. Returns new vertex numbers of their corners, -1
+/// for all others.
+std::vector<std::int32_t> split_non_manifold_vertices(const std::vector<std::int32_t>& weld,
+                                                      const std::vector<std::int32_t>& triangles);
 
 }  // namespace patchlight

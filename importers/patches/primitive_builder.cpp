@@ -98,7 +98,7 @@ std::int32_t renumber_smooth_vertices(std::vector<Facet>& facets, std::size_t co
 void append_primitives(const Surface& surface, const SurfaceMaterial& material, const TriangleSoup& soup,
                        PrimitiveList& list) {
   const MeshTopology topology = build_topology(soup);
-  list.without_area += static_cast<std::int64_t>(topology.without_area);
+  list.degenerate_triangles += static_cast<std::int64_t>(topology.degenerate_triangles);
 
   std::vector<char> in_sphere(topology.triangles.size(), 0);
   for (const MeshTopology::Component& component : topology.components) {
@@ -138,7 +138,7 @@ void append_primitives(const Surface& surface, const SurfaceMaterial& material, 
     if (is_mapped(mappings.emission)) primitive.emission_texture = material.emission_texture;
     if (is_mapped(mappings.metallic_roughness))
       primitive.metallic_roughness_texture = material.metallic_roughness_texture;
-    if (surface.is_masked && (is_mapped(0) || material.mask_of_vertices)) primitive.mask = material.mask;
+    if (surface.is_masked && (is_mapped(0) || material.masked_by_vertices_only)) primitive.mask = material.mask;
     append(primitive, material.double_sided, smooth_count, list);
     const auto at_corners = [&](const auto& values) {
       const auto& s = facet.sources;

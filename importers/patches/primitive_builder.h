@@ -28,9 +28,9 @@ struct PrimitiveList {
   std::int64_t quads = 0;
   std::int64_t triangles = 0;
   std::int64_t spheres = 0;
-  std::int64_t merged_triangles = 0;  ///< Of coplanar regions,
-  std::int64_t merged_facets = 0;     ///< and the quads and triangles that they became.
-  std::int64_t without_area = 0;      ///< Triangles that were left out.
+  std::int64_t merged_triangles = 0;      ///< Of coplanar regions,
+  std::int64_t merged_facets = 0;         ///< and the quads and triangles that they became.
+  std::int64_t degenerate_triangles = 0;  ///< Triangles that were left out.
 };
 
 /// Recognises spheres and quads among a surface's triangles and appends its primitives; behind each of a double-sided

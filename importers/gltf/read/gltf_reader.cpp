@@ -107,7 +107,7 @@ std::vector<Surface> placed_surfaces(const GltfModel& model, const std::vector<P
 }
 
 std::string light_group(const tinygltf::Node& node, const SurfaceMaterial& material) {
-  std::string name = material.group_from_job ? material.light_group : "";
+  std::string name = material.light_group_from_job ? material.light_group : "";
   if (name.empty() && node.extras.Has("light_group") && node.extras.Get("light_group").IsString()) {
     name = node.extras.Get("light_group").Get<std::string>();
   }
@@ -167,8 +167,8 @@ void assign_vertex_colors(const GltfModel& model, GltfScene& scene) {
     const SurfaceMaterial& material = scene.materials[surface.material];
     const MeshPart& part = model.mesh_parts[surface.mesh][surface.part];
     const bool shaded = surface.shader >= 0 && is_set(scene.shaders[surface.shader].reflectance);
-    surface.reads_colors = part.has_colors && !shaded && !material.overridden;
-    surface.is_masked = material.mask >= 0 && (part.has_alphas || !material.mask_of_vertices);
+    surface.reads_colors = part.has_colors && !shaded && !material.reflectance_overridden;
+    surface.is_masked = material.mask >= 0 && (part.has_alphas || !material.masked_by_vertices_only);
     surface.reads_alphas = part.has_alphas && surface.is_masked;
   }
 }

@@ -135,7 +135,7 @@ void read_mask(const tinygltf::Material& source, TextureReader& textures, Surfac
   material.alpha = static_cast<float>(alpha);
   material.alpha_cutoff = static_cast<float>(cutoff);
   material.invisible = material.alpha * static_cast<float>(*most) / 255.0f < material.alpha_cutoff;
-  material.mask_of_vertices = material.alpha * static_cast<float>(*least) / 255.0f >= material.alpha_cutoff;
+  material.masked_by_vertices_only = material.alpha * static_cast<float>(*least) / 255.0f >= material.alpha_cutoff;
   material.mask = mask;
 }
 
@@ -173,7 +173,7 @@ SurfaceMaterial read_material(const tinygltf::Material& source, bool used, Textu
   material.roughness = static_cast<float>(pbr.roughnessFactor * metallic_roughness.y);
   if (most_metallic > 0.0) material.metallic_roughness_texture = metallic_roughness_texture;
   material.metallic_roughness_mapping = mapping_of(pbr.metallicRoughnessTexture);
-  material.texture_metallic = static_cast<float>(metallic_roughness.z);
+  material.mean_metallic = static_cast<float>(metallic_roughness.z);
   material.roughness_factor = static_cast<float>(pbr.roughnessFactor);
   material.emission = color(emissive * emissive_mean);
   material.emission_tint = color(emissive);
@@ -202,7 +202,7 @@ Color at_most_rest(const Color& value, const Color& other) {
 
 /// Makes the metallic part the same everywhere.
 void fix_metallic_roughness(SurfaceMaterial& material) {
-  material.tint += material.metal * (1.0f - material.texture_metallic);
+  material.tint += material.metal * (1.0f - material.mean_metallic);
   material.metal = Color(0.0f);
   material.metallic_roughness_texture = -1;
 }
@@ -211,7 +211,7 @@ void fix_metallic_roughness(SurfaceMaterial& material) {
 void apply_override(const MaterialOverride& change, const char* section, SurfaceMaterial& material) {
   if (change.light_group) {
     material.light_group = *change.light_group;
-    material.group_from_job = true;
+    material.light_group_from_job = true;
   }
   if (change.patch_area) material.patch_area = *change.patch_area;
   if (change.emission) {
@@ -224,7 +224,7 @@ void apply_override(const MaterialOverride& change, const char* section, Surface
     material.reflectance = material.tint = *change.reflectance;
     material.texture = -1;
     if (material.mask < 0) material.mapping = {};
-    material.overridden = true;
+    material.reflectance_overridden = true;
   }
   if (change.mirror) {
     material.specular = *change.mirror;

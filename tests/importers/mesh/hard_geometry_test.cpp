@@ -1,4 +1,4 @@
-// Meshes that modellers leave behind, and what becomes of each.
+// Defects that occur in real meshes, and how the importer treats them.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -20,7 +20,7 @@ void append_quad(Mesh& mesh, const std::array<Vec3f, 4>& corners) {
   for (const std::uint32_t k : {0u, 1u, 2u, 0u, 2u, 3u}) mesh.indices.push_back(first + k);
 }
 
-TEST(HardGeometry, FacesWithoutAreaAreLeftOut) {
+TEST(HardGeometry, DegenerateFacesAreSkipped) {
   Mesh mesh = grid(3);
   mesh.indices.insert(mesh.indices.end(), {0, 1, 2, 5, 5, 6, 0, 0, 0});
   const PatchSet scene = imported(mesh);
@@ -28,7 +28,7 @@ TEST(HardGeometry, FacesWithoutAreaAreLeftOut) {
   EXPECT_NEAR(total_area(scene), 9.0, 1e-9);
 }
 
-TEST(HardGeometry, NonManifoldEdgesPartTheSurface) {
+TEST(HardGeometry, NonManifoldEdgesSplitTheSurface) {
   Mesh mesh = grid(4);  // with a wall along its middle, from edge to edge
   const std::vector<Vec3f> floor = mesh.positions;
   for (std::uint32_t y = 0; y < 4; ++y)
@@ -39,7 +39,7 @@ TEST(HardGeometry, NonManifoldEdgesPartTheSurface) {
   EXPECT_NEAR(total_area(scene), 20.0, 1e-9);
 }
 
-TEST(HardGeometry, FacesThatStandTwiceBothCount) {
+TEST(HardGeometry, DuplicateFacesAreBothKept) {
   Mesh mesh = grid(4);
   mesh.indices.insert(mesh.indices.end(), mesh.indices.begin(), mesh.indices.begin() + 6);
   const PatchSet scene = imported(mesh);
@@ -52,14 +52,14 @@ TEST(HardGeometry, FlippedFacesStayFlipped) {
   std::swap(mesh.indices[25], mesh.indices[26]);  // both triangles of the cell in the middle
   std::swap(mesh.indices[28], mesh.indices[29]);
   const PatchSet scene = imported(mesh);
-  ASSERT_EQ(scene.primitives.size(), 5u) << "four about the one in the middle";
+  ASSERT_EQ(scene.primitives.size(), 5u) << "four around the one in the middle";
   EXPECT_EQ(std::count_if(scene.primitives.begin(), scene.primitives.end(),
                           [](const Primitive& p) { return facing(p).z < 0; }),
             1);
   EXPECT_NEAR(total_area(scene), 9.0, 1e-9);
 }
 
-TEST(HardGeometry, NGonsKeepTheirAreaInFewerFacets) {
+TEST(HardGeometry, NGonsKeepTheirAreaWithFewerFacets) {
   for (const int n : {5, 6, 12, 100}) {
     Mesh gon;
     for (int i = 0; i < n; ++i)
@@ -77,7 +77,7 @@ TEST(HardGeometry, NonPlanarFacesKeepTheirTriangles) {
   EXPECT_TRUE(scene.primitives[0].is_triangle() && scene.primitives[1].is_triangle());
 }
 
-TEST(HardGeometry, TheHugeAndTheTinyStandSideBySide) {
+TEST(HardGeometry, HugeAndTinyMeshesInOneScene) {
   Importer importer;
   GltfBuilder gltf;
   gltf.node({{"name", "ground"}, {"mesh", gltf.mesh(scaled(grid(4), Vec3f(2.5e4f)))}});
@@ -91,7 +91,7 @@ TEST(HardGeometry, TheHugeAndTheTinyStandSideBySide) {
   EXPECT_NEAR(total_area(scene) / 1e10, 1.0, 1e-6);
 }
 
-TEST(HardGeometry, RegionsThatTouchThemselvesInAVertexKeepTheirQuads) {
+TEST(HardGeometry, RegionsThatTouchThemselvesInAVertexKeepTheirArea) {
   Mesh mesh = grid(4);  // without the two cells that meet in the middle
   const auto cell = [&](std::size_t x, std::size_t y) {
     return mesh.indices.begin() + std::ptrdiff_t(6 * (4 * y + x));

@@ -27,13 +27,13 @@ inline Mesh scaled(Mesh mesh, const Vec3f& scale) {
   return mesh;
 }
 
-/// The first triangles alone.
+/// Only the first triangles.
 inline Mesh truncated(Mesh mesh, std::size_t triangles) {
   mesh.indices.resize(triangles * 3);
   return mesh;
 }
 
-/// Corners in order, cut along the diagonal from corner 0.
+/// Corners in order, split along the diagonal from corner 0.
 inline Mesh quad_mesh(const std::array<Vec3f, 4>& corners) {
   return {{corners.begin(), corners.end()}, {0, 1, 2, 0, 2, 3}, {}};
 }
@@ -61,7 +61,7 @@ inline Mesh grid(std::uint32_t n) {
   return mesh;
 }
 
-/// As Blender makes it: poles on the axis, radius 1.
+/// Like Blender's: radius 1, poles on the Y axis.
 inline Mesh uv_sphere(std::uint32_t segments, std::uint32_t rings) {
   Mesh mesh;
   mesh.positions.emplace_back(0.0f, 1.0f, 0.0f);

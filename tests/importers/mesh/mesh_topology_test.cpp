@@ -43,38 +43,38 @@ TEST(MeshTopology, CubeHasACreaseAtEveryEdge) {
   EXPECT_EQ(smooth_ids(build_topology(soup_of(cube()))).size(), 24u);
 }
 
-TEST(MeshTopology, FlatGridIsSmoothThroughout) {
+TEST(MeshTopology, FlatGridHasNoCreases) {
   EXPECT_EQ(smooth_ids(build_topology(soup_of(grid(4)))).size(), 25u);
 }
 
-TEST(MeshTopology, NormalsOfTheFileMakeSphereFacetsMeetSmoothly) {
+TEST(MeshTopology, NormalsOfTheFileMakeASphereSmooth) {
   const Mesh sphere = with_round_normals(icosphere(2));
   EXPECT_EQ(smooth_ids(build_topology(soup_of(sphere))).size(), sphere.positions.size());
 }
 
-TEST(MeshTopology, WithoutNormalsFacetsMeetInCreases) {
+TEST(MeshTopology, WithoutNormalsEveryEdgeOfASphereIsACrease) {
   const Mesh sphere = icosphere(2);
   EXPECT_EQ(smooth_ids(build_topology(soup_of(sphere))).size(), sphere.indices.size());
 }
 
-TEST(MeshTopology, SharpBendStaysACreaseDespiteSmoothNormals) {
+TEST(MeshTopology, SharpEdgeIsACreaseDespiteSmoothNormals) {
   EXPECT_EQ(smooth_ids(build_topology(soup_of(with_round_normals(cube())))).size(), 24u);
 }
 
-TEST(MeshTopology, ZeroAreaTrianglesAreCountedAndLeftOut) {
+TEST(MeshTopology, DegenerateTrianglesAreCountedAndSkipped) {
   Mesh mesh = cube();
   mesh.indices.insert(mesh.indices.end(), {0, 0, 1, 5, 5, 5});
   const MeshTopology topology = build_topology(soup_of(mesh));
-  EXPECT_EQ(topology.without_area, 2u);
+  EXPECT_EQ(topology.degenerate_triangles, 2u);
   EXPECT_EQ(topology.triangles.size(), 12u);
 }
 
-TEST(MeshTopology, ThinTriangleHasAnArea) {
+TEST(MeshTopology, ThinTriangleIsNotDegenerate) {
   const Mesh sliver{{{0, 0, 0}, {1, 0, 0}, {0.5f, 1e-5f, 0}}, {0, 1, 2}, {}};
-  EXPECT_EQ(build_topology(soup_of(sliver)).without_area, 0u);
+  EXPECT_EQ(build_topology(soup_of(sliver)).degenerate_triangles, 0u);
 }
 
-TEST(MeshTopology, ThreeWallsAtAnEdgeAreEachWhole) {
+TEST(MeshTopology, ThreeWallsAtOneEdgeAreThreeComponents) {
   Mesh mesh{{{0, 0, 0}, {0, 1, 0}, {1, 0, 0}, {1, 1, 0}, {-1, 0, 0}, {-1, 1, 0}, {0, 0, 1}, {0, 1, 1}}, {}, {}};
   mesh.indices = {0, 2, 3, 0, 3, 1, 0, 1, 5, 0, 5, 4, 0, 6, 7, 0, 7, 1};
   const MeshTopology topology = build_topology(soup_of(mesh));

@@ -60,7 +60,7 @@ double area_of(const std::vector<Facet>& facets) {
   return area;
 }
 
-TEST(QuadRecognition, CurvedSurfaceIsItsRectanglesThatShareSmoothVertices) {
+TEST(QuadRecognition, CurvedSurfaceBecomesRectanglesThatShareSmoothVertices) {
   const std::vector<Facet> facets = facets_of(arch(10));
   ASSERT_EQ(facets.size(), 100u);
   std::vector<int> uses(200, 0);
@@ -85,7 +85,7 @@ TEST(QuadRecognition, FlatGridIsOneQuad) {
   }
 }
 
-TEST(QuadRecognition, FlatShapesAreAsFewRectanglesAsTheyCanBe) {
+TEST(QuadRecognition, FlatShapesBecomeTheFewestRectangles) {
   const auto expect = [](std::size_t count, double area, const Mesh& mesh, const char* what) {
     const std::vector<Facet> facets = facets_of(mesh);
     EXPECT_EQ(facets.size(), count) << what;
@@ -104,7 +104,7 @@ TEST(QuadRecognition, FlatShapesAreAsFewRectanglesAsTheyCanBe) {
   expect(3, 36, cells(10, [](auto x, auto y) { return (x >= 4 && x < 6) || (y >= 4 && y < 6); }), "cross");
 }
 
-TEST(QuadRecognition, CornersOnCutsAreNewAndSharedByTheirFacets) {
+TEST(QuadRecognition, NewCornersOnEdgesAreSharedByTheirFacets) {
   const std::vector<Facet> facets = facets_of(cells(10, [](auto x, auto y) { return x < 5 || y < 5; }));
   std::map<std::int32_t, Vec3d> places;
   for (const Facet& facet : facets) {
@@ -113,10 +113,10 @@ TEST(QuadRecognition, CornersOnCutsAreNewAndSharedByTheirFacets) {
       EXPECT_EQ(entry->second, facet.corners[i]);
     }
   }
-  EXPECT_EQ(places.size(), 7u);  // six of the outline and one new
+  EXPECT_EQ(places.size(), 7u);  // six corners of the outline and one new
 }
 
-TEST(QuadRecognition, GableIsAFewTrapezoids) {
+TEST(QuadRecognition, GableBecomesAtMostTwoTrapezoids) {
   Mesh gable = grid(8);
   for (Vec3f& p : gable.positions) {
     const float roof = 8 + 4 - std::abs(p.x - 4);
@@ -136,7 +136,7 @@ TEST(QuadRecognition, DiscKeepsItsTriangles) {
   EXPECT_NEAR(area_of(facets), 16 * std::sin(kPi / 16), 1e-6);
 }
 
-TEST(QuadRecognition, RegionsEndWhereThePlaneDoes) {
+TEST(QuadRecognition, RegionsEndAtFolds) {
   Mesh step = grid(10);
   for (Vec3f& p : step.positions) p.z = p.x > 5 ? (p.x - 5) * 0.1f : 0.0f;
   EXPECT_EQ(facets_of(step).size(), 2u);
@@ -144,7 +144,7 @@ TEST(QuadRecognition, RegionsEndWhereThePlaneDoes) {
   EXPECT_EQ(facets_of(step).size(), 10u) << "a crease along each row of cells";
 }
 
-TEST(QuadRecognition, RegionsTurnedAndFarFromTheOriginMergeToo) {
+TEST(QuadRecognition, RotatedRegionsFarFromTheOriginAreMerged) {
   Mesh floor = grid(20);
   Imath::M44d place;
   place.rotate(Vec3d(0.3, 0.5, 0.7));
@@ -157,7 +157,7 @@ TEST(QuadRecognition, RegionsTurnedAndFarFromTheOriginMergeToo) {
   EXPECT_EQ(recognize_quads(topology, std::vector<char>(topology.triangles.size(), 0)).facets.size(), 1u);
 }
 
-TEST(QuadRecognition, TexturesAreMappedByTheMergedQuadAsByItsTriangles) {
+TEST(QuadRecognition, MergedQuadKeepsTheTextureMappingOfItsTriangles) {
   const Mesh floor = grid(10);
   const auto facets_with = [&](const auto& mapping) {
     TriangleSoup soup = soup_of(floor);
@@ -190,7 +190,7 @@ TEST(QuadRecognition, NonConvexPairStaysTwoTriangles) {
   EXPECT_EQ(facets_of(quad_mesh({{{0, 0, 0}, {2, -1, 0}, {0.5f, 0, 0}, {2, 1, 0}}})).size(), 2u);
 }
 
-TEST(QuadRecognition, PairThatIsATriangleStaysTwo) {
+TEST(QuadRecognition, PairThatFormsATriangleStaysTwoTriangles) {
   EXPECT_EQ(facets_of(quad_mesh({{{0, 0, 0}, {1, 0, 0}, {0.5f, 0.5f, 0}, {0, 1, 0}}})).size(), 2u);
 }
 
@@ -202,7 +202,7 @@ TEST(QuadRecognition, RectangleOfTenThousandToOneIsAQuad) {
   EXPECT_EQ(facets_of(quad_mesh({{{0, 0, 0}, {10000, 0, 0}, {10000, 1, 0}, {0, 1, 0}}})).size(), 1u);
 }
 
-TEST(QuadRecognition, SliversFoldedAlongTheirLongEdgeStayTwo) {
+TEST(QuadRecognition, SliversFoldedAlongTheirLongEdgeStayTwoTriangles) {
   EXPECT_EQ(facets_of(quad_mesh({{{0, 0, 0}, {1, 0, 5e-5f}, {2, 0, 0}, {1, 5e-5f, 0}}})).size(), 2u);
 }
 

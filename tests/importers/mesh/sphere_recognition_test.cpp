@@ -23,11 +23,11 @@ void expect_unit_sphere(const std::vector<Sphere>& spheres, double radius, const
   EXPECT_NEAR((spheres[0].center - center).length(), 0.0, 1e-6);
 }
 
-TEST(SphereRecognition, UvSphereHasItsTrueCentreAndRadius) {
+TEST(SphereRecognition, UvSphereGivesCentreAndRadius) {
   expect_unit_sphere(spheres_in(uv_sphere(32, 16), {1, 2, 3}), 1.0, {1, 2, 3});
 }
 
-TEST(SphereRecognition, FarFromTheOriginItIsFoundAsWell) {
+TEST(SphereRecognition, SphereFarFromTheOriginIsRecognized) {
   expect_unit_sphere(spheres_in(uv_sphere(32, 16), {10000, 0, 10000}), 1.0, {10000, 0, 10000});
 }
 
@@ -45,7 +45,7 @@ TEST(SphereRecognition, InwardSphereHasANegativeRadius) {
   expect_unit_sphere(spheres_in(inverted(icosphere(2))), -1.0, Vec3d(0.0));
 }
 
-TEST(SphereRecognition, TwoSpheresOfOneMeshAreBothFound) {
+TEST(SphereRecognition, TwoSpheresInOneMeshAreBothRecognized) {
   Mesh mesh = uv_sphere(32, 16);
   const auto count = std::uint32_t(mesh.positions.size());
   const Mesh other = scaled(icosphere(2), Vec3f(0.5f));
@@ -68,7 +68,7 @@ TEST(SphereRecognition, SphereWithAHoleStaysAMesh) {
   EXPECT_TRUE(spheres_in(truncated(whole, whole.indices.size() / 3 - 1)).empty());
 }
 
-TEST(SphereRecognition, BoxCornersLieOnASphereAndStayAMesh) {
+TEST(SphereRecognition, BoxWhoseCornersLieOnASphereStaysAMesh) {
   EXPECT_TRUE(spheres_in(cube()).empty());
 }
 TEST(SphereRecognition, IcosahedronStaysAMesh) {
