@@ -25,8 +25,7 @@ PrimitiveList build_primitives(const GltfScene& scene, const Job& job, Progress&
     append_primitives(surface, scene.materials[surface.material], read_triangles(scene, surface), list);
     if (static_cast<std::int64_t>(list.primitives.size()) > job.import.max_patches) {
       throw Error(ExitCode::over_limit,
-                  fmt::format("the scene has more surfaces than import.max_patches, {}, allows patches",
-                              job.import.max_patches),
+                  fmt::format("the scene has more surfaces than import.max_patches ({})", job.import.max_patches),
                   "import.max_patches", "raise it, or simplify the scene");
     }
     progress.update(static_cast<double>(i + 1) / static_cast<double>(scene.surfaces.size()), scene.nodes[surface.node]);
@@ -34,16 +33,17 @@ PrimitiveList build_primitives(const GltfScene& scene, const Job& job, Progress&
   if (list.degenerate_triangles > 0)
     progress.warning(fmt::format("{} triangles without area are skipped", list.degenerate_triangles));
   if (!list.texcoords.empty()) list.texcoords.resize(list.primitives.size(), kOwnTexcoords);
-  for (auto* others : {&list.emission_texcoords, &list.metallic_roughness_texcoords}) {
-    if (others->empty()) continue;
-    others->resize(list.primitives.size(), kNoTexcoords);
-    for (std::size_t i = 0; i < others->size(); ++i)
-      if (std::isnan((*others)[i][0].x)) (*others)[i] = list.texcoords.empty() ? kOwnTexcoords : list.texcoords[i];
+  for (auto* texcoords : {&list.emission_texcoords, &list.metallic_roughness_texcoords}) {
+    if (texcoords->empty()) continue;
+    texcoords->resize(list.primitives.size(), kNoTexcoords);
+    for (std::size_t i = 0; i < texcoords->size(); ++i)
+      if (std::isnan((*texcoords)[i][0].x))
+        (*texcoords)[i] = list.texcoords.empty() ? kOwnTexcoords : list.texcoords[i];
   }
   if (!list.colors.empty()) list.colors.resize(list.primitives.size(), kUncolored);
   if (list.primitives.empty()) {
-    throw Error(ExitCode::bad_data, "the scene has nothing with an area", job.scene.filename().string(),
-                "it needs a mesh in its default scene");
+    throw Error(ExitCode::bad_data, "the scene has no surface with an area", job.scene.filename().string(),
+                "add a mesh to its default scene");
   }
   return list;
 }
@@ -62,7 +62,7 @@ Camera camera_for(const std::vector<Primitive>& primitives) {
   return framing_camera(box.min, box.max);
 }
 
-std::vector<Material> lasting_materials(const std::vector<SurfaceMaterial>& materials) {
+std::vector<Material> stored_materials(const std::vector<SurfaceMaterial>& materials) {
   std::vector<Material> result;
   for (const SurfaceMaterial& material : materials)
     result.push_back({material.name, material.specular, material.roughness, material.tint, material.alpha,
@@ -116,7 +116,7 @@ PatchSet import_scene(const Job& job, Progress& progress) {
   set.shaders = scene.shaders;
   set.textures = std::move(scene.textures);
   if (masked_primitives(set) > 0) set.masks = std::move(scene.masks);
-  set.materials = lasting_materials(scene.materials);
+  set.materials = stored_materials(scene.materials);
   set.nodes = scene.nodes;
   set.light_groups = scene.light_groups;
   set.lights = std::move(scene.lights);

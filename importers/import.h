@@ -5,10 +5,10 @@
 
 namespace patchlight {
 
-/// Reads the job's glTF scene, recognises quads and spheres in it and cuts them into patches.
-/// The file layer sets `key` and `frames_key`.
-/// Throws: Error (missing_input, bad_data, over_limit); (bad_config) for a shader that does not compile or has no value
-/// that a surface can have.
+/// Reads the job's glTF scene, recognises quads and spheres and subdivides them into patches.
+/// `key` and `frames_key` stay unset; write_patches sets them.
+/// Throws: Error (missing_input, bad_data, over_limit); (bad_config) for a shader that does not compile or gives a
+/// negative or non-finite value.
 PatchSet import_scene(const Job& job, Progress& progress);
 
 }  // namespace patchlight

@@ -14,29 +14,29 @@
 namespace patchlight {
 namespace {
 
-constexpr int kMostColumns = 2048;   // of texels that frames show
-constexpr int kRows = 24;            // of cells, 7.5 degrees high at the horizon
-constexpr int kLeastSamples = 1024;  // around, of a coarse image: cells are means over them
-constexpr float kContrast = 8.0f;    // times the mean, above which light is a sun's
-constexpr std::size_t kMostSuns = 16;
-constexpr double kSunRadius = 4 * kPi / 180.0;  // of what makes one sun, at most
+constexpr int kMaxColumns = 2048;        // texels; frames show the image at this resolution
+constexpr int kRows = 24;                // of cells, 7.5 degrees high at the horizon
+constexpr int kMinSamplesAcross = 1024;  // cells are means over samples; a coarse image is sampled between its texels
+constexpr float kContrast = 8.0f;        // radiance / mean above which light belongs to a sun
+constexpr std::size_t kMaxSuns = 16;
+constexpr double kMaxSunRadius = 4 * kPi / 180.0;  // rad
 
 float largest(const Color& c) {
   return std::max({c.x, c.y, c.z});
 }
 
-/// A direction of the image, and what comes from about there.
+/// A direction of the image with its solid angle and radiance.
 struct Sample {
   Vec3d direction{0.0};
   double solid_angle = 0.0;
   Color radiance{0.0f};
-  Color excess{0.0f};  ///< Of the radiance, that is a sun's.
+  Color excess{0.0f};  ///< Part of the radiance that belongs to a sun.
 };
 
-/// In rows from +Y down: the image's own texels, or as many points between them as cells need.
+/// Samples in rows from +Y down: one per texel, or several if the image is too coarse for the cells.
 std::vector<Sample> samples_of(const Environment& sky) {
-  const auto finer = [](int size, int least) { return std::max(1, (least + size - 1) / size); };
-  const int across = finer(sky.width, kLeastSamples), down = finer(sky.height, kLeastSamples / 2);
+  const auto per_texel = [](int size, int min_samples) { return std::max(1, (min_samples + size - 1) / size); };
+  const int across = per_texel(sky.width, kMinSamplesAcross), down = per_texel(sky.height, kMinSamplesAcross / 2);
   const int columns = across * sky.width, rows = down * sky.height;
   std::vector<Sample> samples;
   samples.reserve(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
@@ -50,37 +50,38 @@ std::vector<Sample> samples_of(const Environment& sky) {
   return samples;
 }
 
-/// Takes the light out of samples about the brightest one that is left and makes it a sun.
-Light take_sun(const Environment& sky, const std::vector<Sample*>& bright) {
-  const Vec3d about = bright.front()->direction;
-  Vec3d middle(0.0), strength(0.0);
-  std::vector<Sample*> part;
+/// Moves the excess radiance of the samples around the first, brightest one into a sun. `bright`: by falling radiance.
+Light extract_sun(const Environment& sky, const std::vector<Sample*>& bright) {
+  const Vec3d brightest = bright.front()->direction;
+  Vec3d center(0.0), strength(0.0);
+  std::vector<Sample*> cluster;
   for (Sample* sample : bright) {
-    if (sample->excess != Color(0.0f) || (sample->direction ^ about) < std::cos(kSunRadius)) continue;
+    if (sample->excess != Color(0.0f) || (sample->direction ^ brightest) < std::cos(kMaxSunRadius)) continue;
     sample->excess = sample->radiance - clipped(sky, sample->radiance);
     const Vec3d light = Vec3d(sample->excess) * sample->solid_angle;
-    middle += sample->direction * (light.x + light.y + light.z);
+    center += sample->direction * (light.x + light.y + light.z);
     strength += light;
-    part.push_back(sample);
+    cluster.push_back(sample);
   }
-  middle.normalize();
+  center.normalize();
   double spread = 0.0, weight = 0.0;
-  for (const Sample* sample : part) {
+  for (const Sample* sample : cluster) {
     const double light = double(largest(sample->excess)) * sample->solid_angle;
-    spread += light * (sample->direction - middle).length2();
+    spread += light * (sample->direction - center).length2();
     weight += light;
   }
   Light sun;
   sun.kind = Light::Kind::sun;
-  sun.direction = -middle;
+  sun.direction = -center;
   sun.strength = Color(Vec3f(strength));
-  // An even disk has a mean square of half its radius'; a texel is as wide as that at least.
+  // The mean squared distance in a uniform disk is half the squared radius. A sun is at least one texel wide.
   sun.outer = std::max(std::sqrt(2 * spread / weight), 0.5 * kPi / sky.height);
   return sun;
 }
 
-/// Raises `sky.clip` until all that is above it is in few suns; where no suns are left, takes it away.
-std::vector<Light> take_suns(Environment& sky, std::vector<Sample>& samples) {
+/// Extracts suns: doubles `sky.clip` until all radiance above it belongs to at most kMaxSuns suns. Sets it to 0 if
+/// there are none.
+std::vector<Light> extract_suns(Environment& sky, std::vector<Sample>& samples) {
   for (;; sky.clip *= 2) {
     std::vector<Sample*> bright;
     for (Sample& sample : samples) {
@@ -90,8 +91,8 @@ std::vector<Light> take_suns(Environment& sky, std::vector<Sample>& samples) {
     std::stable_sort(bright.begin(), bright.end(),
                      [](const Sample* a, const Sample* b) { return largest(a->radiance) > largest(b->radiance); });
     std::vector<Light> suns;
-    while (!bright.empty() && suns.size() < kMostSuns) {
-      suns.push_back(take_sun(sky, bright));
+    while (!bright.empty() && suns.size() < kMaxSuns) {
+      suns.push_back(extract_sun(sky, bright));
       std::erase_if(bright, [](const Sample* sample) { return sample->excess != Color(0.0f); });
     }
     if (!bright.empty()) continue;
@@ -107,13 +108,15 @@ void read_image(const Job& job, Environment& sky, PatchSet& scene) {
   if (!std::filesystem::exists(file, fault))
     throw Error(ExitCode::missing_input, fmt::format("there is no file '{}'", file.string()), place, "check the path");
   if (!std::filesystem::is_regular_file(file, fault))
-    throw Error(ExitCode::bad_data, fmt::format("'{}' is not a file", file.string()), place, "name a regular file");
+    throw Error(ExitCode::bad_data, fmt::format("'{}' is not a regular file", file.string()), place,
+                "set it to the path of an image");
   static auto* const decode = on_demand<decltype(decode_environment)>("patchlight-textures", "decode_environment");
   scene.sources.push_back({path_beside_scene(file, job), hash_file(file)});
-  decode(file, file.string(), kMostColumns, sky);
+  decode(file, file.string(), kMaxColumns, sky);
 }
 
-std::int32_t group_number(const std::string& name, std::vector<std::string>& groups) {
+/// Index of a light group, added if it is new.
+std::int32_t light_group_index(const std::string& name, std::vector<std::string>& groups) {
   const auto found = std::find(groups.begin(), groups.end(), name);
   const auto number = static_cast<std::int32_t>(found - groups.begin());
   if (found == groups.end()) groups.push_back(name);
@@ -135,14 +138,14 @@ void add_environment(const Job& job, PatchSet& scene, Progress& progress) {
     texel *= factor;
     if (!std::isfinite(texel.x + texel.y + texel.z))
       throw Error(ExitCode::bad_data, "the environment is too strong for single precision", job.file.string(),
-                  "lower environment.strength");
+                  "lower environment.strength or environment.color");
   }
   if (std::all_of(sky.texels.begin(), sky.texels.end(), [](const Color& c) { return c == Color(0.0f); })) {
-    progress.warning("the environment is black, and left out");
+    progress.warning("the environment is black and is ignored");
     return;
   }
   sky.turn = config.rotation / 360.0;
-  sky.light_group = group_number(config.light_group, scene.light_groups);
+  sky.light_group = light_group_index(config.light_group, scene.light_groups);
   if (sky.texels.size() == 1) {
     sky.cells = sky.texels;
     scene.environment = std::move(sky);
@@ -154,7 +157,7 @@ void add_environment(const Job& job, PatchSet& scene, Progress& progress) {
   double mean = 0.0;
   for (const Sample& sample : samples) mean += double(largest(sample.radiance)) * sample.solid_angle / (4 * kPi);
   sky.clip = kContrast * static_cast<float>(mean);
-  std::vector<Light> suns = take_suns(sky, samples);
+  std::vector<Light> suns = extract_suns(sky, samples);
   for (std::size_t k = 0; k < suns.size(); ++k) {
     suns[k].name = fmt::format("{} sun {}", config.light_group, k + 1);
     suns[k].light_group = sky.light_group;

@@ -5,15 +5,15 @@
 
 namespace patchlight {
 
-/// Gives the scene the job's environment, its light group, and as suns what of it is too bright and small for cells.
-/// Nothing where it is black.
-/// Throws: Error (missing_input) without the image; (bad_data) for an image that is none or holds what is negative or
-/// not finite; (over_limit) for one too large.
+/// Adds the job's environment and its light group to the scene. Small bright areas of the image become sun lights,
+/// since cells are too coarse for them. A black environment is ignored, with a warning. Throws: Error (missing_input)
+/// if the image does not exist; (bad_data) for another format and for negative or non-finite values; (over_limit) if it
+/// is too large.
 void add_environment(const Job& job, PatchSet& scene, Progress& progress);
 
-/// An image as radiance, reduced to `most_columns`, an even number, and half as many rows at most; for add_environment,
-/// which loads it when it is first called. `place` names it for errors. Throws: Error (bad_data, over_limit).
-extern "C" void decode_environment(const std::filesystem::path& file, const std::string& place, int most_columns,
+/// Reads an image as radiance, averaged down to at most `max_columns` (even) x `max_columns` / 2 texels. Loaded from a
+/// plugin by add_environment. `place` names the image in errors. Throws: Error (bad_data, over_limit).
+extern "C" void decode_environment(const std::filesystem::path& file, const std::string& place, int max_columns,
                                    Environment& sky);
 
 }  // namespace patchlight

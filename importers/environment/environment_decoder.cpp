@@ -13,8 +13,8 @@
 namespace patchlight {
 namespace {
 
-constexpr std::int64_t kLargestImage = std::int64_t{1} << 27;  // texels: 16k x 8k
-constexpr int kLongestSide = 1 << 16;
+constexpr std::int64_t kMaxTexels = std::int64_t{1} << 27;  // texels: 16k x 8k
+constexpr int kMaxSide = 1 << 16;
 constexpr int kRowsAtOnce = 64;
 
 [[noreturn]] void refuse(const std::string& what, const std::string& place) {
@@ -32,7 +32,7 @@ const char* format_name(const std::filesystem::path& file, const std::string& pl
 
 }  // namespace
 
-void decode_environment(const std::filesystem::path& file, const std::string& place, int most_columns,
+void decode_environment(const std::filesystem::path& file, const std::string& place, int max_columns,
                         Environment& sky) {
   const auto image = OIIO::ImageInput::create(format_name(file, place));
   OIIO::ImageSpec spec;
@@ -44,15 +44,15 @@ void decode_environment(const std::filesystem::path& file, const std::string& pl
     refuse("the environment's image holds no colours", place);
   if (spec.nchannels >= 3 &&
       (spec.channelnames[0] != "R" || spec.channelnames[1] != "G" || spec.channelnames[2] != "B"))
-    refuse("the environment's image has no channels R, G and B of its own", place);
-  if (texels > kLargestImage || spec.width > kLongestSide || spec.height > kLongestSide)
+    refuse("the first channels of the environment's image are not R, G and B", place);
+  if (texels > kMaxTexels || spec.width > kMaxSide || spec.height > kMaxSide)
     throw Error(ExitCode::over_limit,
                 fmt::format("an environment's image of {} x {} texels is too large", spec.width, spec.height), place,
-                "make it smaller; 16,384 x 8,192 texels are a fixed limit");
+                "scale it down to 16,384 x 8,192 texels; this limit is fixed");
 
-  const auto reduced = [](int size, int most) { return size / ((size + most - 1) / most); };
-  sky.width = reduced(spec.width, most_columns);
-  sky.height = reduced(spec.height, most_columns / 2);
+  const auto reduced = [](int size, int max_size) { return size / ((size + max_size - 1) / max_size); };
+  sky.width = reduced(spec.width, max_columns);
+  sky.height = reduced(spec.height, max_columns / 2);
   std::vector<Vec3d> sums(static_cast<std::size_t>(sky.width) * static_cast<std::size_t>(sky.height), Vec3d(0.0));
   std::vector<int> counts(sums.size());
   const std::size_t channels = spec.nchannels < 3 ? 1 : 3;
@@ -60,18 +60,22 @@ void decode_environment(const std::filesystem::path& file, const std::string& pl
   std::vector<float> rows(static_cast<std::size_t>(spec.width) * rows_at_once * channels);
   for (int y = 0; y < spec.height; y += rows_at_once) {
     const int end = std::min(y + rows_at_once, spec.height);
-    const bool whole = spec.tile_width > 0
-                           ? image->read_image(0, 0, 0, static_cast<int>(channels), OIIO::TypeDesc::FLOAT, rows.data())
-                           : image->read_scanlines(0, 0, spec.y + y, spec.y + end, 0, 0, static_cast<int>(channels),
-                                                   OIIO::TypeDesc::FLOAT, rows.data());
-    if (!whole) refuse(fmt::format("the environment's image is damaged: {}", image->geterror()), place);
+    const bool complete =
+        spec.tile_width > 0 ? image->read_image(0, 0, 0, static_cast<int>(channels), OIIO::TypeDesc::FLOAT, rows.data())
+                            : image->read_scanlines(0, 0, spec.y + y, spec.y + end, 0, 0, static_cast<int>(channels),
+                                                    OIIO::TypeDesc::FLOAT, rows.data());
+    if (!complete) refuse(fmt::format("the environment's image is damaged: {}", image->geterror()), place);
     for (int row = y; row < end; ++row)
       for (int x = 0; x < spec.width; ++x) {
         const float* values = rows.data() + (static_cast<std::size_t>(row - y) * spec.width + x) * channels;
         const Vec3d color(values[0], values[channels == 3 ? 1 : 0], values[channels == 3 ? 2 : 0]);
         for (int k = 0; k < 3; ++k)
           if (!(color[k] >= 0.0 && std::isfinite(color[k])))
-            refuse(fmt::format("the environment's image holds {} at column {}, row {}", color[k], x, row), place);
+            refuse(
+                fmt::format(
+                    "the environment's image has radiance {} at column {}, row {}; it must be finite and not negative",
+                    color[k], x, row),
+                place);
         const std::int64_t to =
             std::int64_t{row} * sky.height / spec.height * sky.width + std::int64_t{x} * sky.width / spec.width;
         sums[static_cast<std::size_t>(to)] += color;

@@ -14,8 +14,8 @@ namespace {
 
 constexpr double kDefaultPatches = 8000.0;
 
-/// What patches are to be cut from.
-struct Cuts {
+/// Primitives to subdivide, with their materials.
+struct Subdivision {
   const std::vector<Primitive>& primitives;
   const std::vector<SurfaceMaterial>& materials;
 
@@ -31,24 +31,24 @@ struct Cuts {
   }
 };
 
-/// Rounds up to two digits, so that the number can be typed.
+/// Rounds up to two significant digits, so that a message can suggest the number.
 double rounded_up(double value) {
   const double unit = std::pow(10.0, std::floor(std::log10(value)) - 1.0);
   return std::ceil(value / unit) * unit;
 }
 
-/// The least patch area, roughly, that keeps within `limit` patches.
-double fitting_patch_area(const Cuts& cuts, double limit, double area) {
+/// Approximately the smallest patch area that gives at most `limit` patches.
+double fitting_patch_area(const Subdivision& subdivision, double limit, double area) {
   double fits = area / limit;
-  while (cuts.count(fits) > limit) fits *= 2.0;
+  while (subdivision.count(fits) > limit) fits *= 2.0;
   double fails = fits * 0.5;
   for (int i = 0; i < 12; ++i) {
     const double middle = std::sqrt(fits * fails);
-    (cuts.count(middle) > limit ? fails : fits) = middle;
+    (subdivision.count(middle) > limit ? fails : fits) = middle;
   }
-  // Rounding makes counts go down unevenly.
+  // Counts do not decrease monotonically with the area: columns and rows are rounded.
   for (double candidate = rounded_up(fits);; candidate = rounded_up(candidate * 1.05)) {
-    if (cuts.count(candidate) <= limit) return candidate;
+    if (subdivision.count(candidate) <= limit) return candidate;
   }
 }
 
@@ -56,15 +56,15 @@ double fitting_patch_area(const Cuts& cuts, double limit, double area) {
 
 double choose_patch_area(const std::vector<Primitive>& primitives, const std::vector<SurfaceMaterial>& materials,
                          const ImportConfig& config) {
-  const Cuts cuts{primitives, materials};
+  const Subdivision subdivision{primitives, materials};
   double area = 0.0;
   for (const Primitive& primitive : primitives) area += primitive_area(primitive);
   const double wanted = config.patch_area.value_or(area / kDefaultPatches);
   const auto limit = static_cast<double>(config.max_patches);
-  const double count = cuts.count(wanted);
+  const double count = subdivision.count(wanted);
   if (count <= limit) return wanted;
 
-  const double least = cuts.count(std::numeric_limits<double>::infinity());
+  const double least = subdivision.count(std::numeric_limits<double>::infinity());
   if (least > limit) {
     throw Error(ExitCode::over_limit,
                 fmt::format("the scene needs {:.0f} patches, one for each surface or as many as its own patch_area "
@@ -72,7 +72,7 @@ double choose_patch_area(const std::vector<Primitive>& primitives, const std::ve
                             least, limit),
                 "import.max_patches", "raise it, raise the patch_area of materials and nodes, or simplify the scene");
   }
-  const double fitting = fitting_patch_area(cuts, limit, area);
+  const double fitting = fitting_patch_area(subdivision, limit, area);
   if (!config.patch_area) return fitting;
   throw Error(ExitCode::over_limit,
               fmt::format("{:.4g} patches are more than import.max_patches, {:.0f}", count, limit),
@@ -82,12 +82,12 @@ double choose_patch_area(const std::vector<Primitive>& primitives, const std::ve
 
 std::vector<Patch> build_patches(const std::vector<Primitive>& primitives,
                                  const std::vector<SurfaceMaterial>& materials, double patch_area) {
-  const Cuts cuts{primitives, materials};
+  const Subdivision subdivision{primitives, materials};
   std::vector<Patch> patches;
-  patches.reserve(static_cast<std::size_t>(cuts.count(patch_area)));
+  patches.reserve(static_cast<std::size_t>(subdivision.count(patch_area)));
   for (std::size_t i = 0; i < primitives.size(); ++i) {
     append_patches(primitives[i], static_cast<std::int32_t>(i), materials[primitives[i].material],
-                   cuts.area_for(primitives[i], patch_area), patches);
+                   subdivision.area_for(primitives[i], patch_area), patches);
   }
   return patches;
 }

@@ -14,11 +14,11 @@
 namespace patchlight {
 namespace {
 
-constexpr double kRounding = 1e-6;  // what is less below 0 is 0
-constexpr double kEven = 1.0 / 32;  // spread of a patch's samples below which few of them do: of 1, or of their largest
+constexpr double kRounding = 1e-6;           // shader values down to -kRounding count as 0
+constexpr double kUniformSpread = 1.0 / 32;  // spread of samples, relative to max(1, largest), below which kFew suffice
 
-/// Points of the unit square whose projections on both axes are evenly spaced: a Fibonacci lattice. So a stripe along
-/// an edge meets as many different columns as there are points.
+/// A Fibonacci lattice in the unit square. The points' projections on each axis are evenly spaced, so that stripes
+/// along an edge are sampled at `count` different coordinates.
 struct Lattice {
   int count;
   int step;
@@ -30,18 +30,18 @@ struct Lattice {
 };
 constexpr Lattice kFew{21, 13};
 constexpr Lattice kMany{377, 233};
-constexpr Lattice kMost{987, 610};
-constexpr float kLeastCoverage = 1.0f / 1024;
+constexpr Lattice kFinest{987, 610};
+constexpr float kMinCoverage = 1.0f / 1024;
 
-/// One colour of one shader on one primitive.
+/// Evaluates one colour of one shader on one primitive.
 struct ColorSource {
   const Job& job;
   const Shader& shader;
   const char* key;
-  Color most{1.0f};
-  bool lowered = false;
+  Color limit{1.0f};     ///< Greatest value per channel.
+  bool lowered = false;  ///< A value exceeded the limit.
 
-  /// The value in range. Throws where the job has to be mended.
+  /// The value clamped to [0, limit]. Throws: Error (bad_config) for a negative or non-finite value.
   Vec3d checked(const Vec3d& value, const ExpressionInputs& at) {
     Vec3d result;
     for (int k = 0; k < 3; ++k) {
@@ -53,40 +53,41 @@ struct ColorSource {
             fmt::format("{}, shaders.{}.{}", job.file.string(), shader.name, key),
             "it must be finite and not negative");
       }
-      lowered = lowered || value[k] > static_cast<double>(most[k]) + kRounding;
-      result[k] = std::clamp<double>(value[k], 0.0, most[k]);
+      lowered = lowered || value[k] > static_cast<double>(limit[k]) + kRounding;
+      result[k] = std::clamp<double>(value[k], 0.0, limit[k]);
     }
     return result;
   }
 };
 
-bool is_even(const Vec3d& low, const Vec3d& high) {
+bool is_uniform(const Vec3d& low, const Vec3d& high) {
   for (int k = 0; k < 3; ++k) {
-    if (high[k] - low[k] > kEven * std::max(1.0, high[k])) return false;
+    if (high[k] - low[k] > kUniformSpread * std::max(1.0, high[k])) return false;
   }
   return true;
 }
 
-/// Means over that part of a patch's area which is there.
+/// Means over the part of a patch that passes the alpha test.
 class PatchMean {
  public:
   PatchMean(const PatchSet& scene, const Patch& patch) : sampler_(scene.primitives[patch.primitive], patch) {
     if (scene.primitives[patch.primitive].mask < 0) return;
-    for (const Lattice& lattice : {kMany, kMost}) {
+    for (const Lattice& lattice : {kMany, kFinest}) {
       opaque_points_.clear();
       for (int i = 0; i < lattice.count; ++i) {
-        const Imath::V2d at = place(lattice, i);
+        const Imath::V2d at = uv_at(lattice, i);
         if (passes_alpha_test(scene, patch.primitive, at.x, at.y)) opaque_points_.push_back(at);
       }
       coverage_ = static_cast<float>(opaque_points_.size()) / static_cast<float>(lattice.count);
       if (opaque_points_.empty() || coverage_ == 1.0f) break;
     }
-    coverage_ = std::max(coverage_, kLeastCoverage);
+    coverage_ = std::max(coverage_, kMinCoverage);
   }
 
+  /// Fraction of the patch that passes the alpha test.
   float coverage() const { return coverage_; }
 
-  /// Of `value(u, v)`.
+  /// Mean of `value(u, v)`.
   template <class Value>
   Color operator()(const Value& value) const {
     if (!opaque_points_.empty() && coverage_ < 1.0f) {
@@ -99,7 +100,7 @@ class PatchMean {
       Vec3d low(0.0);
       Vec3d high(0.0);
       for (int i = 0; i < lattice.count; ++i) {
-        const Imath::V2d at = place(lattice, i);
+        const Imath::V2d at = uv_at(lattice, i);
         const Vec3d sample = value(at.x, at.y);
         sum += sample;
         for (int k = 0; k < 3; ++k) {
@@ -107,20 +108,20 @@ class PatchMean {
           high[k] = std::max(high[k], sample[k]);
         }
       }
-      if (lattice.count == kMany.count || is_even(low, high)) return Color(sum / lattice.count);
+      if (lattice.count == kMany.count || is_uniform(low, high)) return Color(sum / lattice.count);
     }
     return Color(0.0f);
   }
 
  private:
-  Imath::V2d place(const Lattice& lattice, int i) const {
+  Imath::V2d uv_at(const Lattice& lattice, int i) const {
     const Vec2f at = lattice.point(i);
     return sampler_.uv(at.x, at.y);
   }
 
   const PatchSampler sampler_;
   float coverage_ = 1.0f;
-  std::vector<Imath::V2d> opaque_points_{};  ///< (u,v) of points of the patch; none where it is not masked.
+  std::vector<Imath::V2d> opaque_points_{};  ///< (u,v) of samples that pass the alpha test; empty without a mask.
 };
 
 }  // namespace
@@ -156,7 +157,7 @@ void average_colors(const Job& job, PatchSet& scene, Progress& progress) {
                                          const auto at = shader_inputs(scene, patch.primitive, u, v);
                                          return color.checked(shader.reflectance(at), at);
                                        })),
-                                       color.most);
+                                       color.limit);
       lowered[primitive.shader] |= color.lowered;
     }
     if (shader.emits()) {
@@ -171,8 +172,8 @@ void average_colors(const Job& job, PatchSet& scene, Progress& progress) {
   for (std::size_t i = 0; i < shaders.size(); ++i) {
     if (lowered[i] == 0) continue;
     progress.warning(
-        fmt::format("reflectance of shader '{}' lowered to 0.99999, or to what a metallic part leaves, where it is "
-                    "more: it would keep light forever",
+        fmt::format("reflectance of shader '{}' is lowered to 0.99999, or to 1 minus the specular reflectance, where "
+                    "it is greater: the surface would reflect more light than it receives",
                     scene.shaders[i].name));
   }
 }

@@ -5,10 +5,10 @@
 
 namespace patchlight {
 
-/// Gives the patches of every primitive with a texture, vertices' colours, a mask or a shader the means over that part
-/// of their areas which is there, and how large a part that is: no less than 1/1024. Reflectance beyond 0.99999, or
-/// beyond what a metallic part leaves, is lowered, with a warning for each shader. Throws: Error (bad_config), naming
-/// shader, value and (u,v), for what is negative or not finite.
+/// Averages reflectance and emission over the patches of primitives with a texture, vertex colours, a mask or a shader.
+/// Only the part that passes the alpha test counts; Patch::coverage is its fraction, at least 1/1024.
+/// Shader reflectance above 0.99999, or above 1 minus the specular reflectance, is lowered, with a warning per shader.
+/// Throws: Error (bad_config) for a negative or non-finite shader value, naming shader, value and (u,v).
 void average_colors(const Job& job, PatchSet& scene, Progress& progress);
 
 }  // namespace patchlight

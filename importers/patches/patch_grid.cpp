@@ -7,11 +7,11 @@
 namespace patchlight {
 namespace {
 
-constexpr int kLeastRings = 2;
-constexpr int kLeastInRing = 3;
-constexpr double kMostInRow = 1 << 22;  // boundaries are floats, and have to differ
+constexpr int kMinRings = 2;
+constexpr int kMinPatchesPerRing = 3;
+constexpr double kMaxPatchesPerRow = 1 << 22;  // boundaries are floats and must differ
 constexpr double kPlanar =
-    1e-7;  // distance of corner 3 from the others' plane, in lengths: the area error is its square
+    1e-7;  // distance of a corner from the plane / diagonal; the relative area error is its square
 
 using Corners = std::array<Vec3d, 4>;
 
@@ -26,21 +26,21 @@ GridSize quad_grid(const Primitive& quad, double patch_area) {
   const double step = std::sqrt(patch_area);
   const double u_length = ((c[1] - c[0]).length() + (c[2] - c[3]).length()) * 0.5;
   const double v_length = ((c[3] - c[0]).length() + (c[2] - c[1]).length()) * 0.5;
-  return {std::clamp(std::round(u_length / step), 1.0, kMostInRow),
-          std::clamp(std::round(v_length / step), 1.0, kMostInRow)};
+  return {std::clamp(std::round(u_length / step), 1.0, kMaxPatchesPerRow),
+          std::clamp(std::round(v_length / step), 1.0, kMaxPatchesPerRow)};
 }
 
 double sphere_rings(const Primitive& sphere, double patch_area) {
   const double radius = std::abs(sphere.sphere_radius);
-  return std::max<double>(kLeastRings, std::round(kPi * radius / std::sqrt(patch_area)));
+  return std::max<double>(kMinRings, std::round(kPi * radius / std::sqrt(patch_area)));
 }
 
 double patches_in_ring(const Primitive& sphere, double patch_area, double ring, double rings) {
   const double circumference = 2.0 * kPi * std::abs(sphere.sphere_radius) * std::sin(kPi * (ring + 0.5) / rings);
-  return std::max<double>(kLeastInRing, std::round(circumference / std::sqrt(patch_area)));
+  return std::max<double>(kMinPatchesPerRing, std::round(circumference / std::sqrt(patch_area)));
 }
 
-/// A boundary of a grid of `count` cells, as patches store it: neighbours share it to the bit.
+/// Boundary i of a grid of `count` cells, identical to the bit in both neighbours.
 float boundary(std::int64_t i, std::int64_t count) {
   return static_cast<float>(static_cast<double>(i) / static_cast<double>(count));
 }
@@ -49,8 +49,8 @@ Vec3d quad_point(const Corners& c, double u, double v) {
   return (c[0] * (1 - u) + c[1] * u) * (1 - v) + (c[3] * (1 - u) + c[2] * u) * v;
 }
 
-/// dp/du x dp/dv: the normal, as long as the area per du dv.
-Vec3d quad_stretch(const Corners& c, double u, double v) {
+/// dp/du x dp/dv: the unnormalised normal; its length is the area per du dv.
+Vec3d quad_area_vector(const Corners& c, double u, double v) {
   const Vec3d along_u = (c[1] - c[0]) * (1 - v) + (c[2] - c[3]) * v;
   const Vec3d along_v = (c[3] - c[0]) * (1 - u) + (c[2] - c[1]) * u;
   return along_u.cross(along_v);
@@ -62,27 +62,27 @@ bool is_planar(const Corners& c) {
   return std::abs(normal.dot(c[1] - c[0])) <= kPlanar * length && std::abs(normal.dot(c[3] - c[0])) <= kPlanar * length;
 }
 
-/// Area of a piece of the bilinear surface. On a planar quad the stretch is linear in u and v, so that its middle gives
-/// the exact area; else Gauss's rule with 3 x 3 points.
+/// Area of a (u,v) rectangle of the bilinear surface. On a planar quad the area per du dv is linear in u and v, so the
+/// midpoint rule is exact; otherwise 3 x 3 Gauss-Legendre quadrature.
 double quad_area(const Corners& c, bool planar, double u0, double v0, double u1, double v1) {
   const double u = (u0 + u1) * 0.5;
   const double v = (v0 + v1) * 0.5;
   const double size = (u1 - u0) * (v1 - v0);
-  if (planar) return quad_stretch(c, u, v).length() * size;
-  constexpr std::array places{-0.774596669241483377, 0.0, 0.774596669241483377};
+  if (planar) return quad_area_vector(c, u, v).length() * size;
+  constexpr std::array nodes{-0.774596669241483377, 0.0, 0.774596669241483377};
   constexpr std::array weights{5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0};
   double sum = 0.0;
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t j = 0; j < 3; ++j) {
-      const Vec3d stretch = quad_stretch(c, u + places[i] * (u1 - u0) * 0.5, v + places[j] * (v1 - v0) * 0.5);
-      sum += weights[i] * weights[j] * stretch.length();
+      const Vec3d area_vector = quad_area_vector(c, u + nodes[i] * (u1 - u0) * 0.5, v + nodes[j] * (v1 - v0) * 0.5);
+      sum += weights[i] * weights[j] * area_vector.length();
     }
   }
   return sum * size;
 }
 
-/// What all patches of a primitive have in common; (u,v) still to be filled in.
-Patch blank_patch(std::int32_t index, const SurfaceMaterial& material) {
+/// A patch with the values common to all patches of a primitive; (u,v), centre, normal and area are not set.
+Patch patch_template(std::int32_t index, const SurfaceMaterial& material) {
   Patch patch;
   patch.reflectance = material.reflectance;
   patch.emission = material.emission;
@@ -106,7 +106,7 @@ void append_quad(const Primitive& quad, Patch patch, double patch_area, std::vec
       const double u = (static_cast<double>(patch.u0) + patch.u1) * 0.5;
       const double v = (static_cast<double>(patch.v0) + patch.v1) * 0.5;
       patch.center = quad_point(c, u, v);
-      patch.normal = planar ? normal : Vec3f(quad_stretch(c, u, v).normalized());
+      patch.normal = planar ? normal : Vec3f(quad_area_vector(c, u, v).normalized());
       patch.area = quad_area(c, planar, patch.u0, patch.v0, patch.u1, patch.v1);
       patches.push_back(patch);
     }
@@ -151,7 +151,8 @@ double patch_count(const Primitive& primitive, double patch_area) {
     return grid.columns * grid.rows;
   }
   const double rings = sphere_rings(primitive, patch_area);
-  if (rings > 1e5) return primitive_area(primitive) / patch_area;  // too many to count one by one, or to make
+  if (rings > 1e5)
+    return primitive_area(primitive) / patch_area;  // too many to count ring by ring, and above every limit
   double count = 0.0;
   for (double ring = 0.0; ring < rings; ++ring) count += patches_in_ring(primitive, patch_area, ring, rings);
   return count;
@@ -159,11 +160,11 @@ double patch_count(const Primitive& primitive, double patch_area) {
 
 void append_patches(const Primitive& primitive, std::int32_t index, const SurfaceMaterial& material, double patch_area,
                     std::vector<Patch>& patches) {
-  const Patch blank = blank_patch(index, material);
+  const Patch common = patch_template(index, material);
   if (primitive.shape == Primitive::Shape::sphere) {
-    append_sphere(primitive, blank, patch_area, patches);
+    append_sphere(primitive, common, patch_area, patches);
   } else {
-    append_quad(primitive, blank, patch_area, patches);
+    append_quad(primitive, common, patch_area, patches);
   }
 }
 

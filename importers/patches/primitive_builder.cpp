@@ -12,7 +12,7 @@ namespace {
 
 constexpr float kSameColor = 1.0f / 512;
 
-Primitive blank_primitive(const Surface& surface) {
+Primitive primitive_template(const Surface& surface) {
   Primitive primitive;
   primitive.node = surface.node;
   primitive.material = surface.material;
@@ -21,17 +21,17 @@ Primitive blank_primitive(const Surface& surface) {
   return primitive;
 }
 
-/// Which corners of the front a back's corners are: seen from there they run the other way.
-std::array<std::size_t, 4> corners_of_back(const Primitive& front) {
+/// Indices of the front's corners in the back's order, which reverses the winding.
+std::array<std::size_t, 4> reversed_corners(const Primitive& front) {
   return front.is_triangle() ? std::array<std::size_t, 4>{1, 0, 2, 2} : std::array<std::size_t, 4>{1, 0, 3, 2};
 }
 
-/// The other side; its u is mirrored.
-Primitive other_side(const Primitive& front, std::int32_t smooth_offset) {
+/// The back of a double-sided primitive; its u is mirrored.
+Primitive back_of(const Primitive& front, std::int32_t smooth_offset) {
   Primitive back = front;
   back.sphere_radius = -front.sphere_radius;
   if (front.shape == Primitive::Shape::sphere) return back;
-  const std::array<std::size_t, 4> order = corners_of_back(front);
+  const std::array<std::size_t, 4> order = reversed_corners(front);
   for (std::size_t i = 0; i < 4; ++i) {
     back.corners[i] = front.corners[order[i]];
     back.smooth_vertices[i] = front.smooth_vertices[order[i]] + smooth_offset;
@@ -43,21 +43,22 @@ void append(const Primitive& front, bool double_sided, std::int32_t smooth_offse
   const auto index = static_cast<std::int32_t>(list.primitives.size());
   list.primitives.push_back(front);
   if (!double_sided) return;
-  list.primitives.push_back(other_side(front, smooth_offset));
+  list.primitives.push_back(back_of(front, smooth_offset));
   list.primitives[index].back = index + 1;
   list.primitives[index + 1].back = index;
 }
 
-/// Notes what the primitive appended last, and its back, have at their corners: the same at the same place.
+/// Sets the corner values of the primitive appended last, and of its back. Primitives before it without values get
+/// `none`.
 template <class Value>
 void append_corners(const std::array<Value, 4>& front, const std::array<Value, 4>& none, const PrimitiveList& list,
                     std::vector<std::array<Value, 4>>& corners) {
   const Primitive& last = list.primitives.back();
-  const bool two = last.back >= 0;
-  corners.resize(list.primitives.size() - (two ? 2 : 1), none);
+  const bool double_sided = last.back >= 0;
+  corners.resize(list.primitives.size() - (double_sided ? 2 : 1), none);
   corners.push_back(front);
-  if (!two) return;
-  const std::array<std::size_t, 4> order = corners_of_back(list.primitives[last.back]);
+  if (!double_sided) return;
+  const std::array<std::size_t, 4> order = reversed_corners(list.primitives[last.back]);
   corners.push_back({front[order[0]], front[order[1]], front[order[2]], front[order[3]]});
 }
 
@@ -67,7 +68,7 @@ bool has_texcoords(const MeshTopology& topology, const MeshTopology::Component& 
                      [&](const auto& texcoords) { return !std::isnan(texcoords[corner].x); });
 }
 
-/// Whether all corners of a component have one colour, as a sphere needs.
+/// Whether all corners of a component have the same colour, which a sphere requires.
 bool has_one_color(const MeshTopology& topology, const MeshTopology::Component& component) {
   if (topology.colors.empty()) return true;
   const Vec4f& color = topology.colors[3 * static_cast<std::size_t>(component.triangles.front())];
@@ -80,7 +81,7 @@ bool has_one_color(const MeshTopology& topology, const MeshTopology::Component& 
   });
 }
 
-/// Numbers the facets' smooth vertices from 0 without gaps. Returns how many there are.
+/// Renumbers the facets' smooth vertices consecutively from 0. Returns their number.
 std::int32_t renumber_smooth_vertices(std::vector<Facet>& facets, std::size_t corners) {
   std::vector<std::int32_t> number(corners, -1);
   std::int32_t count = 0;
@@ -93,21 +94,18 @@ std::int32_t renumber_smooth_vertices(std::vector<Facet>& facets, std::size_t co
   return count;
 }
 
-}  // namespace
-
-void append_primitives(const Surface& surface, const SurfaceMaterial& material, const TriangleSoup& soup,
-                       PrimitiveList& list) {
-  const MeshTopology topology = build_topology(soup);
-  list.degenerate_triangles += static_cast<std::int64_t>(topology.degenerate_triangles);
-
+/// Appends the spheres among a surface's components. Returns a mark for each triangle of these.
+std::vector<char> append_spheres(const Surface& surface, const SurfaceMaterial& material, const MeshTopology& topology,
+                                 PrimitiveList& list) {
   std::vector<char> in_sphere(topology.triangles.size(), 0);
+  if (surface.is_masked) return in_sphere;  // the mask's texture coordinates do not fit a sphere's (u,v)
   for (const MeshTopology::Component& component : topology.components) {
-    if (surface.is_masked) break;                                                // balls with holes stay meshes
-    if (material.has_texture() && has_texcoords(topology, component)) continue;  // no (u,v) of a sphere is like them
+    // The file's texture coordinates do not fit a sphere's (u,v).
+    if (material.has_texture() && has_texcoords(topology, component)) continue;
     const std::optional<Sphere> sphere = recognize_sphere(topology, component);
     if (!sphere || !has_one_color(topology, component)) continue;
     for (const std::int32_t triangle : component.triangles) in_sphere[triangle] = 1;
-    Primitive primitive = blank_primitive(surface);
+    Primitive primitive = primitive_template(surface);
     primitive.shape = Primitive::Shape::sphere;
     primitive.sphere_center = sphere->center;
     primitive.sphere_radius = sphere->radius;
@@ -119,7 +117,16 @@ void append_primitives(const Surface& surface, const SurfaceMaterial& material, 
     }
     ++list.spheres;
   }
+  return in_sphere;
+}
 
+}  // namespace
+
+void append_primitives(const Surface& surface, const SurfaceMaterial& material, const TriangleSoup& soup,
+                       PrimitiveList& list) {
+  const MeshTopology topology = build_topology(soup);
+  list.degenerate_triangles += static_cast<std::int64_t>(topology.degenerate_triangles);
+  std::vector<char> in_sphere = append_spheres(surface, material, topology, list);
   RecognizedFacets recognized = recognize_quads(topology, std::move(in_sphere));
   std::vector<Facet>& facets = recognized.facets;
   list.merged_triangles += static_cast<std::int64_t>(recognized.merged_triangles);
@@ -128,26 +135,26 @@ void append_primitives(const Surface& surface, const SurfaceMaterial& material, 
       renumber_smooth_vertices(facets, static_cast<std::size_t>(recognized.smooth_vertices));
   const SurfaceMaterial::Mappings mappings = material.mappings();
   for (const Facet& facet : facets) {
-    Primitive primitive = blank_primitive(surface);
+    Primitive primitive = primitive_template(surface);
     primitive.corners = facet.corners;
     for (std::size_t i = 0; i < 4; ++i) primitive.smooth_vertices[i] = facet.smooth_vertices[i] + list.smooth_vertices;
-    const auto is_mapped = [&](std::size_t mapping) {
+    const auto has_mapping = [&](std::size_t mapping) {
       return !topology.texcoords.empty() && !std::isnan(facet.sources[0](topology.texcoords[mapping]).x);
     };
-    if (is_mapped(0)) primitive.texture = material.texture;
-    if (is_mapped(mappings.emission)) primitive.emission_texture = material.emission_texture;
-    if (is_mapped(mappings.metallic_roughness))
+    if (has_mapping(0)) primitive.texture = material.texture;
+    if (has_mapping(mappings.emission)) primitive.emission_texture = material.emission_texture;
+    if (has_mapping(mappings.metallic_roughness))
       primitive.metallic_roughness_texture = material.metallic_roughness_texture;
-    if (surface.is_masked && (is_mapped(0) || material.masked_by_vertices_only)) primitive.mask = material.mask;
+    if (surface.is_masked && (has_mapping(0) || material.masked_by_vertices_only)) primitive.mask = material.mask;
     append(primitive, material.double_sided, smooth_count, list);
     const auto at_corners = [&](const auto& values) {
       const auto& s = facet.sources;
       return std::array{s[0](values), s[1](values), s[2](values), s[3](values)};
     };
-    if (is_mapped(0)) append_corners(at_corners(topology.texcoords[0]), kOwnTexcoords, list, list.texcoords);
+    if (has_mapping(0)) append_corners(at_corners(topology.texcoords[0]), kOwnTexcoords, list, list.texcoords);
     for (const auto& [mapping, corners] : {std::pair(mappings.emission, &list.emission_texcoords),
                                            std::pair(mappings.metallic_roughness, &list.metallic_roughness_texcoords)})
-      if (mapping > 0 && is_mapped(mapping))
+      if (mapping > 0 && has_mapping(mapping))
         append_corners(at_corners(topology.texcoords[mapping]), kNoTexcoords, list, *corners);
     if (!topology.colors.empty()) append_corners(at_corners(topology.colors), kUncolored, list, list.colors);
     ++(primitive.is_triangle() ? list.triangles : list.quads);

@@ -10,31 +10,32 @@
 
 namespace patchlight {
 
-/// Where there are no texture coordinates.
+/// Texture coordinates of a primitive without any: NaN.
 inline const Texcoords kNoTexcoords = [] {
   Texcoords none;
   none.fill(Vec2f(std::numeric_limits<float>::quiet_NaN()));
   return none;
 }();
 
-/// Primitives of a scene as they come together, and what they were made from.
+/// The scene's primitives so far, with statistics for the user.
 struct PrimitiveList {
   std::vector<Primitive> primitives;
-  std::vector<Texcoords> texcoords;  ///< Of the first primitives, up to the last one that has any from the file.
-  std::vector<Texcoords> emission_texcoords{};  ///< The same of emission and finish textures that lie by other mappings
-  std::vector<Texcoords> metallic_roughness_texcoords{};  ///< than base colour's; kNoTexcoords where they do not.
-  std::vector<CornerColors> colors;                       ///< Of vertices, of the first primitives in the same way.
-  std::int32_t smooth_vertices = 0;                       ///< Numbers in use.
+  std::vector<Texcoords> texcoords;  ///< By primitive, up to the last one with coordinates from the file.
+  /// As texcoords, of emission textures whose mapping differs from the base colour's; otherwise kNoTexcoords.
+  std::vector<Texcoords> emission_texcoords{};
+  std::vector<Texcoords> metallic_roughness_texcoords{};  ///< The same for metallic-roughness textures.
+  std::vector<CornerColors> colors;                       ///< By primitive, up to the last one with vertex colours.
+  std::int32_t smooth_vertices = 0;                       ///< Number of smooth vertices.
   std::int64_t quads = 0;
   std::int64_t triangles = 0;
   std::int64_t spheres = 0;
-  std::int64_t merged_triangles = 0;      ///< Of coplanar regions,
-  std::int64_t merged_facets = 0;         ///< and the quads and triangles that they became.
-  std::int64_t degenerate_triangles = 0;  ///< Triangles that were left out.
+  std::int64_t merged_triangles = 0;      ///< Triangles of merged coplanar regions,
+  std::int64_t merged_facets = 0;         ///< and the facets that replace them.
+  std::int64_t degenerate_triangles = 0;  ///< Skipped.
 };
 
-/// Recognises spheres and quads among a surface's triangles and appends its primitives; behind each of a double-sided
-/// material stands the primitive of its other side.
+/// Recognises spheres and quads among a surface's triangles and appends its primitives. Each primitive of a
+/// double-sided material is followed by its back.
 void append_primitives(const Surface& surface, const SurfaceMaterial& material, const TriangleSoup& soup,
                        PrimitiveList& list);
 

@@ -1,4 +1,4 @@
-// CPU seconds of an import against the number of triangles: hills of smooth facets, and a flat floor that merges.
+// CPU time of an import by number of triangles: smooth hills, and a flat floor whose triangles are merged.
 
 #include <benchmark/benchmark.h>
 #include <sys/resource.h>
@@ -11,7 +11,7 @@
 namespace patchlight::test {
 namespace {
 
-/// A grid of about `triangles`, with hills or without.
+/// GLB of a square grid of about this many triangles.
 std::string floor_of(std::int64_t triangles, bool hills) {
   const auto n = std::uint32_t(std::lround(std::sqrt(double(triangles) / 2)));
   Mesh mesh = grid(n);
@@ -64,7 +64,7 @@ BENCHMARK_CAPTURE(import_floor, flat, false)
 }  // namespace patchlight::test
 
 int main(int argc, char** argv) {
-  patchlight::use_large_pages();  // as the program does
+  patchlight::use_large_pages();  // as the programs do
   benchmark::Initialize(&argc, argv);
   benchmark::RunSpecifiedBenchmarks();
 }

@@ -9,11 +9,11 @@ namespace patchlight::test {
 
 struct DracoBytes {
   std::string bytes;
-  std::size_t vertices = 0;  ///< That come out again.
+  std::size_t vertices = 0;  ///< After decoding.
 };
 
-/// A mesh packed by Draco; 0 bits: not quantized. In a library of its own: Draco's has a tinygltf within that must not
-/// get in the way of ours.
+/// Encodes a mesh with Draco, positions quantized to `bits` (0: not quantized). In a separate library, since Draco's
+/// contains another tinygltf.
 DracoBytes draco_packed(const std::vector<Vec3f>& positions, const std::vector<std::uint32_t>& indices, int bits);
 
 }  // namespace patchlight::test

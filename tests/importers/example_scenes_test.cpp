@@ -16,7 +16,7 @@ std::filesystem::path scene_folder() {
   return folder ? folder : PATCHLIGHT_SCENES;
 }
 
-/// Imports the example scenes, where there are any.
+/// Imports the example scenes; skipped if their folder does not exist.
 class ExampleScenes : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -35,9 +35,9 @@ std::size_t count(const PatchSet& scene, Primitive::Shape shape) {
   return result;
 }
 
-TEST_F(ExampleScenes, CornellIsItsWallsAndBlocks) {
+TEST_F(ExampleScenes, CornellBoxHasWallsAndBlocks) {
   const PatchSet scene = import("blender/cornell.glb");
-  // The published left wall is not flat: its four corners make two triangles.
+  // The left wall of the published data is not planar, so it stays two triangles.
   EXPECT_EQ(count(scene, Primitive::Shape::quad), 18u);
   EXPECT_EQ(scene.primitives.size(), 20u);
   EXPECT_NEAR(total_area(scene), 1.9207, 1e-4);
@@ -46,7 +46,7 @@ TEST_F(ExampleScenes, CornellIsItsWallsAndBlocks) {
   EXPECT_FALSE(static_cast<bool>(find_fault(scene)));
 }
 
-TEST_F(ExampleScenes, GalleryHasItsLightGroupsCamerasAndGlobe) {
+TEST_F(ExampleScenes, GalleryHasLightGroupsCamerasAndASphere) {
   const PatchSet scene = import("blender/gallery.glb");
   EXPECT_EQ(std::set<std::string>(scene.light_groups.begin(), scene.light_groups.end()),
             (std::set<std::string>{"lights.day", "lights.lamp", "lights.screen"}));
@@ -60,15 +60,14 @@ TEST_F(ExampleScenes, GalleryHasItsLightGroupsCamerasAndGlobe) {
   EXPECT_FALSE(static_cast<bool>(find_fault(scene)));
 }
 
-TEST_F(ExampleScenes, GallerysWalkHasBlendersFrames) {
+TEST_F(ExampleScenes, CameraMotionOfTheGalleryMatchesBlender) {
   const PatchSet scene = import("blender/gallery.glb");
   const auto walkthrough = std::find_if(scene.cameras.begin(), scene.cameras.end(),
                                         [](const Camera& camera) { return camera.name == "cam_walk"; });
   ASSERT_NE(walkthrough, scene.cameras.end());
   const auto frame = [&](int number) { return *to_world_at(*walkthrough, number / 24.0); };
   EXPECT_TRUE(frame(1).translation().equalWithAbsError(Vec3d(1, 1.65, -4.2), 1e-5));
-  EXPECT_TRUE(frame(1).equalWithAbsError(walkthrough->to_world, 1e-6))
-      << "Blender's first frame, as the node has it too";
+  EXPECT_TRUE(frame(1).equalWithAbsError(walkthrough->to_world, 1e-6)) << "the first frame equals the node's transform";
   EXPECT_TRUE(frame(2).translation().equalWithAbsError(Vec3d(1.0420537, 1.65, -4.2), 1e-5));
   EXPECT_TRUE(frame(120).translation().equalWithAbsError(Vec3d(8.6, 1.65, -7), 1e-5));
   EXPECT_TRUE(frame(119).translation() != frame(120).translation());
@@ -103,7 +102,7 @@ TEST_F(ExampleScenes, FurnaceIsSixInwardQuads) {
   for (const Primitive& p : scene.primitives) EXPECT_LT(facing(p).dot(p.corners[0]), 0.0);
 }
 
-TEST_F(ExampleScenes, MalformedFilesAreRefusedOrImportedWhole) {
+TEST_F(ExampleScenes, MalformedFilesAreRefusedOrImportedCompletely) {
   int files = 0;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(scene_folder() / "malformed")) {
     const std::string extension = entry.path().extension().string();

@@ -12,7 +12,7 @@ namespace patchlight::test {
 
 using Json = nlohmann::json;
 
-/// A glTF scene made in code. `json` may be bent before it is written.
+/// Builds a glTF scene. Tests may modify `json` before it is written.
 struct GltfBuilder {
   Json json = {{"asset", {{"version", "2.0"}}}, {"scene", 0}};
   std::string binary;
@@ -71,7 +71,7 @@ struct GltfBuilder {
   }
 };
 
-/// Imports files from a folder of the test's own and keeps what the user was told.
+/// Imports files from a temporary folder and records the messages to the user.
 struct Importer {
   TemporaryFolder folder;
   Job job;
@@ -100,7 +100,7 @@ inline double total_area(const PatchSet& scene) {
   return area;
 }
 
-/// The normal of a primitive's corners.
+/// Unit normal of a quad.
 inline Vec3d facing(const Primitive& quad) {
   const auto& c = quad.corners;
   return (c[2] - c[0]).cross(c[3] - c[1]).normalized();

@@ -10,7 +10,7 @@
 
 namespace patchlight::test {
 
-/// Appends bytes to the scene's buffer, padded to four. Returns the JSON of a bufferView of them.
+/// Appends bytes to the scene's buffer, aligned to 4. Returns the JSON of their bufferView.
 inline Json appended(GltfBuilder& gltf, const void* bytes, std::size_t size) {
   while (gltf.binary.size() % 4 != 0) gltf.binary += '\0';
   Json view = {{"buffer", 0}, {"byteOffset", gltf.binary.size()}, {"byteLength", size}};
@@ -23,7 +23,7 @@ inline int add(Json& list, const Json& item) {
   return int(list.size()) - 1;
 }
 
-/// Positions of shorts, four each with a gap, and the node's transform that brings them back.
+/// Positions quantized to unsigned shorts, padded to 8 bytes each, and the node transform that restores them.
 struct QuantizedPositions {
   std::vector<std::uint16_t> values;
   float low = 0.0f, step = 1.0f;
@@ -40,15 +40,15 @@ struct QuantizedPositions {
     }
   }
 
-  /// A node's members that place a mesh of these.
-  Json placed(Json node) const {
+  /// The node with the transform that restores the positions.
+  Json with_transform(Json node) const {
     node["translation"] = {low, low, low};
     node["scale"] = {step, step, step};
     return node;
   }
 };
 
-/// A mesh of quantized positions; with `meshopt`, these and the indices are packed.
+/// A mesh with quantized positions. `meshopt`: positions and indices are compressed.
 inline int quantized_mesh(GltfBuilder& gltf, const Mesh& mesh, const QuantizedPositions& positions, bool meshopt,
                           int material = -1) {
   Json& used = gltf.json["extensionsRequired"];
@@ -70,7 +70,7 @@ inline int quantized_mesh(GltfBuilder& gltf, const Mesh& mesh, const QuantizedPo
     std::vector<unsigned char> indices(meshopt_encodeIndexBufferBound(mesh.indices.size(), vertices));
     indices.resize(meshopt_encodeIndexBuffer(indices.data(), indices.size(), mesh.indices.data(), mesh.indices.size()));
     index_view = extended(appended(gltf, indices.data(), indices.size()), mesh.indices.size(), 4, "TRIANGLES");
-    // Both stand for more bytes than the buffer has.
+    // Both bufferViews are larger uncompressed than the scene's buffer: they refer to a placeholder buffer.
     for (Json* view : {&vertex_view, &index_view}) (*view)["buffer"] = 1;
     gltf.json["buffers"] = {{{"byteLength", 0}}, {{"byteLength", std::size_t{1} << 24}}};
   } else {
@@ -92,7 +92,7 @@ inline int quantized_mesh(GltfBuilder& gltf, const Mesh& mesh, const QuantizedPo
   return add(gltf.json["meshes"], {{"primitives", {primitive}}});
 }
 
-/// A mesh whose positions and indices are packed by Draco.
+/// A mesh whose positions and indices are compressed by Draco.
 inline int draco_mesh(GltfBuilder& gltf, const Mesh& mesh, int bits, int material = -1) {
   gltf.json["extensionsRequired"] = {"KHR_draco_mesh_compression"};
   const DracoBytes packed = draco_packed(mesh.positions, mesh.indices, bits);

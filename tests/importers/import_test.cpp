@@ -13,7 +13,7 @@ namespace {
 
 const Json kSheet{{"name", "sheet"}, {"doubleSided", true}, {"pbrMetallicRoughness", {{"metallicFactor", 0.5}}}};
 
-TEST(Import, DoubleSidedQuadHasABackThatMirrorsIt) {
+TEST(Import, DoubleSidedQuadHasAMirroredBack) {
   Importer importer;
   GltfBuilder gltf = single_mesh(grid(1), kSheet);
   const PatchSet scene = importer.import(gltf);
@@ -34,7 +34,7 @@ TEST(Import, DoubleSidedQuadHasABackThatMirrorsIt) {
   }
 }
 
-TEST(Import, BackOfASmoothSurfaceIsSmoothApartFromTheFront) {
+TEST(Import, FrontAndBackShareNoSmoothVertices) {
   Importer importer;
   Mesh bent = grid(2);
   for (Vec3f& p : bent.positions) {
@@ -54,7 +54,7 @@ TEST(Import, BackOfASmoothSurfaceIsSmoothApartFromTheFront) {
   for (const int id : fronts) EXPECT_FALSE(backs.contains(id));
 }
 
-TEST(Import, SmoothVerticesAreApartFromNodeToNode) {
+TEST(Import, NodesShareNoSmoothVertices) {
   Importer importer;
   GltfBuilder gltf;
   const int mesh = gltf.mesh(cube());
@@ -90,7 +90,7 @@ TEST(Import, MirroredInwardSphereStaysInward) {
   EXPECT_NEAR((scene.primitives[0].sphere_center - Vec3d(1, 2, 3)).length(), 0.0, 1e-6);
 }
 
-TEST(Import, BoxStaysSixQuads) {
+TEST(Import, BoxBecomesSixQuads) {
   Importer importer;
   GltfBuilder gltf = single_mesh(cube());
   const PatchSet scene = importer.import(gltf);
@@ -98,7 +98,7 @@ TEST(Import, BoxStaysSixQuads) {
   EXPECT_NEAR(total_area(scene), 24.0, 1e-10);
 }
 
-TEST(Import, NodesPartsOfOneMaterialAreRecognisedTogether) {
+TEST(Import, MeshPrimitivesOfOneMaterialAreMerged) {
   Importer importer;
   GltfBuilder gltf = single_mesh(truncated(grid(1), 1));
   Mesh other = grid(1);
@@ -108,7 +108,7 @@ TEST(Import, NodesPartsOfOneMaterialAreRecognisedTogether) {
   EXPECT_EQ(importer.import(gltf).primitives.size(), 1u);
 }
 
-TEST(Import, PatchesOfEverySortPassTheFilesOwnCheck) {
+TEST(Import, PatchesOfEveryPrimitiveTypePassThePatchCheck) {
   Importer importer;
   GltfBuilder gltf = single_mesh(cube(), kSheet);
   gltf.node({{"mesh", gltf.mesh(icosphere(1), 0)}, {"translation", {4, 0, 0}}});
@@ -121,7 +121,7 @@ TEST(Import, PatchesOfEverySortPassTheFilesOwnCheck) {
   }
 }
 
-TEST(Import, ZeroAreaTrianglesAreSkippedWithACount) {
+TEST(Import, DegenerateTrianglesAreSkippedAndCounted) {
   Importer importer;
   Mesh mesh = cube();
   mesh.indices.insert(mesh.indices.end(), {0, 0, 1, 2, 2, 2, 3, 4, 3});
@@ -130,13 +130,13 @@ TEST(Import, ZeroAreaTrianglesAreSkippedWithACount) {
   EXPECT_THAT(importer.messages(), ::testing::HasSubstr("3 triangles without area"));
 }
 
-TEST(Import, SceneWithNothingThatHasAnAreaIsRefused) {
+TEST(Import, SceneWithoutSurfacesIsRefused) {
   Importer importer;
   GltfBuilder flat = single_mesh(cube(), nullptr, {{"scale", {1, 0, 0}}});
-  EXPECT_ERROR(importer.import(flat), ExitCode::bad_data, "nothing with an area");
+  EXPECT_ERROR(importer.import(flat), ExitCode::bad_data, "no surface with an area");
   GltfBuilder empty;
   empty.node(Json::object());
-  EXPECT_ERROR(importer.import(empty), ExitCode::bad_data, "nothing with an area");
+  EXPECT_ERROR(importer.import(empty), ExitCode::bad_data, "no surface with an area");
 }
 
 TEST(Import, TooManyPatchesNameTheLimit) {

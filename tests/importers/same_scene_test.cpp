@@ -1,4 +1,4 @@
-// One scene, stored in every way that glTF knows, imports as the same primitives.
+// A scene imports as the same primitives whichever glTF encoding stores it.
 #include <gtest/gtest.h>
 
 #include "tests/importers/gltf_packer.h"
@@ -38,19 +38,19 @@ Mesh joined(const std::vector<Mesh>& meshes) {
   return all;
 }
 
-/// A floor of 10 x 10 faces, two boxes and a ball.
+/// A floor of 10 x 10 faces, two boxes and a sphere.
 const Mesh kFloor = scaled(grid(10), Vec3f(0.8f));
 const Vec3f kBoxes[] = {Vec3f(2, 3, 1.5f), Vec3f(6, 5, 1.5f)};
-const Vec3f kBall(6, 2, 3);
+const Vec3f kSphere(6, 2, 3);
 
-/// The scene with each mesh made by `add_mesh(gltf, mesh, node)`, which returns the node that holds it.
+/// Imports the scene; `add_mesh(gltf, mesh)` adds a mesh and returns the JSON of its node.
 template <class AddMesh>
 Summary imported(const AddMesh& add_mesh) {
   Importer importer;
   GltfBuilder gltf;
   gltf.node(add_mesh(gltf, kFloor));
-  for (const Vec3f& place : kBoxes) gltf.node(add_mesh(gltf, moved(cube(), place)));
-  gltf.node(add_mesh(gltf, moved(uv_sphere(32, 16), kBall)));
+  for (const Vec3f& position : kBoxes) gltf.node(add_mesh(gltf, moved(cube(), position)));
+  gltf.node(add_mesh(gltf, moved(uv_sphere(32, 16), kSphere)));
   return summary_of(importer.import(gltf));
 }
 
@@ -70,7 +70,7 @@ TEST(SameScene, Quantized) {
   for (const bool meshopt : {false, true}) {
     const auto add = [&](GltfBuilder& gltf, const Mesh& mesh) {
       const QuantizedPositions positions(mesh);
-      return positions.placed({{"mesh", quantized_mesh(gltf, mesh, positions, meshopt)}});
+      return positions.with_transform({{"mesh", quantized_mesh(gltf, mesh, positions, meshopt)}});
     };
     expect_same(imported(add), 1e-3);
   }
@@ -86,7 +86,7 @@ TEST(SameScene, Draco) {
 TEST(SameScene, Merged) {
   Importer importer;
   GltfBuilder gltf = single_mesh(
-      joined({kFloor, moved(cube(), kBoxes[0]), moved(cube(), kBoxes[1]), moved(uv_sphere(32, 16), kBall)}));
+      joined({kFloor, moved(cube(), kBoxes[0]), moved(cube(), kBoxes[1]), moved(uv_sphere(32, 16), kSphere)}));
   expect_same(summary_of(importer.import(gltf)), 1e-6);
 }
 
@@ -94,10 +94,10 @@ TEST(SameScene, Instanced) {
   Importer importer;
   GltfBuilder gltf;
   gltf.node({{"mesh", gltf.mesh(kFloor)}});
-  gltf.node({{"mesh", gltf.mesh(uv_sphere(32, 16))}, {"translation", {kBall.x, kBall.y, kBall.z}}});
-  const int places = gltf.accessor(std::vector<Vec3f>{kBoxes[0], kBoxes[1]}, 5126, "VEC3");
+  gltf.node({{"mesh", gltf.mesh(uv_sphere(32, 16))}, {"translation", {kSphere.x, kSphere.y, kSphere.z}}});
+  const int positions = gltf.accessor(std::vector<Vec3f>{kBoxes[0], kBoxes[1]}, 5126, "VEC3");
   gltf.node({{"mesh", gltf.mesh(cube())},
-             {"extensions", {{"EXT_mesh_gpu_instancing", {{"attributes", {{"TRANSLATION", places}}}}}}}});
+             {"extensions", {{"EXT_mesh_gpu_instancing", {{"attributes", {{"TRANSLATION", positions}}}}}}}});
   expect_same(summary_of(importer.import(gltf)), 1e-6);
 }
 

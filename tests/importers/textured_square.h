@@ -15,7 +15,7 @@ inline void write_row(const std::filesystem::path& file, const std::vector<std::
   image->close();
 }
 
-/// A unit square of a material, its first texture coordinates those of the square, and image files in order.
+/// A unit square with texture coordinates equal to x and y. Texture i uses images[i], without filtering.
 inline GltfBuilder textured_square(const Json& material, const std::vector<std::string>& images) {
   GltfBuilder gltf = single_mesh(grid(1), material);
   gltf.primitive(0)["attributes"]["TEXCOORD_0"] =
@@ -28,18 +28,18 @@ inline GltfBuilder textured_square(const Json& material, const std::vector<std::
   return gltf;
 }
 
-/// (u,v) of a primitive of that square at a place of it.
+/// (u,v) of a primitive of textured_square at (x, y).
 inline Imath::V2d uv_of(const PatchSet& scene, std::int32_t i, double x, double y) {
   const auto& c = scene.primitives[std::size_t(i)].corners;
   const Vec3d at = Vec3d(x, y, c[0].z) - c[0];
   return {at ^ (c[1] - c[0]), at ^ (c[3] - c[0])};
 }
 
-/// The patch of the primitive of a certain side where x is, of several side by side.
+/// The patch of a primitive whose centre is at x. Throws: std::runtime_error without one.
 inline const Patch& patch_at(const PatchSet& scene, double x, std::int32_t primitive = 0) {
   for (const Patch& patch : scene.patches)
     if (patch.primitive == primitive && std::abs(patch.center.x - x) < 1e-3) return patch;
-  throw std::runtime_error("no patch there");
+  throw std::runtime_error("no patch at this x");
 }
 
 }  // namespace patchlight::test

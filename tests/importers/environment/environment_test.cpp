@@ -12,7 +12,7 @@
 namespace patchlight::test {
 namespace {
 
-/// Writes an equirectangular image; `color` of column and row.
+/// Writes an equirectangular image of `color(column, row)`.
 template <class ColorOf>
 std::filesystem::path write_sky(const std::filesystem::path& file, int width, int height, ColorOf color,
                                 bool tiles = false) {
@@ -35,13 +35,13 @@ PatchSet imported(Importer& importer) {
   return importer.import(gltf);
 }
 
-/// Irradiance that all of it brings to what faces along `normal`, and the part of it of suns, by the model's own means.
+/// Irradiance of a surface with this normal from the environment's cells and suns.
 Vec3d irradiance(const PatchSet& scene, const Vec3f& normal) {
   Vec3d sum(0.0);
   const Environment& sky = *scene.environment;
   constexpr int kSide = 240;
   for (int j = 0; j < kSide; ++j)
-    for (int i = 0; i < 2 * kSide; ++i) {  // even over the sphere
+    for (int i = 0; i < 2 * kSide; ++i) {  // of equal solid angles
       const double y = 1 - 2 * (j + 0.5) / kSide, turn = kPi * (i + 0.5) / kSide, r = std::sqrt(1 - y * y);
       const Vec3f direction(float(r * std::cos(turn)), float(y), float(r * std::sin(turn)));
       const double cosine = std::max(0.0f, direction ^ normal);
@@ -51,14 +51,14 @@ Vec3d irradiance(const PatchSet& scene, const Vec3f& normal) {
   return sum;
 }
 
-TEST(Environment, IsAbsentUnlessTheJobHasOne) {
+TEST(Environment, IsAbsentUnlessTheJobSetsOne) {
   Importer importer;
   const PatchSet scene = imported(importer);
   EXPECT_FALSE(scene.environment);
   EXPECT_TRUE(scene.light_groups.empty());
 }
 
-TEST(Environment, OfAColorIsThatColorAllAround) {
+TEST(Environment, ColorIsUniform) {
   Importer importer;
   importer.job.environment.color = Color(1.0f, 2.0f, 3.0f);
   importer.job.environment.strength = 2;
@@ -73,8 +73,8 @@ TEST(Environment, OfAColorIsThatColorAllAround) {
   EXPECT_THAT(importer.messages(), ::testing::HasSubstr("black"));
 }
 
-TEST(Environment, OfAnImageLightsAsItLooks) {
-  // Brighter towards the sky and red on one side: both formats, coarse and fine.
+TEST(Environment, ImageGivesItsIrradiance) {
+  // Brighter upwards, red on one side; in both formats, coarse and fine.
   for (const char* name : {"sky.hdr", "sky.exr"})
     for (const int width : {16, 256}) {
       Importer importer;
@@ -95,7 +95,7 @@ TEST(Environment, OfAnImageLightsAsItLooks) {
 }
 
 TEST(Environment, SmallBrightSpotsBecomeSuns) {
-  // A disk of 1 degree, 1e4 times as bright as the sky, 45 degrees high in the middle of the image.
+  // A disk of 1 degree radius, 1e4 times as bright as the sky, at 45 degrees elevation in the middle of the image.
   Importer importer;
   constexpr int kWidth = 1024, kHeight = 512;
   const Vec3d to_sun = Vec3d(1, 1, 0).normalized();
@@ -130,8 +130,8 @@ TEST(Environment, SmallBrightSpotsBecomeSuns) {
   EXPECT_GT(-imported(importer).lights.at(0).direction ^ Vec3d(0, 1, -1).normalized(), std::cos(0.1 * kPi / 180));
 }
 
-TEST(Environment, AllThatIsAboveTheClipIsInSuns) {
-  // A disk of 1 degree; beside it a single texel that is brighter and gives next to nothing, or 40 more disks.
+TEST(Environment, AllRadianceAboveTheClipBelongsToSuns) {
+  // A disk of 1 degree radius and a single brighter texel of negligible power; with `many`, 40 more disks.
   Importer importer;
   constexpr int kWidth = 512, kHeight = 256;
   Environment grid;
@@ -164,7 +164,7 @@ TEST(Environment, AllThatIsAboveTheClipIsInSuns) {
   }
 }
 
-TEST(Environment, ImagesInTilesReadTheSame) {
+TEST(Environment, TiledImagesReadLikeScanlines) {
   Importer importer;
   const auto color = [](int x, int y) { return Color(float(x) / 64, float(y) / 32, 1.0f); };
   importer.job.environment.image = write_sky(importer.folder / "rows.exr", 64, 32, color);
@@ -183,7 +183,7 @@ TEST(Environment, LargeImagesAreReduced) {
   for (const Color& texel : scene.environment->texels) EXPECT_EQ(texel, Color(0.5f));
 }
 
-TEST(Environment, OfAnyShapeTakesNoMoreRoom) {
+TEST(Environment, ImagesOfAnyAspectRatioAreReduced) {
   Importer importer;
   importer.job.environment.image =
       write_sky(importer.folder / "sky.exr", 1, 20000, [](int, int y) { return Color(float(y < 10000)); });
@@ -193,7 +193,7 @@ TEST(Environment, OfAnyShapeTakesNoMoreRoom) {
   EXPECT_NEAR(irradiance(scene, {0, -1, 0}).x, 0, 0.02);
 }
 
-TEST(Environment, FaultsOfTheImageAreNamed) {
+TEST(Environment, BadImagesAreRefused) {
   Importer importer;
   importer.job.environment.image = importer.folder / "none.hdr";
   EXPECT_ERROR(imported(importer), ExitCode::missing_input, "none.hdr");

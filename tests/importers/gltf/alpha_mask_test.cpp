@@ -53,7 +53,7 @@ TEST(AlphaMasks, TheFactorsAlphaAndTheCutoffCount) {
   leaf.gltf.json["materials"][0]["alphaCutoff"] = 0.0;
   EXPECT_TRUE(leaf.import().masks.empty());
   leaf.gltf.json["materials"][0]["alphaCutoff"] = 0.75;
-  EXPECT_ERROR(leaf.import(), ExitCode::bad_data, "nothing with an area");
+  EXPECT_ERROR(leaf.import(), ExitCode::bad_data, "no surface with an area");
   EXPECT_THAT(leaf.importer.messages(), ::testing::HasSubstr("'leaf' is left out: its alpha"));
   leaf.gltf.json["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"] = {1, 1, 1, -1};
   EXPECT_ERROR(leaf.import(), ExitCode::bad_data, "leaf");

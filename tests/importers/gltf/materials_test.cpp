@@ -215,7 +215,7 @@ TEST(Materials, JobLeavesOutWhatItExcludes) {
   importer.job.nodes = {all, left};
   EXPECT_EQ(nodes_left(), std::set<std::string>{"left"});
   importer.job.nodes = {all};
-  EXPECT_ERROR(importer.import(gltf), ExitCode::bad_data, "nothing with an area");
+  EXPECT_ERROR(importer.import(gltf), ExitCode::bad_data, "no surface with an area");
 }
 
 TEST(Materials, JobCutsMaterialsAndNodesAsFineAsItSays) {

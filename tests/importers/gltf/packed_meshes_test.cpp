@@ -90,7 +90,7 @@ TEST(PackedMeshes, MeshoptUnpacksToTheSame) {
   Importer importer;
   GltfBuilder gltf;
   const QuantizedPositions positions(cube());
-  gltf.node(positions.placed({{"mesh", quantized_mesh(gltf, cube(), positions, true)}}));
+  gltf.node(positions.with_transform({{"mesh", quantized_mesh(gltf, cube(), positions, true)}}));
   expect_same(importer.import(gltf), plain);
 
   Json& packed = gltf.json["bufferViews"][0]["extensions"]["EXT_meshopt_compression"];
@@ -147,7 +147,7 @@ TEST(PackedMeshes, BytesThatAreUnpackedOverAndOverAreRefused) {
     }
     const QuantizedPositions positions(heap);
     const int mesh = draco ? draco_mesh(gltf, heap, 11) : quantized_mesh(gltf, heap, positions, true);
-    gltf.node(positions.placed({{"mesh", mesh}}));
+    gltf.node(positions.with_transform({{"mesh", mesh}}));
     for (int i = 0; i < 200; ++i) {
       gltf.json["bufferViews"].push_back(gltf.json["bufferViews"][0]);
       gltf.json["meshes"].push_back(gltf.json["meshes"][0]);
@@ -163,7 +163,7 @@ TEST(PackedMeshes, DamagedPackedBytesAreRefusedOrReadNeverTakenForMore) {
     const Mesh ball = uv_sphere(16, 8);
     const QuantizedPositions positions(ball);
     const int mesh = draco ? draco_mesh(gltf, ball, 11) : quantized_mesh(gltf, ball, positions, true);
-    gltf.node(positions.placed({{"mesh", mesh}}));
+    gltf.node(positions.with_transform({{"mesh", mesh}}));
     const std::string whole = gltf.binary;
     std::uint32_t random = 1;
     for (int i = 0; i < 100; ++i) {

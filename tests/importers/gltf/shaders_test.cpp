@@ -124,7 +124,7 @@ TEST(Shaders, TooMuchReflectanceIsLoweredWithOneWarning) {
   const PatchSet scene = square.shaded(reflecting("wall", {"2", "1", "0.5"}));
   EXPECT_EQ(scene.patches[0].reflectance, Color(0.99999f, 0.99999f, 0.5f));
   const std::string messages = square.messages();
-  const std::string warning = "shader 'wall' lowered";
+  const std::string warning = "shader 'wall' is lowered";
   ASSERT_NE(messages.find(warning), std::string::npos);
   EXPECT_EQ(messages.find(warning), messages.rfind(warning));
 }

@@ -51,19 +51,19 @@ TEST(PatchGrid, AreasSumToTheTrueArea) {
   }
 }
 
-TEST(PatchGrid, TwistedQuadsPatchesSumToItsOwnArea) {
+TEST(PatchGrid, PatchesOfATwistedQuadSumToItsArea) {
   const Primitive twisted = quad({{{0, 0, 0}, {1, 0, 0}, {1, 1, 0.5}, {0, 1, 0}}});
   const double fine = sum_of_areas(patches_of(twisted, 1e-5));
   EXPECT_NEAR(primitive_area(twisted), fine, 1e-4 * fine);
   EXPECT_NEAR(sum_of_areas(patches_of(twisted, 1e-3)), fine, 1e-8 * fine);
 }
 
-TEST(PatchGrid, PatchesAreAboutAsLargeAsAskedFor) {
+TEST(PatchGrid, PatchesHaveAboutTheRequestedArea) {
   EXPECT_EQ(patches_of(kRectangle, 0.01).size(), 400u);
   EXPECT_NEAR(static_cast<double>(patches_of(sphere(2), 0.01).size()), 16 * kPi / 0.01, 0.02 * 16 * kPi / 0.01);
 }
 
-TEST(PatchGrid, PatchAreaLargerThanThePrimitiveGivesOnePatch) {
+TEST(PatchGrid, PatchAreaAboveThePrimitivesGivesTheFewestPatches) {
   EXPECT_EQ(patches_of(kRectangle, 1e9).size(), 1u);
   EXPECT_EQ(patches_of(sphere(2), 1e9).size(), 6u);
   EXPECT_EQ(patches_of(kTriangle, 3.1).size(), 1u);
@@ -87,7 +87,7 @@ TEST(PatchGrid, RowsTileTheUnitSquare) {
   }
 }
 
-TEST(PatchGrid, CentresAndNormalsOfASphereFollowItsAngles) {
+TEST(PatchGrid, CentresAndNormalsLieOnTheSphere) {
   for (const double radius : {2.0, -2.0}) {
     for (const Patch& patch : patches_of(sphere(radius), 0.5)) {
       const double phi = kPi * (double(patch.u0) + patch.u1);
@@ -113,12 +113,12 @@ TEST(PatchGrid, HugeAndTinyPrimitivesKeepTheirAreas) {
   }
 }
 
-TEST(PatchArea, DefaultGivesSomeThousandsOfPatches) {
+TEST(PatchArea, DefaultIsAnEightThousandthOfTheArea) {
   const double area = choose_patch_area({kRectangle, sphere(1)}, {{}}, {});
   EXPECT_NEAR(area, (4.0 + 4 * kPi) / 8000, 1e-12);
 }
 
-TEST(PatchArea, TooManyPatchesNameTheLimitAndWhatFits) {
+TEST(PatchArea, TooManyPatchesNameTheLimitAndAnAreaThatFits) {
   ImportConfig config;
   config.patch_area = 1e-9;
   config.max_patches = 1000;
