@@ -5,8 +5,8 @@
 namespace patchlight {
 namespace {
 
-constexpr std::int64_t kMostFilledIn = 1 << 22;  // elements of an accessor that rests on no bytes of the file
-constexpr std::int64_t kMostSparseOffset = (std::int64_t{1} << 31) - 1;  // tinygltf has an int for it
+constexpr std::int64_t kMaxSparseCount = 1 << 22;  // elements of a sparse accessor without a bufferView
+constexpr std::int64_t kMaxSparseOffset = (std::int64_t{1} << 31) - 1;  // tinygltf stores it as an int
 
 std::int64_t component_count(const std::string& type) {
   if (type == "SCALAR") return 1;
@@ -17,8 +17,9 @@ std::int64_t component_count(const std::string& type) {
   return type == "MAT4" ? 16 : 0;
 }
 
-/// That `count` elements of `size` bytes, one each `stride`, lie in a bufferView from `owner`'s offset on.
-void check_reach(const GltfLists& gltf, const Json& owner, int view, std::int64_t count, std::int64_t size,
+/// Checks that `count` elements of `size` bytes, from the owner's byteOffset on, lie within a bufferView. `strided`:
+/// its byteStride applies.
+void check_range(const GltfLists& gltf, const Json& owner, int view, std::int64_t count, std::int64_t size,
                  bool strided, const GltfPlace& place) {
   const Json& source = gltf.list("bufferViews")[static_cast<std::size_t>(view)];
   const std::int64_t offset = whole_number(owner, "byteOffset", 0, place);
@@ -29,7 +30,7 @@ void check_reach(const GltfLists& gltf, const Json& owner, int view, std::int64_
   if (!fits) refuse_gltf(fmt::format("{} elements reach beyond bufferViews[{}]", count, view), place);
 }
 
-/// A sparse accessor's list of places, or of values.
+/// Checks a sparse accessor's indices or values. `size`: bytes of an element; 0: indices.
 void check_sparse_part(const GltfLists& gltf, const Json& sparse, const char* key, std::int64_t count,
                        std::int64_t size, const GltfPlace& place) {
   const Json* part = find_object(sparse, key, place);
@@ -40,9 +41,9 @@ void check_sparse_part(const GltfLists& gltf, const Json& sparse, const char* ke
     if (type != 5121 && type != 5123 && type != 5125) refuse_gltf("must be unsigned integers", place, "sparse.indices");
     size = component_size(type);
   }
-  if (whole_number(*part, "byteOffset", 0, place) > kMostSparseOffset)
-    refuse_gltf("begins too far in", place, "sparse");
-  check_reach(gltf, *part, view, count, size, false, place);
+  if (whole_number(*part, "byteOffset", 0, place) > kMaxSparseOffset)
+    refuse_gltf("has a byteOffset that is too large", place, "sparse");
+  check_range(gltf, *part, view, count, size, false, place);
 }
 
 void check_sparse(const GltfLists& gltf, const Json& accessor, std::int64_t size, const GltfPlace& place) {
@@ -51,8 +52,10 @@ void check_sparse(const GltfLists& gltf, const Json& accessor, std::int64_t size
   const std::int64_t all = whole_number(accessor, "count", 0, place);
   const std::int64_t count = whole_number(*sparse, "count", 0, place);
   if (count < 1 || count > all) refuse_gltf(fmt::format("{} of {} elements are sparse", count, all), place);
-  if (!accessor.contains("bufferView") && all > kMostFilledIn) {
-    refuse_gltf(fmt::format("a sparse accessor fills in {} elements; {} is the most", all, kMostFilledIn), place);
+  if (!accessor.contains("bufferView") && all > kMaxSparseCount) {
+    refuse_gltf(fmt::format("a sparse accessor without a bufferView has {} elements; at most {} are supported", all,
+                            kMaxSparseCount),
+                place);
   }
   check_sparse_part(gltf, *sparse, "indices", count, 0, place);
   check_sparse_part(gltf, *sparse, "values", count, size, place);
@@ -94,12 +97,12 @@ void check_accessors(const GltfLists& gltf) {
   gltf.each("accessors", [&](const Json& accessor, const GltfPlace& place) {
     const std::int64_t size = component_size(whole_number(accessor, "componentType", 0, place)) *
                               component_count(string_member(accessor, "type"));
-    if (size == 0) refuse_gltf("componentType or type is not one of glTF's", place);
+    if (size == 0) refuse_gltf("has a componentType or type that glTF does not define", place);
     const std::int64_t count = whole_number(accessor, "count", 0, place);
     const int view = index_member(accessor, "bufferView", gltf.count("bufferViews"), place);
     const Json* normalized = find_member(accessor, "normalized");
     if (normalized && !normalized->is_boolean()) refuse_gltf("must be true or false", place, "normalized");
-    if (view >= 0 && count > 0) check_reach(gltf, accessor, view, count, size, true, place);
+    if (view >= 0 && count > 0) check_range(gltf, accessor, view, count, size, true, place);
     check_sparse(gltf, accessor, size, place);
   });
 }

@@ -1,5 +1,5 @@
 #pragma once
-// Internal to the glTF files of this folder: brings nlohmann/json along.
+// Internal to importers/gltf: includes nlohmann/json.
 #include <vector>
 
 #include "importers/gltf/check/gltf_check.h"
@@ -7,12 +7,12 @@
 
 namespace patchlight {
 
-/// Checks that bufferViews lie within their buffers and accessors, sparse ones too, within bufferViews.
-/// Throws: Error (bad_data) naming the place.
+/// Check that bufferViews lie within their buffers, and accessors within their bufferViews.
+/// Throw: Error (bad_data) naming the element.
 void check_buffer_views(const GltfLists& gltf, const std::vector<GltfData>& buffers);
 void check_accessors(const GltfLists& gltf);
 
-/// Bytes of a component of an accessor's type; 0 for what is none of glTF's.
+/// Bytes of a component; 0 for a number that is no glTF componentType.
 std::int64_t component_size(std::int64_t component_type);
 
 }  // namespace patchlight

@@ -5,13 +5,13 @@
 namespace patchlight {
 namespace {
 
-/// The element count of an accessor of floats, or of normalized bytes or shorts where `small` lets it be.
+/// Checks an accessor of floats, or with `small` also of normalized bytes or shorts. Returns its element count.
 std::int64_t checked_count(const GltfLists& gltf, int accessor, const char* shape, bool small, const GltfPlace& owner) {
   const GltfPlace place = gltf.place("accessors", static_cast<std::size_t>(accessor));
   const std::int64_t component = whole_number(*place.item, "componentType", 0, place);
   const Json* normalized = find_member(*place.item, "normalized");
-  const bool unit = (component == 5120 || component == 5122) && normalized && normalized->get<bool>();
-  if (string_member(*place.item, "type") != shape || (component != 5126 && !(small && unit))) {
+  const bool normalized_integer = (component == 5120 || component == 5122) && normalized && normalized->get<bool>();
+  if (string_member(*place.item, "type") != shape || (component != 5126 && !(small && normalized_integer))) {
     refuse_gltf(fmt::format("must be {} of 32-bit floats{} for {}", shape, small ? ", or of normalized integers," : "",
                             owner.text()),
                 place);
@@ -33,10 +33,11 @@ std::map<int, GltfInstances> checked_instances(const GltfLists& gltf) {
       const int accessor = index_member(*attributes, key, gltf.count("accessors"), place);
       if (accessor < 0) continue;
       if (!gltf.list("accessors")[static_cast<std::size_t>(accessor)].contains("bufferView"))
-        refuse_gltf(fmt::format("accessors[{}] of its instances has no bufferView", accessor), place);
-      const bool turns = key == std::string_view("ROTATION");
-      const auto count = static_cast<std::size_t>(checked_count(gltf, accessor, turns ? "VEC4" : "VEC3", turns, place));
-      if (!first && count != instances.count) refuse_gltf("has unequal numbers of its instances' attributes", place);
+        refuse_gltf(fmt::format("has instances with accessors[{}], which has no bufferView", accessor), place);
+      const bool rotation = key == std::string_view("ROTATION");
+      const auto count =
+          static_cast<std::size_t>(checked_count(gltf, accessor, rotation ? "VEC4" : "VEC3", rotation, place));
+      if (!first && count != instances.count) refuse_gltf("has instance attributes of unequal counts", place);
       instances.count = count;
       instances.attributes[key] = accessor;
       first = false;

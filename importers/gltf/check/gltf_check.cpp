@@ -23,13 +23,13 @@ constexpr std::array kSupportedExtensions{
     "KHR_mesh_quantization",           "KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_texture_transform",
     "KHR_materials_transmission",      "KHR_materials_variants",     "EXT_mesh_gpu_instancing", "KHR_lights_punctual"};
 
-constexpr std::size_t kMostTexcoords = 1000;  // sets of them that a mesh may have
+constexpr std::size_t kMaxTexcoordSets = 1000;
 
 bool is_supported(const std::string& extension) {
   return std::find(kSupportedExtensions.begin(), kSupportedExtensions.end(), extension) != kSupportedExtensions.end();
 }
 
-/// Refuses what the file says that it cannot be read without, and notes what else is not read.
+/// Refuses required extensions that are not supported, and warns of optional ones.
 void check_extensions(GltfLists& gltf) {
   std::string unknown;
   for (const char* key : {"extensionsRequired", "extensionsUsed"}) {
@@ -40,15 +40,16 @@ void check_extensions(GltfLists& gltf) {
       if (is_supported(name)) continue;
       if (key == std::string_view("extensionsRequired")) {
         throw Error(ExitCode::bad_data, fmt::format("required extension {} is not supported", name), gltf.file,
-                    "export the scene without it");
+                    "export the scene without this extension");
       }
       unknown += (unknown.empty() ? "" : ", ") + name;
     }
   }
-  if (!unknown.empty()) gltf.ignored.insert("extensions that are not read: " + unknown);
+  if (!unknown.empty()) gltf.ignored.insert("extensions are not supported and are ignored: " + unknown);
   if (gltf.uses("KHR_materials_transmission"))
-    gltf.ignored.insert("transmission is not read: what lets light through stands opaque");
-  if (gltf.uses("KHR_materials_variants")) gltf.ignored.insert("of a material's variants the first one stands");
+    gltf.ignored.insert("KHR_materials_transmission is ignored: transparent materials are imported as opaque");
+  if (gltf.uses("KHR_materials_variants"))
+    gltf.ignored.insert("KHR_materials_variants is ignored: the default materials are imported");
 }
 
 void check_asset(const GltfLists& gltf) {
@@ -56,8 +57,9 @@ void check_asset(const GltfLists& gltf) {
   const Json* asset = find_object(gltf.root, "asset", place);
   const std::string version = asset ? string_member(*asset, "version") : "";
   if (!version.starts_with("2.")) {
-    refuse_gltf(version.empty() ? "no glTF version is stated" : fmt::format("glTF version {} is not 2", version), place,
-                "asset.version");
+    refuse_gltf(version.empty() ? "the glTF version is missing"
+                                : fmt::format("glTF version {} is not supported, only version 2", version),
+                place, "asset.version");
   }
 }
 
@@ -79,12 +81,12 @@ void check_texture_info(const GltfLists& gltf, const Json& owner, const char* ke
   const Json* info = find_object(owner, key, place);
   if (!info) return;
   if (index_member(*info, "index", gltf.count("textures"), place) < 0) refuse_gltf("has no index", place, key);
-  index_member(*info, "texCoord", kMostTexcoords, place);
+  index_member(*info, "texCoord", kMaxTexcoordSets, place);
   if (const Json* transform = find_extension(*info, "KHR_texture_transform", place)) {
     check_numbers(*transform, "offset", 2, place);
     check_numbers(*transform, "scale", 2, place);
     check_number(*transform, "rotation", place);
-    index_member(*transform, "texCoord", kMostTexcoords, place);
+    index_member(*transform, "texCoord", kMaxTexcoordSets, place);
   }
 }
 
@@ -96,7 +98,8 @@ void check_materials(GltfLists& gltf) {
     check_string(material, "alphaMode", place);
     const std::string alpha = string_member(material, "alphaMode");
     if (alpha == "BLEND")
-      gltf.ignored.insert("alphaMode BLEND is read as MASK: alpha of 0.5 and more is opaque, less is not there");
+      gltf.ignored.insert(
+          "alphaMode BLEND is read as MASK: surfaces are opaque where alpha is at least 0.5, and absent elsewhere");
     if (!alpha.empty() && alpha != "OPAQUE" && alpha != "MASK" && alpha != "BLEND")
       refuse_gltf("must be OPAQUE, MASK or BLEND", place, "alphaMode");
     check_number(material, "alphaCutoff", place);
@@ -113,7 +116,7 @@ void check_materials(GltfLists& gltf) {
       const Json* emission = find_object(*extensions, "KHR_materials_emissive_strength", place);
       if (emission) check_number(*emission, "emissiveStrength", place);
       if (extensions->contains("KHR_materials_unlit"))
-        gltf.ignored.insert("unlit materials are read as diffuse ones of their colour");
+        gltf.ignored.insert("unlit materials are read as diffuse materials of their base colour");
     }
   });
   gltf.each("textures", [&](const Json& texture, const GltfPlace& place) {
@@ -125,7 +128,7 @@ void check_materials(GltfLists& gltf) {
   });
 }
 
-/// The sets of texture coordinates that textures lie by.
+/// The texture coordinate sets that textures use.
 std::set<int> used_texcoords(const GltfLists& gltf) {
   std::set<int> sets;
   gltf.each("materials", [&](const Json& material, const GltfPlace& place) {
@@ -141,7 +144,7 @@ std::set<int> used_texcoords(const GltfLists& gltf) {
   return sets;
 }
 
-/// Returns the parent of each node, -1 of a root.
+/// Checks the nodes. Returns the parent of each node; -1 for a root.
 std::vector<int> check_nodes(GltfLists& gltf) {
   std::vector<std::vector<int>> children(gltf.count("nodes"));
   gltf.each("nodes", [&](const Json& node, const GltfPlace& place) {
@@ -154,7 +157,8 @@ std::vector<int> check_nodes(GltfLists& gltf) {
     index_member(node, "camera", gltf.count("cameras"), place);
     check_weights(node, place);
     if (index_member(node, "skin", gltf.count("skins"), place) >= 0)
-      gltf.ignored.insert("skins do not move: they stand in the pose of the file's nodes");
+      gltf.ignored.insert(
+          "animations of skins are ignored: skinned meshes are imported in the pose of the file's nodes");
     if (const Json* list = find_array(node, "children", place)) {
       for (const Json& child : *list) {
         children[place.index].push_back(checked_index(child, "children", children.size(), place));
@@ -171,7 +175,7 @@ std::vector<int> check_nodes(GltfLists& gltf) {
 
 }  // namespace
 
-CheckedGltf check_gltf(std::string_view json, const std::string& file, const GltfWanted& wanted) {
+CheckedGltf check_gltf(std::string_view json, const std::string& file, const GltfReadOptions& options) {
   const Json root = parse_gltf_json(json, file);
   GltfLists gltf(root, file);
   check_asset(gltf);
@@ -183,7 +187,7 @@ CheckedGltf check_gltf(std::string_view json, const std::string& file, const Glt
   check_accessors(gltf);
   check_materials(gltf);
   std::set<int> texcoord_sets = used_texcoords(gltf);
-  if (wanted.texcoords) texcoord_sets.insert(0);
+  if (options.texcoords) texcoord_sets.insert(0);
   check_meshes(gltf, texcoord_sets);
   result.meshopt_views = checked_meshopt_views(gltf);
   check_skins(gltf);
@@ -192,12 +196,12 @@ CheckedGltf check_gltf(std::string_view json, const std::string& file, const Glt
   result.parents = check_nodes(gltf);
   result.lights = checked_lights(gltf);
   result.node_lights = checked_node_lights(gltf, result.lights);
-  std::set<std::string> at_rest;
-  result.camera_channels = checked_camera_channels(gltf, result.parents, at_rest);
-  if (wanted.animations) {
+  std::set<std::string> animation_warnings;
+  result.camera_channels = checked_camera_channels(gltf, result.parents, animation_warnings);
+  if (options.animations) {
     result.node_channels = checked_node_channels(gltf, [](int, NodeChannel::Path) { return true; });
   } else {
-    gltf.ignored.merge(at_rest);
+    gltf.ignored.merge(animation_warnings);
   }
   result.ignored.assign(gltf.ignored.begin(), gltf.ignored.end());
   result.json = reduced_gltf(root, texcoord_sets).dump();

@@ -7,9 +7,9 @@
 namespace patchlight {
 namespace {
 
-constexpr int kDeepestNesting = 128;
+constexpr int kMaxNesting = 128;
 
-const char* const kMend = "export the scene again; a glTF validator shows more";
+const char* const kRemedy = "export the scene again; a glTF validator lists all faults";
 
 int nesting(std::string_view text) {
   int depth = 0;
@@ -43,19 +43,19 @@ std::string GltfPlace::text(std::string_view member) const {
 }
 
 void refuse_gltf(const std::string& what, const GltfPlace& place, std::string_view member) {
-  throw Error(ExitCode::bad_data, what, place.text(member), kMend);
+  throw Error(ExitCode::bad_data, what, place.text(member), kRemedy);
 }
 
 Json parse_gltf_json(std::string_view text, const std::string& file) {
   const GltfPlace place{file};
-  if (nesting(text) > kDeepestNesting) refuse_gltf(fmt::format("JSON nests deeper than {}", kDeepestNesting), place);
+  if (nesting(text) > kMaxNesting) refuse_gltf(fmt::format("JSON nests deeper than {} levels", kMaxNesting), place);
   Json root;
   try {
     root = Json::parse(text);
   } catch (const Json::exception& fault) {
     refuse_gltf(fmt::format("not glTF: {}", fault.what()), place);
   }
-  if (!root.is_object()) refuse_gltf("not glTF: the JSON's root is no object", place);
+  if (!root.is_object()) refuse_gltf("not glTF: the root of the JSON is not an object", place);
   return root;
 }
 
@@ -93,14 +93,15 @@ std::int64_t whole_number(const Json& object, const char* key, std::int64_t fall
   const bool valid = member->is_number_unsigned()  ? member->get<std::uint64_t>() <= static_cast<std::uint64_t>(largest)
                      : member->is_number_integer() ? member->get<std::int64_t>() >= 0
                                                    : false;
-  if (!valid) refuse_gltf("must be a whole number, not negative", place, key);
+  if (!valid) refuse_gltf("must be a whole number from 0 to 2^53", place, key);
   return member->get<std::int64_t>();
 }
 
 int checked_index(const Json& value, const char* key, std::size_t count, const GltfPlace& place) {
   if (!value.is_number_integer()) refuse_gltf("must be an index", place, key);
   const bool valid = value.is_number_unsigned() && value.get<std::uint64_t>() < count;
-  if (!valid) refuse_gltf(fmt::format("index {} is out of range; there are {}", value.dump(), count), place, key);
+  if (!valid)
+    refuse_gltf(fmt::format("index {} is out of range; the list has {} elements", value.dump(), count), place, key);
   return value.get<int>();
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// Internal to the glTF files of this folder: brings nlohmann/json along.
+// Internal to importers/gltf: includes nlohmann/json.
 #include <map>
 #include <set>
 #include <string>
@@ -9,26 +9,26 @@
 
 namespace patchlight {
 
-/// Sets of four joints, of which each is checked and read, that a skin's vertices may hang on.
-constexpr int kMostBones = 64;
+/// Maximum number of JOINTS_n attributes, of four joints each.
+constexpr int kMaxJointSets = 64;
 
-constexpr const char* kLightList = "KHR_lights_punctual.lights";  ///< As messages name it.
+constexpr const char* kLightList = "KHR_lights_punctual.lights";  ///< For messages.
 
-/// A glTF file while it is checked: its lists at the root, whose elements are objects.
+/// A glTF file during its check: the lists at the root, whose elements are objects.
 struct GltfLists {
-  /// Throws: Error (bad_data) for a list that is none.
+  /// Throws: Error (bad_data) for a list that is not an array of objects.
   GltfLists(const Json& gltf_root, const std::string& file_name);
 
   const Json& root;
   const std::string& file;
   std::map<std::string_view, const Json*> lists;
-  std::set<std::string> ignored;  ///< What the scene holds beyond what is read, one warning each.
+  std::set<std::string> ignored;  ///< Warnings of contents that are not imported.
 
   const Json& list(const char* key) const { return *lists.at(key); }
   std::size_t count(const char* key) const { return list(key).size(); }
   GltfPlace place(const char* key, std::size_t index) const { return {file, key, index, &list(key)[index]}; }
 
-  /// Whether the file says that it uses an extension.
+  /// Whether extensionsUsed or extensionsRequired contains an extension.
   bool uses(const char* extension) const;
 
   /// Calls `check(item, place)` for each element of a list at the root.
@@ -39,10 +39,10 @@ struct GltfLists {
   }
 };
 
-/// An extension's object in an object's `extensions`, or null where it is absent.
+/// An extension's object in `extensions`; null if it is absent.
 const Json* find_extension(const Json& object, const char* name, const GltfPlace& place);
 
-/// The set of texture coordinates that a checked textureInfo's texture lies by.
+/// The texture coordinate set that a checked textureInfo uses.
 int texcoord_set(const Json& info, const GltfPlace& place);
 
 }  // namespace patchlight

@@ -9,14 +9,14 @@ namespace patchlight {
 namespace {
 
 constexpr const char* kExtension = "KHR_lights_punctual";
-constexpr double kRounding = 1e-6;  // of a right angle, as floats have it
+constexpr double kRounding = 1e-6;  // rad; error of pi/2 stored as a float
 
-/// A number that is not negative.
-double amount(const Json& object, const char* key, double fallback, const GltfPlace& place) {
+/// Checks and returns a number that is not negative.
+double non_negative(const Json& object, const char* key, double fallback, const GltfPlace& place) {
   check_number(object, key, place);
   const Json* member = find_member(object, key);
   const double value = member ? member->get<double>() : fallback;
-  if (!(value >= 0.0)) refuse_gltf(fmt::format("is {}, and must not be negative", value), place, key);
+  if (!(value >= 0.0)) refuse_gltf(fmt::format("is {}; it must not be negative", value), place, key);
   return value;
 }
 
@@ -32,13 +32,13 @@ std::optional<Light::Kind> kind_of(const Json& item, const GltfPlace& place) {
 
 void read_cone(const Json& item, Light& light, const GltfPlace& place) {
   const Json* spot = find_object(item, "spot", place);
-  if (!spot) refuse_gltf("is a spot without its cone", place, "spot");
-  light.inner = amount(*spot, "innerConeAngle", 0.0, place);
-  light.outer = amount(*spot, "outerConeAngle", kPi / 4, place);
-  // Blender writes equal angles for a sharp edge.
+  if (!spot) refuse_gltf("is a spot light without cone angles", place, "spot");
+  light.inner = non_negative(*spot, "innerConeAngle", 0.0, place);
+  light.outer = non_negative(*spot, "outerConeAngle", kPi / 4, place);
+  // Equal angles are allowed: Blender writes them for a sharp edge.
   if (light.inner > light.outer || light.outer > kPi / 2 + kRounding)
     refuse_gltf(
-        fmt::format("has cone angles of {} and {}, and must have inner <= outer <= pi/2", light.inner, light.outer),
+        fmt::format("has cone angles of {} and {}; required is inner <= outer <= pi/2", light.inner, light.outer),
         place, "spot");
 }
 
@@ -48,15 +48,16 @@ GltfLight checked_light(const Json& item, const GltfPlace& place) {
   check_string(item, "name", place);
   result.name = string_member(item, "name");
   check_numbers(item, "color", 3, place);
-  const double intensity = amount(item, "intensity", 1.0, place);
+  const double intensity = non_negative(item, "intensity", 1.0, place);
   const Json* color = find_member(item, "color");
   for (int k = 0; k < 3; ++k) {
     const double strength = intensity * (color ? (*color)[k].get<double>() : 1.0);
     if (!(strength >= 0.0 && strength <= 3e38))
-      refuse_gltf(fmt::format("has a strength of {}", strength), place, "color");
+      refuse_gltf(fmt::format("has a strength (intensity x color) of {}; it must be finite and not negative", strength),
+                  place, "color");
     result.light.strength[k] = static_cast<float>(strength);
   }
-  if (item.contains("range") && !(amount(item, "range", 1.0, place) > 0.0))
+  if (item.contains("range") && !(non_negative(item, "range", 1.0, place) > 0.0))
     refuse_gltf("must be greater than 0", place, "range");
   const Json* extras = find_member(item, "extras");
   if (extras && extras->is_object()) result.light_group = string_member(*extras, "light_group");
@@ -77,7 +78,7 @@ std::vector<GltfLight> checked_lights(GltfLists& gltf) {
     const GltfPlace place{gltf.file, kLightList, i, &item};
     if (!item.is_object()) refuse_gltf("must be an object", {gltf.file, kLightList, i});
     lights.push_back(checked_light(item, place));
-    if (!lights.back().known) gltf.ignored.insert("lights of unknown types are left out");
+    if (!lights.back().known) gltf.ignored.insert("lights of unknown types are ignored");
   }
   return lights;
 }

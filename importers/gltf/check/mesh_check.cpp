@@ -9,7 +9,7 @@
 namespace patchlight {
 namespace {
 
-/// A type of an accessor's numbers.
+/// Component type of an accessor.
 struct Component {
   std::int64_t type;
   bool normalized;
@@ -18,41 +18,41 @@ struct Component {
 };
 
 constexpr Component kByte{5120, false}, kUnsignedByte{5121, false}, kShort{5122, false}, kUnsignedShort{5123, false},
-    kFloat{5126, false}, kUnitByte{5120, true}, kUnitUnsignedByte{5121, true}, kUnitShort{5122, true},
-    kUnitUnsignedShort{5123, true};
+    kFloat{5126, false}, kNormByte{5120, true}, kNormUnsignedByte{5121, true}, kNormShort{5122, true},
+    kNormUnsignedShort{5123, true};
 
-/// What glTF lets an attribute be, and what else by KHR_mesh_quantization.
+/// Types that glTF permits for an attribute.
 struct AttributeRule {
   std::string shape;  ///< Empty: VEC3 or VEC4.
   std::vector<Component> plain;
-  std::vector<Component> quantized;
-  const char* text;  ///< What `plain` is, in words.
+  std::vector<Component> quantized;  ///< Also permitted, with KHR_mesh_quantization.
+  const char* text;                  ///< `plain` in words, for messages.
 };
 
 const AttributeRule kPosition{
     "VEC3",
     {kFloat},
-    {kByte, kUnitByte, kUnsignedByte, kUnitUnsignedByte, kShort, kUnitShort, kUnsignedShort, kUnitUnsignedShort},
+    {kByte, kNormByte, kUnsignedByte, kNormUnsignedByte, kShort, kNormShort, kUnsignedShort, kNormUnsignedShort},
     "VEC3 of 32-bit floats"};
-const AttributeRule kNormal{"VEC3", {kFloat}, {kUnitByte, kUnitShort}, "VEC3 of 32-bit floats"};
+const AttributeRule kNormal{"VEC3", {kFloat}, {kNormByte, kNormShort}, "VEC3 of 32-bit floats"};
 const AttributeRule kTexcoord{"VEC2",
-                              {kFloat, kUnitUnsignedByte, kUnitUnsignedShort},
-                              {kByte, kUnitByte, kUnsignedByte, kShort, kUnitShort, kUnsignedShort},
+                              {kFloat, kNormUnsignedByte, kNormUnsignedShort},
+                              {kByte, kNormByte, kUnsignedByte, kShort, kNormShort, kUnsignedShort},
                               "VEC2 of 32-bit floats or of normalized unsigned bytes or shorts"};
 
 const AttributeRule kColor{"",
-                           {kFloat, kUnitUnsignedByte, kUnitUnsignedShort},
+                           {kFloat, kNormUnsignedByte, kNormUnsignedShort},
                            {},
                            "VEC3 or VEC4 of 32-bit floats or of normalized unsigned bytes or shorts"};
 
 const AttributeRule kJoints{"VEC4", {kUnsignedByte, kUnsignedShort}, {}, "VEC4 of unsigned bytes or shorts"};
 const AttributeRule kWeights{"VEC4",
-                             {kFloat, kUnitUnsignedByte, kUnitUnsignedShort},
+                             {kFloat, kNormUnsignedByte, kNormUnsignedShort},
                              {},
                              "VEC4 of 32-bit floats or of normalized unsigned bytes or shorts"};
-const AttributeRule kTarget{"VEC3", {kFloat}, {kByte, kUnitByte, kShort, kUnitShort}, "VEC3 of 32-bit floats"};
+const AttributeRule kTarget{"VEC3", {kFloat}, {kByte, kNormByte, kShort, kNormShort}, "VEC3 of 32-bit floats"};
 
-/// The element count of an attribute, checked; -1 where it is absent.
+/// Checks an attribute's type. Returns its element count; -1 if it is absent.
 std::int64_t checked_attribute(const GltfLists& gltf, const Json& attributes, const std::string& key,
                                const AttributeRule& rule, bool quantized, const GltfPlace& mesh) {
   const int number = index_member(attributes, key.c_str(), gltf.count("accessors"), mesh);
@@ -87,14 +87,14 @@ void check_indices(const GltfLists& gltf, const Json& primitive, const GltfPlace
 
 void check_primitive(GltfLists& gltf, const Json& primitive, const std::set<int>& texcoord_sets, bool quantized,
                      const GltfPlace& place) {
-  if (!primitive.is_object()) refuse_gltf("must hold objects", place, "primitives");
+  if (!primitive.is_object()) refuse_gltf("must contain objects", place, "primitives");
   const Json* attributes = find_object(primitive, "attributes", place);
   if (!attributes) refuse_gltf("has a primitive without attributes", place);
   const std::int64_t vertices = checked_attribute(gltf, *attributes, "POSITION", kPosition, quantized, place);
   const auto check = [&](const std::string& key, const AttributeRule& rule, const char* what) {
     const std::int64_t count = checked_attribute(gltf, *attributes, key, rule, quantized, place);
     if (count >= 0 && vertices >= 0 && count != vertices) {
-      refuse_gltf(fmt::format("has unequal numbers of positions and {}", what), place);
+      refuse_gltf(fmt::format("has unequal counts of positions and {}", what), place);
     }
   };
   check("NORMAL", kNormal, "normals");
@@ -103,19 +103,19 @@ void check_primitive(GltfLists& gltf, const Json& primitive, const std::set<int>
   check_indices(gltf, primitive, place);
   index_member(primitive, "material", gltf.count("materials"), place);
   if (whole_number(primitive, "mode", 4, place) > 6) refuse_gltf("mode must be 0 to 6", place);
-  for (int set = 0; set < kMostBones && attributes->contains(fmt::format("JOINTS_{}", set)); ++set) {
+  for (int set = 0; set < kMaxJointSets && attributes->contains(fmt::format("JOINTS_{}", set)); ++set) {
     check(fmt::format("JOINTS_{}", set), kJoints, "joints");
     check(fmt::format("WEIGHTS_{}", set), kWeights, "weights");
   }
   const Json* targets = find_array(primitive, "targets", place);
   for (std::size_t i = 0; targets && i < targets->size(); ++i) {
-    if (!(*targets)[i].is_object()) refuse_gltf("must hold objects", place, "targets");
+    if (!(*targets)[i].is_object()) refuse_gltf("must contain objects", place, "targets");
     for (const char* key : {"POSITION", "NORMAL"}) {
       const std::int64_t count = checked_attribute(gltf, (*targets)[i], key, kTarget, quantized, place);
       if (count >= 0 && vertices >= 0 && count != vertices)
-        refuse_gltf("has a morph target of another number of vertices", place);
+        refuse_gltf("has a morph target with another number of vertices", place);
     }
-    gltf.ignored.insert("morph targets do not move: they stand with the weights that the file starts from");
+    gltf.ignored.insert("animations of morph targets are ignored: meshes are imported with the file's initial weights");
   }
 }
 

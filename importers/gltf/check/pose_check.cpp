@@ -19,7 +19,7 @@ std::optional<Path> path_of(const std::string& name) {
   if (name == "rotation") return Path::rotation;
   if (name == "scale") return Path::scale;
   if (name == "weights") return Path::weights;
-  return std::nullopt;  // of an extension
+  return std::nullopt;  // path of an extension
 }
 
 Interpolation interpolation_of(const Json& sampler, const GltfPlace& place) {
@@ -31,7 +31,7 @@ Interpolation interpolation_of(const Json& sampler, const GltfPlace& place) {
   return Interpolation::linear;
 }
 
-/// The element count of keyframes' times or values.
+/// Checks an accessor of keyframe times or values. Returns its element count.
 std::int64_t checked_count(const GltfLists& gltf, int accessor, const char* shape, bool integers,
                            const GltfPlace& owner) {
   if (accessor < 0) refuse_gltf("has a sampler without input or output", owner);
@@ -42,7 +42,7 @@ std::int64_t checked_count(const GltfLists& gltf, int accessor, const char* shap
     refuse_gltf(fmt::format("must be {} of floats{} for {}", shape, integers ? " or small integers" : "", owner.text()),
                 place);
   if (!place.item->contains("bufferView") && !place.item->contains("sparse"))
-    refuse_gltf("keyframes have no bufferView", place);
+    refuse_gltf("has keyframes without a bufferView", place);
   return whole_number(*place.item, "count", 0, place);
 }
 
@@ -51,12 +51,12 @@ void check_sampler(const GltfLists& gltf, const Json& sampler, NodeChannel& chan
   channel.times = index_member(sampler, "input", gltf.count("accessors"), place);
   channel.values = index_member(sampler, "output", gltf.count("accessors"), place);
   const std::int64_t times = checked_count(gltf, channel.times, "SCALAR", false, place);
-  const bool turns = channel.path == Path::rotation, morphs = channel.path == Path::weights;
+  const bool rotates = channel.path == Path::rotation, morphs = channel.path == Path::weights;
   const std::int64_t values = checked_count(gltf, channel.values,
-                                            turns    ? "VEC4"
+                                            rotates  ? "VEC4"
                                             : morphs ? "SCALAR"
                                                      : "VEC3",
-                                            turns || morphs, place);
+                                            rotates || morphs, place);
   const bool spline = channel.interpolation == Interpolation::cubic_spline;
   const std::int64_t each = spline ? 3 : 1;
   if (times == 0) refuse_gltf("has no keyframes", place);
@@ -65,8 +65,8 @@ void check_sampler(const GltfLists& gltf, const Json& sampler, NodeChannel& chan
     refuse_gltf(fmt::format("has {} values for {} keyframes{}", values, times, spline ? " with tangents" : ""), place);
 }
 
-/// Marks the nodes that have `member` and all nodes above them.
-std::vector<char> at_or_above(const Json& nodes, const char* member, const std::vector<int>& parents) {
+/// Marks the nodes that have `member`, and all their ancestors.
+std::vector<char> with_ancestors(const Json& nodes, const char* member, const std::vector<int>& parents) {
   std::vector<char> marked(nodes.size(), 0);
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     if (!nodes[i].contains(member)) continue;
@@ -79,7 +79,7 @@ std::vector<char> at_or_above(const Json& nodes, const char* member, const std::
 
 std::vector<NodeChannel> checked_node_channels(const GltfLists& gltf, const std::function<bool(int, Path)>& wanted) {
   std::vector<NodeChannel> result;
-  std::set<std::pair<int, Path>> taken;
+  std::set<std::pair<int, Path>> animated;
   gltf.each("animations", [&](const Json& animation, const GltfPlace& place) {
     const Json* channels = find_array(animation, "channels", place);
     const Json* samplers = find_array(animation, "samplers", place);
@@ -90,9 +90,9 @@ std::vector<NodeChannel> checked_node_channels(const GltfLists& gltf, const std:
       check_string(*target, "path", place);
       const int node = index_member(*target, "node", gltf.count("nodes"), place);
       const std::optional<Path> path = path_of(string_member(*target, "path"));
-      if (node < 0 || !path || !wanted(node, *path) || !taken.insert({node, *path}).second) continue;
+      if (node < 0 || !path || !wanted(node, *path) || !animated.insert({node, *path}).second) continue;
       if (*path != Path::weights && gltf.list("nodes")[static_cast<std::size_t>(node)].contains("matrix"))
-        refuse_gltf(fmt::format("moves nodes[{}], which has a matrix", node), place);
+        refuse_gltf(fmt::format("animates nodes[{}], which has a matrix", node), place);
       const int sampler = index_member(channel, "sampler", samplers->size(), place);
       if (sampler < 0 || !(*samplers)[sampler].is_object()) refuse_gltf("has a channel without a sampler", place);
       NodeChannel& found = result.emplace_back();
@@ -106,15 +106,17 @@ std::vector<NodeChannel> checked_node_channels(const GltfLists& gltf, const std:
 
 std::vector<NodeChannel> checked_camera_channels(const GltfLists& gltf, const std::vector<int>& parents,
                                                  std::set<std::string>& ignored) {
-  const std::vector<char> above_camera = at_or_above(gltf.list("nodes"), "camera", parents);
-  const std::vector<char> above_mesh = at_or_above(gltf.list("nodes"), "mesh", parents);
+  const std::vector<char> camera_or_ancestor = with_ancestors(gltf.list("nodes"), "camera", parents);
+  const std::vector<char> mesh_or_ancestor = with_ancestors(gltf.list("nodes"), "mesh", parents);
   std::set<std::pair<int, Path>> seen;
   return checked_node_channels(gltf, [&](int node, Path path) {
-    const bool moves_camera = above_camera[node] && path != Path::weights;
-    if (!moves_camera || above_mesh[node])
-      ignored.insert("animations are read for cameras alone: all else stands in its rest state");
+    const bool moves_camera = camera_or_ancestor[node] && path != Path::weights;
+    if (!moves_camera || mesh_or_ancestor[node])
+      ignored.insert(
+          "only animations of cameras are imported: everything else stays in its rest pose; set import.time to use "
+          "another time");
     if (moves_camera && !seen.insert({node, path}).second)
-      ignored.insert("several animations move a camera: the first of them counts");
+      ignored.insert("several animations move a camera: the first one is used");
     return moves_camera;
   });
 }

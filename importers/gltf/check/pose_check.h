@@ -10,23 +10,23 @@ namespace patchlight {
 
 struct GltfLists;
 
-/// What an animation moves of one node.
+/// An animation channel: one animated property of a node.
 struct NodeChannel {
   enum class Path { translation, rotation, scale, weights };
 
   int node = 0;
   Path path = Path::translation;
   Motion::Interpolation interpolation = Motion::Interpolation::linear;
-  int times = 0, values = 0;  ///< Accessors.
+  int times = 0, values = 0;  ///< Accessors of the keyframes.
 };
 
-/// The channels of all animations that are `wanted`, each property of a node once, the first that moves it; checked as
-/// to types and counts. Throws: Error (bad_data) naming the animation.
+/// Checks and returns the channels of all animations for which `wanted` is true; for each property of a node only the
+/// first one. Throws: Error (bad_data) naming the animation.
 std::vector<NodeChannel> checked_node_channels(const GltfLists& gltf,
                                                const std::function<bool(int node, NodeChannel::Path)>& wanted);
 
-/// Those that move cameras: of camera nodes, and of nodes above them by `parents`, -1 for a root. What else is animated
-/// goes to `ignored`, as one warning.
+/// The channels that move cameras: of camera nodes and their ancestors. `parents`: by node, -1 for a root. Adds
+/// warnings of other channels to `ignored`.
 std::vector<NodeChannel> checked_camera_channels(const GltfLists& gltf, const std::vector<int>& parents,
                                                  std::set<std::string>& ignored);
 

@@ -7,7 +7,7 @@
 namespace patchlight {
 namespace {
 
-Json kept(const Json& object, std::initializer_list<const char*> keys) {
+Json selected(const Json& object, std::initializer_list<const char*> keys) {
   Json result = Json::object();
   for (const char* key : keys) {
     if (const Json* member = find_member(object, key)) result[key] = *member;
@@ -24,75 +24,75 @@ Json reduced_list(const Json& root, const char* key, const Reduce& reduce) {
   return result;
 }
 
-/// What the importer reads of `extras`: the light group.
+/// Copies the only part of `extras` that the importer reads: the light group.
 void keep_light_group(const Json& item, Json& result) {
   const Json* extras = find_member(item, "extras");
   if (extras && extras->is_object() && extras->contains("light_group")) {
-    result["extras"] = kept(*extras, {"light_group"});
+    result["extras"] = selected(*extras, {"light_group"});
   }
 }
 
 Json reduced_node(const Json& node) {
-  Json result = kept(
+  Json result = selected(
       node, {"name", "children", "matrix", "translation", "rotation", "scale", "mesh", "camera", "skin", "weights"});
   keep_light_group(node, result);
   return result;
 }
 
 Json reduced_texture(const Json& info) {
-  Json result = kept(info, {"index", "texCoord"});
+  Json result = selected(info, {"index", "texCoord"});
   const Json* extensions = find_member(info, "extensions");
   const Json* transform = extensions ? find_member(*extensions, "KHR_texture_transform") : nullptr;
   if (transform) {
-    result["extensions"]["KHR_texture_transform"] = kept(*transform, {"offset", "scale", "rotation", "texCoord"});
+    result["extensions"]["KHR_texture_transform"] = selected(*transform, {"offset", "scale", "rotation", "texCoord"});
   }
   return result;
 }
 
 Json reduced_material(const Json& material) {
-  Json result = kept(material, {"name", "emissiveFactor", "doubleSided", "alphaMode", "alphaCutoff"});
+  Json result = selected(material, {"name", "emissiveFactor", "doubleSided", "alphaMode", "alphaCutoff"});
   keep_light_group(material, result);
   if (const Json* emissive = find_member(material, "emissiveTexture")) {
     result["emissiveTexture"] = reduced_texture(*emissive);
   }
   if (const Json* pbr = find_member(material, "pbrMetallicRoughness")) {
     Json& reduced = result["pbrMetallicRoughness"] =
-        kept(*pbr, {"baseColorFactor", "metallicFactor", "roughnessFactor"});
+        selected(*pbr, {"baseColorFactor", "metallicFactor", "roughnessFactor"});
     for (const char* key : {"baseColorTexture", "metallicRoughnessTexture"}) {
       if (const Json* info = find_member(*pbr, key)) reduced[key] = reduced_texture(*info);
     }
   }
   if (const Json* extensions = find_member(material, "extensions")) {
     if (const Json* emission = find_member(*extensions, "KHR_materials_emissive_strength")) {
-      result["extensions"]["KHR_materials_emissive_strength"] = kept(*emission, {"emissiveStrength"});
+      result["extensions"]["KHR_materials_emissive_strength"] = selected(*emission, {"emissiveStrength"});
     }
     if (find_member(*extensions, "KHR_materials_unlit")) result["extensions"]["KHR_materials_unlit"] = Json::object();
   }
   return result;
 }
 
-/// Whether a primitive's indices have bytes; tinygltf refuses those that Draco is to fill in.
-bool has_index_bytes(const Json& root, const Json& primitive) {
+/// Whether a primitive has indices with a bufferView. Without one, tinygltf refuses them, as for Draco.
+bool has_plain_indices(const Json& root, const Json& primitive) {
   const Json* indices = find_member(primitive, "indices");
   return indices && root.at("accessors").at(indices->get<std::size_t>()).contains("bufferView");
 }
 
 Json reduced_mesh(const Json& root, const Json& mesh, const std::set<int>& texcoord_sets) {
-  Json result = kept(mesh, {"name", "weights"});
+  Json result = selected(mesh, {"name", "weights"});
   result["primitives"] = reduced_list(mesh, "primitives", [&](const Json& primitive) {
-    Json reduced = kept(primitive, {"indices", "material", "mode"});
-    reduced["attributes"] = kept(primitive.at("attributes"), {"POSITION", "NORMAL", "COLOR_0"});
-    for (int set = 0; set < kMostBones && primitive.at("attributes").contains(fmt::format("JOINTS_{}", set)); ++set)
-      reduced["attributes"].update(kept(
+    Json reduced = selected(primitive, {"indices", "material", "mode"});
+    reduced["attributes"] = selected(primitive.at("attributes"), {"POSITION", "NORMAL", "COLOR_0"});
+    for (int set = 0; set < kMaxJointSets && primitive.at("attributes").contains(fmt::format("JOINTS_{}", set)); ++set)
+      reduced["attributes"].update(selected(
           primitive.at("attributes"), {fmt::format("JOINTS_{}", set).c_str(), fmt::format("WEIGHTS_{}", set).c_str()}));
     if (primitive.contains("targets")) {
       reduced["targets"] = reduced_list(primitive, "targets", [](const Json& target) {
-        return kept(target, {"POSITION", "NORMAL"});
+        return selected(target, {"POSITION", "NORMAL"});
       });
     }
     for (const int set : texcoord_sets)
-      reduced["attributes"].update(kept(primitive.at("attributes"), {fmt::format("TEXCOORD_{}", set).c_str()}));
-    if (!reduced["attributes"].contains("POSITION") || !has_index_bytes(root, primitive)) reduced.erase("indices");
+      reduced["attributes"].update(selected(primitive.at("attributes"), {fmt::format("TEXCOORD_{}", set).c_str()}));
+    if (!reduced["attributes"].contains("POSITION") || !has_plain_indices(root, primitive)) reduced.erase("indices");
     return reduced;
   });
   return result;
@@ -124,28 +124,28 @@ Json reduced_camera(const Json& camera) {
 }  // namespace
 
 Json reduced_gltf(const Json& root, const std::set<int>& texcoord_sets) {
-  Json result = kept(root, {"scene"});
-  result["asset"] = kept(root.at("asset"), {"version"});
-  result["scenes"] = reduced_list(root, "scenes", [](const Json& scene) { return kept(scene, {"nodes"}); });
+  Json result = selected(root, {"scene"});
+  result["asset"] = selected(root.at("asset"), {"version"});
+  result["scenes"] = reduced_list(root, "scenes", [](const Json& scene) { return selected(scene, {"nodes"}); });
   result["nodes"] = reduced_list(root, "nodes", reduced_node);
   result["meshes"] =
       reduced_list(root, "meshes", [&](const Json& mesh) { return reduced_mesh(root, mesh, texcoord_sets); });
   result["materials"] = reduced_list(root, "materials", reduced_material);
   result["cameras"] = reduced_list(root, "cameras", reduced_camera);
   result["skins"] = reduced_list(root, "skins", [](const Json& skin) {
-    return kept(skin, {"joints", "inverseBindMatrices"});
+    return selected(skin, {"joints", "inverseBindMatrices"});
   });
   result["textures"] = reduced_list(root, "textures", [](const Json& texture) {
-    return kept(texture, {"source", "sampler"});
+    return selected(texture, {"source", "sampler"});
   });
   result["samplers"] = reduced_list(root, "samplers", [](const Json& sampler) {
-    return kept(sampler, {"magFilter", "wrapS", "wrapT"});
+    return selected(sampler, {"magFilter", "wrapS", "wrapT"});
   });
   result["accessors"] = reduced_list(root, "accessors", [](const Json& accessor) {
-    return kept(accessor, {"bufferView", "byteOffset", "componentType", "count", "type", "normalized", "sparse"});
+    return selected(accessor, {"bufferView", "byteOffset", "componentType", "count", "type", "normalized", "sparse"});
   });
   result["bufferViews"] = reduced_list(root, "bufferViews", [](const Json& view) {
-    return kept(view, {"buffer", "byteOffset", "byteLength", "byteStride"});
+    return selected(view, {"buffer", "byteOffset", "byteLength", "byteStride"});
   });
   return result;
 }

@@ -1,14 +1,14 @@
 #pragma once
-// Internal to the glTF files of this folder: brings nlohmann/json along.
+// Internal to importers/gltf: includes nlohmann/json.
 #include <set>
 
 #include "importers/gltf/check/gltf_lists.h"
 
 namespace patchlight {
 
-/// The part of a checked glTF file that the importer reads. Whatever is left out cannot harm a parser.
-/// Of texture coordinates the sets stay that are given. Cameras that make no picture keep their place with a
-/// vertical extent of zero.
+/// The part of a checked glTF file that the importer reads; anything else could trigger faults of the parser. Of
+/// texture coordinates, only these sets are kept. Invalid cameras get a vertical extent of 0, so that indices stay
+/// valid.
 Json reduced_gltf(const Json& root, const std::set<int>& texcoord_sets);
 
 }  // namespace patchlight

@@ -10,7 +10,7 @@ namespace {
 
 using Children = std::vector<std::vector<int>>;
 
-/// Which nodes have a parent.
+/// Marks the nodes that have a parent.
 std::vector<char> nodes_with_parent(const Json& nodes, const Children& children, const std::string& file) {
   std::vector<char> has_parent(children.size(), 0);
   for (const std::vector<int>& list : children) {
@@ -24,7 +24,7 @@ std::vector<char> nodes_with_parent(const Json& nodes, const Children& children,
   return has_parent;
 }
 
-/// With one parent at most, what no root reaches goes in a circle.
+/// Since every node has at most one parent, nodes that cannot be reached from a root form a cycle.
 void refuse_cycles(const Json& nodes, const Children& children, const std::vector<char>& has_parent,
                    const std::string& file) {
   std::vector<char> visited(children.size(), 0);
@@ -38,9 +38,9 @@ void refuse_cycles(const Json& nodes, const Children& children, const std::vecto
     visited[node] = 1;
     pending.insert(pending.end(), children[node].begin(), children[node].end());
   }
-  const auto lost = std::find(visited.begin(), visited.end(), 0);
-  if (lost == visited.end()) return;
-  const auto node = static_cast<std::size_t>(lost - visited.begin());
+  const auto unreachable = std::find(visited.begin(), visited.end(), 0);
+  if (unreachable == visited.end()) return;
+  const auto node = static_cast<std::size_t>(unreachable - visited.begin());
   refuse_gltf("is its own ancestor", {file, "nodes", node, &nodes[node]});
 }
 
@@ -51,7 +51,7 @@ void check_scene(const Json& scene, std::size_t nodes, const std::vector<char>& 
   for (const Json& item : *list) {
     const int node = checked_index(item, "nodes", nodes, place);
     if (has_parent[node]) refuse_gltf(fmt::format("nodes[{}] is not a root node", node), place, "nodes");
-    if (!roots.insert(node).second) refuse_gltf(fmt::format("nodes[{}] stands there twice", node), place, "nodes");
+    if (!roots.insert(node).second) refuse_gltf(fmt::format("nodes[{}] is listed twice", node), place, "nodes");
   }
 }
 

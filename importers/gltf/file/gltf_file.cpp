@@ -12,8 +12,8 @@
 namespace patchlight {
 namespace {
 
-constexpr std::uintmax_t kLargestFile = 4ull << 30;  // what a GLB can be
-constexpr std::size_t kLargestJson = 512ull << 20;   // parsed, JSON takes many times its size
+constexpr std::uintmax_t kMaxFileSize = 4ull << 30;  // the largest GLB
+constexpr std::size_t kMaxJsonSize = 512ull << 20;   // parsed JSON takes many times its size in memory
 constexpr std::uint32_t kMagic = 0x46546C67;         // "glTF"
 constexpr std::uint32_t kJsonChunk = 0x4E4F534A;     // "JSON"
 constexpr std::uint32_t kBinaryChunk = 0x004E4942;   // "BIN"
@@ -23,13 +23,14 @@ std::shared_ptr<const Bytes> read_whole_file(const std::filesystem::path& path, 
   const auto status = std::filesystem::status(path, error);
   if (!std::filesystem::exists(status)) {
     throw Error(ExitCode::missing_input, fmt::format("there is no file '{}'", path.string()), where,
-                "check its name and that it was copied along");
+                "check its name, or copy it there");
   }
   if (!std::filesystem::is_regular_file(status)) {
-    throw Error(ExitCode::bad_data, fmt::format("'{}' is not a file", path.string()), where, "name a regular file");
+    throw Error(ExitCode::bad_data, fmt::format("'{}' is not a regular file", path.string()), where,
+                "set the path to a file");
   }
   const std::uintmax_t size = std::filesystem::file_size(path, error);
-  if (!error && size > kLargestFile) {
+  if (!error && size > kMaxFileSize) {
     throw Error(ExitCode::over_limit, fmt::format("'{}' is larger than 4 GiB", path.string()), where,
                 "split the scene; this limit is fixed");
   }
@@ -48,27 +49,30 @@ std::uint32_t word_at(const Bytes& bytes, std::size_t offset) {
 }
 
 [[noreturn]] void refuse_glb(const GltfFile& file, const std::string& what) {
-  throw Error(ExitCode::bad_data, what, file.name, "the file is damaged or cut short; export or copy it again");
+  throw Error(ExitCode::bad_data, what, file.name, "the file is damaged or truncated; export or copy it again");
 }
 
 void split_glb(GltfFile& file) {
   const Bytes& bytes = *file.content;
-  if (bytes.size() < 20) refuse_glb(file, "GLB header is cut short");
-  if (word_at(bytes, 4) != 2) refuse_glb(file, fmt::format("GLB version {} is not 2", word_at(bytes, 4)));
+  if (bytes.size() < 20) refuse_glb(file, "the GLB header is truncated");
+  if (word_at(bytes, 4) != 2)
+    refuse_glb(file, fmt::format("GLB version {} is not supported, only version 2", word_at(bytes, 4)));
   const std::size_t length = word_at(bytes, 8);
   if (length > bytes.size()) {
-    refuse_glb(file, fmt::format("GLB states a length of {} bytes, the file has {}", length, bytes.size()));
+    refuse_glb(file,
+               fmt::format("the GLB header gives a length of {} bytes, but the file has {}", length, bytes.size()));
   }
   const auto text = reinterpret_cast<const char*>(bytes.data());
   for (std::size_t offset = 12, chunk = 0; offset < length; ++chunk) {
-    if (length - offset < 8) refuse_glb(file, fmt::format("header of GLB chunk {} is cut short", chunk));
+    if (length - offset < 8) refuse_glb(file, fmt::format("the header of GLB chunk {} is truncated", chunk));
     const std::size_t size = word_at(bytes, offset);
     const std::uint32_t type = word_at(bytes, offset + 4);
     offset += 8;
     if (size > length - offset) {
-      refuse_glb(file, fmt::format("GLB chunk {} states {} bytes where {} are left", chunk, size, length - offset));
+      refuse_glb(file, fmt::format("GLB chunk {} has a length of {} bytes, but only {} are left in the file", chunk,
+                                   size, length - offset));
     }
-    if (chunk == 0 && type != kJsonChunk) refuse_glb(file, "first GLB chunk is not JSON");
+    if (chunk == 0 && type != kJsonChunk) refuse_glb(file, "the first GLB chunk is not JSON");
     if (chunk == 0) file.json = std::string_view(text + offset, size);
     if (type == kBinaryChunk && !file.has_binary_chunk) {
       file.binary_chunk = std::span(bytes).subspan(offset, size);
@@ -76,7 +80,7 @@ void split_glb(GltfFile& file) {
     }
     offset += size;
   }
-  if (file.json.empty()) refuse_glb(file, "GLB has no JSON");
+  if (file.json.empty()) refuse_glb(file, "the GLB has no JSON chunk");
 }
 
 void record_source(GltfFile& file, const std::string& path, const Bytes& bytes) {
@@ -98,9 +102,9 @@ GltfFile read_gltf_file(const std::filesystem::path& path) {
   } else {
     file.json = std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   }
-  if (file.json.size() > kLargestJson) {
+  if (file.json.size() > kMaxJsonSize) {
     throw Error(ExitCode::over_limit, "the scene's JSON is larger than 512 MiB", file.name,
-                "keep buffers and images in files of their own; this limit is fixed");
+                "keep buffers and images in separate files; this limit is fixed");
   }
   return file;
 }

@@ -59,14 +59,14 @@ bool is_data_uri(std::string_view uri) {
 Bytes decode_data_uri(std::string_view uri, const std::string& where) {
   const std::string mend = "export the scene again";
   const std::size_t comma = uri.find(',');
-  if (comma == std::string_view::npos) refuse("data URI holds no data", where, mend);
+  if (comma == std::string_view::npos) refuse("the data URI has no data", where, mend);
   std::string_view text = uri.substr(comma + 1);
   if (!uri.substr(0, comma).ends_with(";base64")) {
     const std::string plain = percent_decoded(text);
     return {plain.begin(), plain.end()};
   }
   for (int padding = 0; padding < 2 && text.ends_with('='); ++padding) text.remove_suffix(1);
-  if (text.size() % 4 == 1) refuse("data URI ends in the middle of a byte", where, mend);
+  if (text.size() % 4 == 1) refuse("the data URI ends in the middle of a byte", where, mend);
 
   Bytes bytes;
   bytes.reserve(text.size() / 4 * 3 + 2);
@@ -74,7 +74,7 @@ Bytes decode_data_uri(std::string_view uri, const std::string& where) {
   int bit_count = 0;
   for (const char c : text) {
     const int value = base64_value(c);
-    if (value < 0) refuse("data URI holds a character that is not base64", where, mend);
+    if (value < 0) refuse("the data URI contains a character that is not base64", where, mend);
     bits = (bits << 6 | static_cast<unsigned int>(value)) & 0xffffffu;
     bit_count += 6;
     if (bit_count >= 8) {
@@ -86,15 +86,16 @@ Bytes decode_data_uri(std::string_view uri, const std::string& where) {
 }
 
 std::filesystem::path confined_path(std::string_view uri, const std::string& where) {
-  const std::string mend = "keep all files of the scene in its own folder and name them relative to it";
-  if (has_scheme(uri)) refuse("URI '" + std::string(uri.substr(0, 64)) + "' has a scheme", where, mend);
+  const std::string mend = "keep all files of the scene in its folder and use paths relative to it";
+  if (has_scheme(uri))
+    refuse("URI '" + std::string(uri.substr(0, 64)) + "' has a scheme; only relative paths are allowed", where, mend);
   const std::string text = percent_decoded(uri);
-  if (text.find('\0') != std::string::npos) refuse("URI holds a zero byte", where, mend);
+  if (text.find('\0') != std::string::npos) refuse("the URI contains a zero byte", where, mend);
   if (text.starts_with('/')) refuse("URI '" + text + "' is an absolute path", where, mend);
 
   const std::filesystem::path path = std::filesystem::path(text).lexically_normal();
   if (path.empty() || path == "." || !path.has_filename()) refuse("URI '" + text + "' names no file", where, mend);
-  if (*path.begin() == "..") refuse("URI '" + text + "' leads out of the scene's folder", where, mend);
+  if (*path.begin() == "..") refuse("URI '" + text + "' leaves the scene's folder", where, mend);
   return path;
 }
 

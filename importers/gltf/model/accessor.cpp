@@ -14,14 +14,14 @@ Number number_at(const unsigned char* at) {
   return value;
 }
 
-double largest_of(int component_type) {
+double max_of(int component_type) {
   if (component_type == TINYGLTF_COMPONENT_TYPE_BYTE) return 127.0;
   if (component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE) return 255.0;
   return component_type == TINYGLTF_COMPONENT_TYPE_SHORT ? 32767.0 : 65535.0;
 }
 
 template <class Integer>
-float real(const unsigned char* at, bool normalized) {
+float to_float(const unsigned char* at, bool normalized) {
   const auto value = static_cast<float>(number_at<Integer>(at));
   return normalized ? std::max(value / static_cast<float>(std::numeric_limits<Integer>::max()), -1.0f) : value;
 }
@@ -47,7 +47,7 @@ AccessorReader::AccessorReader(const GltfModel& model, int accessor) {
   const std::size_t size = size_of(component_type_) * static_cast<std::size_t>(components);
   stride_ = size;
   const bool quantized = component_type_ != TINYGLTF_COMPONENT_TYPE_FLOAT;
-  if (quantized) rounding = normalized_ ? 0.5 / largest_of(component_type_) : 0.5;
+  if (quantized) rounding = normalized_ ? 0.5 / max_of(component_type_) : 0.5;
   const auto packed = model.roundings.find(accessor);
   if (packed != model.roundings.end()) rounding = packed->second;
   if (source.bufferView >= 0 && count > 0) {
@@ -66,7 +66,7 @@ std::array<float, N> AccessorReader::numbers(std::size_t element) const {
   std::array<float, N> result{};
   const unsigned char* const at = data + element * stride_;
   const auto convert = [&]<class Integer>(Integer) {
-    for (std::size_t i = 0; i < N; ++i) result[i] = real<Integer>(at + i * sizeof(Integer), normalized_);
+    for (std::size_t i = 0; i < N; ++i) result[i] = to_float<Integer>(at + i * sizeof(Integer), normalized_);
   };
   switch (component_type_) {
     case TINYGLTF_COMPONENT_TYPE_BYTE:
@@ -91,13 +91,13 @@ float AccessorReader::component(std::size_t element, std::size_t number) const {
   const unsigned char* const at = data + element * stride_ + number * size_of(component_type_);
   switch (component_type_) {
     case TINYGLTF_COMPONENT_TYPE_BYTE:
-      return real<std::int8_t>(at, true);
+      return to_float<std::int8_t>(at, true);
     case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
-      return real<std::uint8_t>(at, true);
+      return to_float<std::uint8_t>(at, true);
     case TINYGLTF_COMPONENT_TYPE_SHORT:
-      return real<std::int16_t>(at, true);
+      return to_float<std::int16_t>(at, true);
     case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
-      return real<std::uint16_t>(at, true);
+      return to_float<std::uint16_t>(at, true);
     default:
       return number_at<float>(at);
   }
@@ -117,7 +117,7 @@ std::array<float, 4> AccessorReader::vector4(std::size_t element) const {
   return numbers<4>(element);
 }
 
-/// glTF's column-major matrices of column vectors are Imath's row-major ones of row vectors.
+/// glTF's column-major matrices for column vectors equal Imath's row-major matrices for row vectors.
 Imath::M44f AccessorReader::matrix(std::size_t element) const {
   const auto value = numbers<16>(element);
   Imath::M44f result;

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <map>
 
-#include "importers/gltf/model/unpack.h"
+#include "importers/gltf/model/decompression.h"
 #include "pipeline/model/error.h"
 
 namespace patchlight {
@@ -13,7 +13,7 @@ namespace {
 
 tinygltf::Model parsed_model(const std::string& json, const std::string& file) {
   tinygltf::TinyGLTF parser;
-  // The reduced JSON names no file and no image; should one come in all the same, it is not followed.
+  // The reduced JSON contains no URI of a file or an image. These callbacks make sure that none is ever opened.
   parser.SetImageLoader([](tinygltf::Image*, int, std::string*, std::string*, int, int, const unsigned char*, int,
                            void*) { return true; },
                         nullptr);
@@ -41,12 +41,14 @@ void load_buffers(GltfModel& model) {
     } else if (i == 0 && model.file.has_binary_chunk) {
       bytes = model.file.binary_chunk;
     } else {
-      model.buffers.emplace_back();  // a placeholder that extensions fill; an error for who reads it
+      model.buffers.emplace_back();  // a placeholder whose data comes from extensions; reading it is an error
       continue;
     }
     if (bytes.size() < buffer.size) {
-      throw Error(ExitCode::bad_data, fmt::format("the buffer states {} bytes and has {}", buffer.size, bytes.size()),
-                  model.file.name + ", " + buffer.name, "the file is cut short; export or copy it again");
+      throw Error(
+          ExitCode::bad_data,
+          fmt::format("the buffer has a byteLength of {}, but only {} bytes of data", buffer.size, bytes.size()),
+          model.file.name + ", " + buffer.name, "the file is truncated; export or copy it again");
     }
     model.buffers.push_back(bytes.first(buffer.size));
   }
@@ -55,8 +57,8 @@ void load_buffers(GltfModel& model) {
 std::int64_t triangle_count(const tinygltf::Model& gltf, const tinygltf::Primitive& primitive) {
   const auto positions = primitive.attributes.find("POSITION");
   if (positions == primitive.attributes.end()) return 0;
-  const tinygltf::Accessor& places = gltf.accessors[positions->second];
-  if (places.bufferView < 0 && !places.sparse.isSparse) return 0;  // all at the origin
+  const tinygltf::Accessor& accessor = gltf.accessors[positions->second];
+  if (accessor.bufferView < 0 && !accessor.sparse.isSparse) return 0;  // all positions are zero
   const int source = primitive.indices >= 0 ? primitive.indices : positions->second;
   const auto count = static_cast<std::int64_t>(gltf.accessors[source].count);
   switch (primitive.mode) {
@@ -90,31 +92,31 @@ std::vector<MeshPart> parts_of(const tinygltf::Model& gltf, const tinygltf::Mesh
   return parts;
 }
 
-void note_what_is_skipped(GltfModel& model) {
+void report_skipped_primitives(GltfModel& model) {
   bool lines = false;
-  bool formless = false;
+  bool without_positions = false;
   for (const tinygltf::Mesh& mesh : model.gltf.meshes) {
     for (const tinygltf::Primitive& primitive : mesh.primitives) {
       lines = lines || primitive.mode < TINYGLTF_MODE_TRIANGLES;
-      formless = formless || !primitive.attributes.contains("POSITION");
+      without_positions = without_positions || !primitive.attributes.contains("POSITION");
     }
   }
   if (lines) model.checked.ignored.push_back("points and lines are skipped: they have no area");
-  if (formless) model.checked.ignored.push_back("mesh primitives without positions are skipped");
+  if (without_positions) model.checked.ignored.push_back("mesh primitives without positions are skipped");
 }
 
 }  // namespace
 
-GltfModel load_gltf_model(GltfFile file, const GltfWanted& wanted) {
+GltfModel load_gltf_model(GltfFile file, const GltfReadOptions& options) {
   GltfModel model;
   model.file = std::move(file);
-  model.checked = check_gltf(model.file.json, model.file.name, wanted);
+  model.checked = check_gltf(model.file.json, model.file.name, options);
   model.gltf = parsed_model(model.checked.json, model.file.name);
   model.checked.json.clear();
   load_buffers(model);
-  unpack(model);
+  decompress(model);
   for (const tinygltf::Mesh& mesh : model.gltf.meshes) model.mesh_parts.push_back(parts_of(model.gltf, mesh));
-  note_what_is_skipped(model);
+  report_skipped_primitives(model);
   return model;
 }
 

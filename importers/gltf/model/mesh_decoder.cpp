@@ -16,26 +16,26 @@
 namespace patchlight {
 namespace {
 
-constexpr std::size_t kMostTrianglesPerByte = 1024;  // more than Draco makes of any mesh but an endless grid
-constexpr int kBitstream = 202;                      // version 2.2, glTF's
+constexpr std::size_t kMaxTrianglesPerByte = 1024;  // above what Draco reaches, except for huge regular grids
+constexpr int kBitstream = 202;                     // version 2.2, as glTF requires
 
 [[noreturn]] void refuse(const std::string& what, const std::string& place) {
   throw Error(ExitCode::bad_data, what, place, "the file is damaged; export the scene again");
 }
 
-/// The number of triangles that the packed bytes state; nothing is taken for them before it is known to be right.
-std::size_t stated_triangles(std::span<const unsigned char> packed, const std::string& place) {
-  const char* const damaged = "what Draco packs has a damaged header";
+/// The number of triangles in the header, which is checked before memory is allocated for them.
+std::size_t header_triangles(std::span<const unsigned char> compressed, const std::string& place) {
+  const char* const damaged = "the Draco data has a damaged header";
   draco::DecoderBuffer buffer;
-  buffer.Init(reinterpret_cast<const char*>(packed.data()), packed.size());
+  buffer.Init(reinterpret_cast<const char*>(compressed.data()), compressed.size());
   draco::DracoHeader header;
   if (!draco::PointCloudDecoder::DecodeHeader(&buffer, &header).ok()) refuse(damaged, place);
   const int version = header.version_major * 100 + header.version_minor;
-  if (header.encoder_type != draco::TRIANGULAR_MESH) refuse("Draco packs something else than a mesh", place);
+  if (header.encoder_type != draco::TRIANGULAR_MESH) refuse("the Draco data is not a mesh", place);
   if (version != kBitstream) {
-    refuse(
-        fmt::format("Draco's version {}.{} is not 2.2, glTF's", int(header.version_major), int(header.version_minor)),
-        place);
+    refuse(fmt::format("the Draco version {}.{} is not 2.2, as glTF requires", int(header.version_major),
+                       int(header.version_minor)),
+           place);
   }
   buffer.set_bitstream_version(
       static_cast<std::uint16_t>(DRACO_BITSTREAM_VERSION(header.version_major, header.version_minor)));
@@ -86,14 +86,14 @@ bool convert(const draco::Mesh& mesh, const draco::PointAttribute& source, Draco
   }
 }
 
-/// Half a step of quantized numbers; 0 for others.
+/// Half a quantization step; 0 for values that are not quantized.
 double rounding_of(const draco::PointAttribute& attribute) {
   draco::AttributeQuantizationTransform transform;
   if (!attribute.GetAttributeTransformData() || !transform.InitFromAttribute(attribute)) return 0.0;
   return 0.5 * static_cast<double>(transform.range()) / ((1 << transform.quantization_bits()) - 1);
 }
 
-bool unfiltered(const MeshoptView& view, unsigned char* elements) {
+bool decode_filter(const MeshoptView& view, unsigned char* elements) {
   switch (view.filter) {
     case MeshoptView::Filter::octahedral:
       meshopt_decodeFilterOct(elements, view.count, view.stride);
@@ -112,41 +112,41 @@ bool unfiltered(const MeshoptView& view, unsigned char* elements) {
 
 }  // namespace
 
-bool decode_meshopt(const MeshoptView& view, std::span<const unsigned char> packed, Bytes& elements) {
+bool decode_meshopt(const MeshoptView& view, std::span<const unsigned char> compressed, Bytes& elements) {
   elements.resize(view.count * view.stride);
   if (view.count == 0) return true;
-  const auto unpack = [&](int (*decode)(void*, std::size_t, std::size_t, const unsigned char*, std::size_t)) {
-    return decode(elements.data(), view.count, view.stride, packed.data(), packed.size()) == 0;
+  const auto decompress = [&](int (*decode)(void*, std::size_t, std::size_t, const unsigned char*, std::size_t)) {
+    return decode(elements.data(), view.count, view.stride, compressed.data(), compressed.size()) == 0;
   };
   switch (view.mode) {
     case MeshoptView::Mode::attributes:
-      return unpack(meshopt_decodeVertexBuffer) && unfiltered(view, elements.data());
+      return decompress(meshopt_decodeVertexBuffer) && decode_filter(view, elements.data());
     case MeshoptView::Mode::triangles:
-      return unpack(meshopt_decodeIndexBuffer);
+      return decompress(meshopt_decodeIndexBuffer);
     case MeshoptView::Mode::indices:
-      return unpack(meshopt_decodeIndexSequence);
+      return decompress(meshopt_decodeIndexSequence);
   }
   return false;
 }
 
-void decode_draco(std::span<const unsigned char> packed, const std::string& place, DracoMesh& mesh) {
-  const std::size_t triangles = stated_triangles(packed, place);
-  if (triangles != mesh.triangles || triangles > kMostTrianglesPerByte * packed.size()) {
-    refuse(fmt::format("Draco packs {} triangles in {} bytes where {} are stated", triangles, packed.size(),
-                       mesh.triangles),
+void decode_draco(std::span<const unsigned char> compressed, const std::string& place, DracoMesh& mesh) {
+  const std::size_t triangles = header_triangles(compressed, place);
+  if (triangles != mesh.triangles || triangles > kMaxTrianglesPerByte * compressed.size()) {
+    refuse(fmt::format("the Draco data has {} triangles in {} bytes, but the accessor has {}", triangles,
+                       compressed.size(), mesh.triangles),
            place);
   }
   draco::DecoderBuffer buffer;
-  buffer.Init(reinterpret_cast<const char*>(packed.data()), packed.size());
+  buffer.Init(reinterpret_cast<const char*>(compressed.data()), compressed.size());
   draco::Decoder decoder;
   const auto decoded = decoder.DecodeMeshFromBuffer(&buffer);
-  if (!decoded.ok()) refuse(fmt::format("what Draco packs is damaged: {}", decoded.status().error_msg()), place);
+  if (!decoded.ok()) refuse(fmt::format("the Draco data is damaged: {}", decoded.status().error_msg()), place);
   const draco::Mesh& source = *decoded.value();
   mesh.vertices = source.num_points();
   for (DracoAttribute& attribute : mesh.attributes) {
     const draco::PointAttribute* values = source.GetAttributeByUniqueId(static_cast<std::uint32_t>(attribute.id));
     if (!values || !convert(source, *values, attribute)) {
-      refuse(fmt::format("Draco packs no {} as stated", attribute.name), place);
+      refuse(fmt::format("the Draco data has no {} attribute of the accessor's type", attribute.name), place);
     }
     attribute.rounding = rounding_of(*values);
   }

@@ -4,39 +4,39 @@
 #include <string>
 #include <vector>
 
-#include "importers/gltf/check/packing.h"
+#include "importers/gltf/check/compression.h"
 #include "importers/gltf/file/uri.h"
 
 namespace patchlight {
 
-/// One attribute of a Draco mesh, as the accessor that it is for wants it.
+/// One attribute of a Draco mesh, decoded to its accessor's type.
 struct DracoAttribute {
   std::string name;
-  int id = 0;              ///< In the packed bytes.
-  int component_type = 0;  ///< glTF's number.
+  int id = 0;              ///< Unique id in the Draco data.
+  int component_type = 0;  ///< glTF's componentType.
   int components = 0;
-  double rounding = 0.0;  ///< How far off quantized numbers may be; filled in by the decoder, as the next.
-  Bytes bytes;            ///< Elements without gaps.
+  double rounding = 0.0;  ///< Output: largest quantization error.
+  Bytes bytes;            ///< Output: tightly compressed elements.
 };
 
-/// A Draco mesh that was, or is to be, unpacked.
+/// Input and output of decode_draco.
 struct DracoMesh {
-  std::size_t triangles = 0;  ///< As the file states; what the packed bytes state must be the same.
-  std::size_t vertices = 0;
+  std::size_t triangles = 0;  ///< Expected number.
+  std::size_t vertices = 0;   ///< Output.
   std::vector<DracoAttribute> attributes;
-  Bytes indices;  ///< 32-bit, three each triangle.
+  Bytes indices;  ///< Output: 32-bit, 3 per triangle.
 };
 
-/// Unpacks elements by EXT_meshopt_compression. `place` names the bufferView for errors.
-/// Throws: Error (bad_data) for packed bytes that are damaged.
-Bytes unpack_meshopt(const MeshoptView& view, std::span<const unsigned char> packed, const std::string& place);
+/// Decodes a bufferView compressed by EXT_meshopt_compression. `place` names it in errors.
+/// Throws: Error (bad_data) for damaged bytes.
+Bytes decompress_meshopt(const MeshoptView& view, std::span<const unsigned char> compressed, const std::string& place);
 
-/// Unpacks a mesh's attributes and indices by Draco. `place` names the mesh for errors.
-/// Throws: Error (bad_data) for packed bytes that are damaged or do not hold what the mesh asks for.
-void unpack_draco(std::span<const unsigned char> packed, const std::string& place, DracoMesh& mesh);
+/// Decodes a mesh's attributes and indices compressed by Draco. `place` names the mesh in errors.
+/// Throws: Error (bad_data) for damaged bytes, other counts, or missing attributes.
+void decompress_draco(std::span<const unsigned char> compressed, const std::string& place, DracoMesh& mesh);
 
-/// What these load when they are first called.
-extern "C" bool decode_meshopt(const MeshoptView& view, std::span<const unsigned char> packed, Bytes& elements);
-extern "C" void decode_draco(std::span<const unsigned char> packed, const std::string& place, DracoMesh& mesh);
+/// The implementations in the plugin, loaded at the first call. decode_meshopt returns false for damaged bytes.
+extern "C" bool decode_meshopt(const MeshoptView& view, std::span<const unsigned char> compressed, Bytes& elements);
+extern "C" void decode_draco(std::span<const unsigned char> compressed, const std::string& place, DracoMesh& mesh);
 
 }  // namespace patchlight

@@ -228,7 +228,7 @@ std::vector<Camera> placed_cameras(const GltfModel& model, const std::vector<Pla
 
 GltfScene read_gltf_scene(const Job& job, Progress& progress) {
   const std::vector<char> reads_uv = check_shaders(job);
-  GltfWanted wanted;
+  GltfReadOptions wanted;
   wanted.texcoords = std::find(reads_uv.begin(), reads_uv.end(), 1) != reads_uv.end();
   wanted.animations = job.import.time.has_value();
   const auto model = std::make_shared<GltfModel>(load_gltf_model(read_gltf_file(job.scene), wanted));

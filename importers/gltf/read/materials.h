@@ -1,5 +1,5 @@
 #pragma once
-// Internal to the glTF files of this folder: brings tinygltf along.
+// Internal to importers/gltf: includes tinygltf.
 #include <optional>
 #include <string>
 #include <vector>

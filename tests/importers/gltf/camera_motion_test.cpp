@@ -11,7 +11,7 @@ namespace {
 
 const float kHalf = std::sqrt(0.5f);
 
-/// A cube and a camera `eye` on a node of its own, below one named `dolly`.
+/// A cube, and a camera on node `eye`, whose parent is `dolly`.
 struct Shot {
   GltfBuilder gltf = single_mesh(cube());
   int eye = 0, dolly = 0;
@@ -23,7 +23,7 @@ struct Shot {
     dolly = gltf.node({{"name", "dolly"}, {"children", {eye}}});
   }
 
-  /// Adds a channel of its own animation. Returns its sampler.
+  /// Adds an animation with one channel. Returns its sampler.
   Json& animate(int node, const std::string& path, const std::vector<float>& times, int values,
                 const std::string& interpolation = "LINEAR") {
     const int input = gltf.accessor(times, 5126, "SCALAR");
@@ -42,7 +42,7 @@ struct Shot {
   }
 };
 
-Vec3d place_at(const PatchSet& scene, double seconds) {
+Vec3d position_at(const PatchSet& scene, double seconds) {
   return to_world_at(scene.cameras.at(0), seconds)->translation();
 }
 
@@ -52,11 +52,11 @@ TEST(CameraMotion, IsReadFromTheCamerasNode) {
   shot.animate(shot.eye, "translation", {1, 2}, std::vector<float>{0, 0, 3, 4, 0, 3});
   const PatchSet scene = importer.import(shot.gltf);
   EXPECT_EQ(scene.cameras[0].to_world.translation(), Vec3d(0, 0, 3)) << "at rest";
-  EXPECT_TRUE(place_at(scene, 1.25).equalWithAbsError(Vec3d(1, 0, 3), 1e-6));
+  EXPECT_TRUE(position_at(scene, 1.25).equalWithAbsError(Vec3d(1, 0, 3), 1e-6));
   EXPECT_THAT(importer.messages(), ::testing::Not(::testing::HasSubstr("animations")));
 }
 
-TEST(CameraMotion, IsReadFromTheNodesAboveIt) {
+TEST(CameraMotion, IsReadFromTheCamerasAncestors) {
   Importer importer;
   Shot shot;
   shot.gltf.json["nodes"][shot.dolly]["scale"] = {2, 2, 2};
@@ -65,9 +65,9 @@ TEST(CameraMotion, IsReadFromTheNodesAboveIt) {
   shot.animate(shot.dolly, "rotation", {0, 1}, std::vector<float>{0, 0, 0, 1, 0, kHalf, 0, kHalf});
   const PatchSet scene = importer.import(shot.gltf);
   // A quarter turn about Y takes the eye, 6 m in front of the dolly, to its right.
-  EXPECT_TRUE(place_at(scene, 0).equalWithAbsError(Vec3d(0, 5, 6), 1e-6));
-  EXPECT_TRUE(place_at(scene, 0.5).equalWithAbsError(Vec3d(6 * kHalf, 5, 6 * kHalf), 1e-6));
-  EXPECT_TRUE(place_at(scene, 1).equalWithAbsError(Vec3d(6, 5, 0), 1e-6));
+  EXPECT_TRUE(position_at(scene, 0).equalWithAbsError(Vec3d(0, 5, 6), 1e-6));
+  EXPECT_TRUE(position_at(scene, 0.5).equalWithAbsError(Vec3d(6 * kHalf, 5, 6 * kHalf), 1e-6));
+  EXPECT_TRUE(position_at(scene, 1).equalWithAbsError(Vec3d(6, 5, 0), 1e-6));
 }
 
 TEST(CameraMotion, ReadsStepsSplinesAndSmallIntegers) {
@@ -82,14 +82,14 @@ TEST(CameraMotion, ReadsStepsSplinesAndSmallIntegers) {
   shot.gltf.json["accessors"][values]["normalized"] = true;
   shot.animate(shot.eye, "rotation", {0, 1}, values);
   const PatchSet scene = importer.import(shot.gltf);
-  EXPECT_TRUE(place_at(scene, 0.9).equalWithAbsError(Vec3d(std::pow(0.9, 3), 0, 1), 1e-6));
-  EXPECT_TRUE(place_at(scene, 1).equalWithAbsError(Vec3d(1, 0, 2), 1e-6));
+  EXPECT_TRUE(position_at(scene, 0.9).equalWithAbsError(Vec3d(std::pow(0.9, 3), 0, 1), 1e-6));
+  EXPECT_TRUE(position_at(scene, 1).equalWithAbsError(Vec3d(1, 0, 2), 1e-6));
   Vec3d back;
   to_world_at(scene.cameras[0], 1)->multDirMatrix(Vec3d(0, 0, 1), back);
   EXPECT_TRUE(back.equalWithAbsError(Vec3d(1, 0, 0), 1e-4));
 }
 
-TEST(CameraMotion, LeavesWhatElseIsAnimatedAtRestWithAWarning) {
+TEST(CameraMotion, OtherAnimationsAreIgnoredWithAWarning) {
   for (const bool carries_a_mesh : {true, false}) {
     Importer importer;
     Shot shot;
@@ -102,27 +102,27 @@ TEST(CameraMotion, LeavesWhatElseIsAnimatedAtRestWithAWarning) {
     const PatchSet scene = importer.import(shot.gltf);
     for (const Primitive& p : scene.primitives) EXPECT_LT(p.corners[0].length(), 2.0);
     EXPECT_EQ(scene.cameras[0].motion.empty(), !carries_a_mesh);
-    EXPECT_THAT(importer.messages(), ::testing::HasSubstr("all else stands in its rest state"));
+    EXPECT_THAT(importer.messages(), ::testing::HasSubstr("everything else stays in its rest pose"));
   }
 }
 
-TEST(CameraMotion, OfSeveralAnimationsTheFirstCounts) {
+TEST(CameraMotion, FirstOfSeveralAnimationsIsUsed) {
   Importer importer;
   Shot shot;
   shot.animate(shot.eye, "translation", {0}, std::vector<float>{1, 0, 0});
   shot.animate(shot.eye, "translation", {0}, std::vector<float>{2, 0, 0});
-  EXPECT_EQ(place_at(importer.import(shot.gltf), 0), Vec3d(1, 0, 0));
-  EXPECT_THAT(importer.messages(), ::testing::HasSubstr("the first of them counts"));
+  EXPECT_EQ(position_at(importer.import(shot.gltf), 0), Vec3d(1, 0, 0));
+  EXPECT_THAT(importer.messages(), ::testing::HasSubstr("the first one is used"));
 }
 
-/// Imports a shot whose animation was bent, and expects a refusal that names it.
-void expect_refused(const std::function<void(Json& json, Json& animation)>& bend, const std::string& text,
+/// Imports a shot with a modified animation, and expects an error whose text contains `text`.
+void expect_refused(const std::function<void(Json& json, Json& animation)>& modify, const std::string& text,
                     std::vector<float> times = {0, 1}, float value = 1) {
   Importer importer;
   Shot shot;
   shot.animate(shot.eye, "translation", times, std::vector<float>{0, 0, 0, value, 0, 0});
   shot.gltf.glb();  // fills in the buffer
-  bend(shot.gltf.json, shot.gltf.json["animations"][0]);
+  modify(shot.gltf.json, shot.gltf.json["animations"][0]);
   EXPECT_ERROR(importer.import(shot.gltf), ExitCode::bad_data, text);
 }
 
@@ -161,7 +161,7 @@ TEST(CameraMotion, RefusesBrokenAnimations) {
                  "which has a matrix");
 }
 
-TEST(CameraMotion, RefusesKeyframesThatGoBackOrAreNotFinite) {
+TEST(CameraMotion, RefusesUnsortedAndNonFiniteKeyframes) {
   const auto nothing = [](Json&, Json&) {};
   expect_refused(nothing, "go back in time", {1, 0});
   expect_refused(nothing, "not finite", {0, std::nanf("")});
@@ -174,13 +174,14 @@ TEST(CameraMotion, RefusesATransformThatIsNotFinite) {
   const int outer = shot.dolly + 1;
   shot.gltf.json["nodes"][shot.eye]["scale"] = {1e200, 1, 1};
   shot.gltf.json["nodes"][shot.dolly]["scale"] = {1e200, 1, 1};
-  shot.gltf.json["nodes"].push_back({{"children", {shot.dolly}}, {"scale", {1e-200, 1, 1}}});  // finite all in all
+  shot.gltf.json["nodes"].push_back(
+      {{"children", {shot.dolly}}, {"scale", {1e-200, 1, 1}}});  // their product is finite
   shot.gltf.json["scenes"][0]["nodes"] = {0, outer};
   shot.animate(outer, "rotation", {0}, std::vector<float>{0, 0, 0, 1});
   EXPECT_ERROR(importer.import(shot.gltf), ExitCode::bad_data, "a transform that is not finite");
 }
 
-TEST(CameraMotion, OfManyCamerasOnALongChainIsRefusedInTime) {
+TEST(CameraMotion, ManyCamerasOnALongChainAreRefusedQuickly) {
   Importer importer;
   Shot shot;
   constexpr int kDeep = 20000;
@@ -197,7 +198,7 @@ TEST(CameraMotion, OfManyCamerasOnALongChainIsRefusedInTime) {
   EXPECT_ERROR(importer.import(shot.gltf), ExitCode::over_limit, "keyframes of cameras");
 }
 
-TEST(CameraMotion, IsNotMultipliedWithoutBoundsByManyCameras) {
+TEST(CameraMotion, KeyframesSharedByManyCamerasAreLimited) {
   Importer importer;
   Shot shot;
   shot.animate(shot.dolly, "translation", std::vector<float>(20000, 1.0f), std::vector<float>(60000, 0.0f));

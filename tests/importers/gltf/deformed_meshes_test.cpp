@@ -16,7 +16,7 @@ Vec3d mean_corner(const PatchSet& scene) {
   return sum;
 }
 
-TEST(DeformedMeshes, InstancesAreLikeNodes) {
+TEST(DeformedMeshes, InstancesAreImportedLikeNodes) {
   Importer importer;
   GltfBuilder gltf = single_mesh(cube(), nullptr, {{"name", "box"}, {"scale", {2, 2, 2}}});
   const auto instancing = [&](const char* key, int accessor) {
@@ -40,19 +40,20 @@ TEST(DeformedMeshes, InstancesAreLikeNodes) {
   EXPECT_LE((box.max - Vec3d(14, 2, 6)).length(), 1e-3);
 
   gltf.json["accessors"][2]["count"] = 1;
-  EXPECT_ERROR(importer.import(gltf), ExitCode::bad_data, "unequal numbers of its instances' attributes");
+  EXPECT_ERROR(importer.import(gltf), ExitCode::bad_data, "instance attributes of unequal counts");
   gltf.json["accessors"][2]["count"] = 2;
   gltf.json["accessors"][2].erase("bufferView");
-  EXPECT_ERROR(importer.import(gltf), ExitCode::bad_data, "has no bufferView");
+  EXPECT_ERROR(importer.import(gltf), ExitCode::bad_data, "which has no bufferView");
 }
 
-TEST(DeformedMeshes, SkinsStandInThePoseOfTheirJoints) {
+TEST(DeformedMeshes, SkinsTakeThePoseOfTheirJoints) {
   Importer importer;
-  GltfBuilder gltf = single_mesh(cube(), nullptr, {{"translation", {100, 0, 0}}, {"skin", 0}});  // which does not count
+  GltfBuilder gltf =
+      single_mesh(cube(), nullptr, {{"translation", {100, 0, 0}}, {"skin", 0}});  // the node's own transform is ignored
   gltf.node({{"translation", {3, 0, 0}}, {"children", {2}}});
   gltf.json["nodes"].push_back({{"translation", {0, 4, 0}}, {"scale", {-1, 1, 1}}});
   std::vector<std::array<std::uint8_t, 4>> joints(8, {0, 1, 9, 9});
-  std::vector<std::array<float, 4>> weights(8, {0, 2, 0, 0});  // of which the sum counts
+  std::vector<std::array<float, 4>> weights(8, {0, 2, 0, 0});  // not normalized
   gltf.primitive(0)["attributes"]["JOINTS_0"] = gltf.accessor(joints, 5121, "VEC4");
   gltf.primitive(0)["attributes"]["WEIGHTS_0"] = gltf.accessor(weights, 5126, "VEC4");
   Imath::M44f moved_back;
@@ -63,7 +64,7 @@ TEST(DeformedMeshes, SkinsStandInThePoseOfTheirJoints) {
   ASSERT_EQ(scene.primitives.size(), 6u);
   EXPECT_LE((mean_corner(scene) - Vec3d(3, 4, -7)).length(), 1e-6);
   for (const Primitive& p : scene.primitives)
-    EXPECT_GT(facing(p).dot((p.corners[0] + p.corners[2]) * 0.5 - Vec3d(3, 4, -7)), 0.0) << "turned inside out";
+    EXPECT_GT(facing(p).dot((p.corners[0] + p.corners[2]) * 0.5 - Vec3d(3, 4, -7)), 0.0) << "inside out";
 
   gltf.json["skins"][0]["joints"] = {1};
   EXPECT_ERROR(importer.import(gltf), ExitCode::bad_data, "hangs on joint 1 of 1");
@@ -71,7 +72,7 @@ TEST(DeformedMeshes, SkinsStandInThePoseOfTheirJoints) {
   EXPECT_ERROR(importer.import(gltf), ExitCode::bad_data, "2 matrices for 3 joints");
 }
 
-TEST(DeformedMeshes, MorphTargetsStandWithTheFilesWeights) {
+TEST(DeformedMeshes, MorphTargetsUseTheFilesWeights) {
   Importer importer;
   GltfBuilder gltf = single_mesh(cube());
   gltf.primitive(0)["targets"] = {{{"POSITION", gltf.accessor(std::vector<Vec3f>(8, {1, 0, 0}), 5126, "VEC3")}},
@@ -82,13 +83,13 @@ TEST(DeformedMeshes, MorphTargetsStandWithTheFilesWeights) {
   gltf.json["nodes"][0]["weights"] = {0, 1};
   EXPECT_LE((mean_corner(importer.import(gltf)) - Vec3d(0, 1, 0)).length(), 1e-6);
   gltf.json["accessors"].back()["count"] = 7;
-  EXPECT_ERROR(importer.import(gltf), ExitCode::bad_data, "morph target of another number");
+  EXPECT_ERROR(importer.import(gltf), ExitCode::bad_data, "morph target with another number");
 }
 
-TEST(DeformedMeshes, NodesStandWhereAnimationsHaveThemAtATime) {
+TEST(DeformedMeshes, NodesFollowAnimationsAtImportTime) {
   const float turn = float(std::sqrt(0.5));
-  const auto place_at = [&](const char* path, const char* type, const std::vector<float>& values, const char* between,
-                            std::optional<double> time) {
+  const auto position_at = [&](const char* path, const char* type, const std::vector<float>& values,
+                               const char* interpolation, std::optional<double> time) {
     Importer importer;
     importer.job.import.time = time;
     GltfBuilder gltf = single_mesh(cube(), nullptr, {{"children", {1}}});
@@ -100,32 +101,33 @@ TEST(DeformedMeshes, NodesStandWhereAnimationsHaveThemAtATime) {
     const std::size_t width = type == std::string("VEC4") ? 4 : type == std::string("VEC3") ? 3 : 1;
     gltf.json["accessors"].back()["count"] = values.size() / width;
     const int node = path == std::string("weights") ? 1 : 0;
-    gltf.json["animations"] = {{{"channels", {{{"sampler", 0}, {"target", {{"node", node}, {"path", path}}}}}},
-                                {"samplers", {{{"input", times}, {"output", output}, {"interpolation", between}}}}}};
+    gltf.json["animations"] = {
+        {{"channels", {{{"sampler", 0}, {"target", {{"node", node}, {"path", path}}}}}},
+         {"samplers", {{{"input", times}, {"output", output}, {"interpolation", interpolation}}}}}};
     return mean_corner(importer.import(gltf));
   };
   const auto expect_at = [](const Vec3d& actual, const Vec3d& expected) {
     EXPECT_LE((actual - expected).length(), 1e-5) << actual << " is not " << expected;
   };
   const std::vector<float> moves{0, 0, 0, 0, 4, 0, 0, 5, 0};
-  expect_at(place_at("translation", "VEC3", moves, "LINEAR", {}), {8, 0, 0});
-  expect_at(place_at("translation", "VEC3", moves, "LINEAR", 0), {8, 0, 0});
-  expect_at(place_at("translation", "VEC3", moves, "LINEAR", 1.5), {8, 1, 0});
-  expect_at(place_at("translation", "VEC3", moves, "STEP", 2.9), {8, 0, 0});
-  expect_at(place_at("translation", "VEC3", moves, "STEP", 3), {8, 4, 0});
-  expect_at(place_at("translation", "VEC3", moves, "LINEAR", 99), {8, 5, 0});
-  expect_at(place_at("scale", "VEC3", {1, 1, 1, 3, 1, 1, 1, 1, 1}, "LINEAR", 2), {16, 0, 0});
+  expect_at(position_at("translation", "VEC3", moves, "LINEAR", {}), {8, 0, 0});
+  expect_at(position_at("translation", "VEC3", moves, "LINEAR", 0), {8, 0, 0});
+  expect_at(position_at("translation", "VEC3", moves, "LINEAR", 1.5), {8, 1, 0});
+  expect_at(position_at("translation", "VEC3", moves, "STEP", 2.9), {8, 0, 0});
+  expect_at(position_at("translation", "VEC3", moves, "STEP", 3), {8, 4, 0});
+  expect_at(position_at("translation", "VEC3", moves, "LINEAR", 99), {8, 5, 0});
+  expect_at(position_at("scale", "VEC3", {1, 1, 1, 3, 1, 1, 1, 1, 1}, "LINEAR", 2), {16, 0, 0});
   // A quarter turn about Y, its end written as the opposite quaternion: half of it is an eighth.
   const std::vector<float> turns{0, 0, 0, 1, 0, -turn, 0, -turn, 0, turn, 0, turn};
-  expect_at(place_at("rotation", "VEC4", turns, "LINEAR", 2), {8 * turn, 0, -8 * turn});
-  expect_at(place_at("rotation", "VEC4", turns, "LINEAR", 3.5), {0, 0, -8});
-  expect_at(place_at("weights", "SCALAR", {0, 1, 0}, "LINEAR", 2), {8, 0, 0.5});
-  // Tangents before, value and tangents behind of each, by Hermite's formula.
+  expect_at(position_at("rotation", "VEC4", turns, "LINEAR", 2), {8 * turn, 0, -8 * turn});
+  expect_at(position_at("rotation", "VEC4", turns, "LINEAR", 3.5), {0, 0, -8});
+  expect_at(position_at("weights", "SCALAR", {0, 1, 0}, "LINEAR", 2), {8, 0, 0.5});
+  // In-tangent, value and out-tangent of each keyframe, interpolated by Hermite's formula.
   const std::vector<float> spline{0, 0, 0, 0, 0, 0, 2, 0, 0, 1, 0, 0, 4, 0, 0, 0, 0, 0, 0, 0, 0, 4, 0, 0, 0, 0, 0};
-  expect_at(place_at("translation", "VEC3", spline, "CUBICSPLINE", 2), {8 + 2 + 0.5 - 0.25, 0, 0});
-  EXPECT_ERROR(place_at("translation", "VEC3", {0, 0, 0, 1, 1, 1}, "LINEAR", 2), ExitCode::bad_data,
+  expect_at(position_at("translation", "VEC3", spline, "CUBICSPLINE", 2), {8 + 2 + 0.5 - 0.25, 0, 0});
+  EXPECT_ERROR(position_at("translation", "VEC3", {0, 0, 0, 1, 1, 1}, "LINEAR", 2), ExitCode::bad_data,
                "2 values for 3 keyframes");
-  EXPECT_ERROR(place_at("translation", "VEC3", moves, "QUADRATIC", 2), ExitCode::bad_data, "interpolation must be");
+  EXPECT_ERROR(position_at("translation", "VEC3", moves, "QUADRATIC", 2), ExitCode::bad_data, "interpolation must be");
 }
 
 }  // namespace

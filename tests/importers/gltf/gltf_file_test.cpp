@@ -29,7 +29,7 @@ TEST(GltfUri, RefusesBrokenBase64) {
   EXPECT_ERROR(decode_data_uri("data:;base64", ""), ExitCode::bad_data, "no data");
 }
 
-TEST(GltfUri, PathsStayInTheScenesFolder) {
+TEST(GltfUri, PathsOutsideTheScenesFolderAreRefused) {
   EXPECT_EQ(confined_path("a/../b%20c.bin", ""), "b c.bin");
   for (const char* uri : {"../a.bin", "a/../../b.bin", "%2e%2e/a.bin", "/etc/passwd", "file:///etc/passwd",
                           "http://a/b", "", ".", "folder/", "a%00b"}) {
@@ -41,12 +41,12 @@ TEST(GltfFile, MissingSceneIsMissingInput) {
   EXPECT_ERROR(read_gltf_file("/nowhere/scene.glb"), ExitCode::missing_input, "/nowhere/scene.glb");
 }
 
-TEST(GltfFile, FolderIsNoScene) {
+TEST(GltfFile, FolderIsRefused) {
   const TemporaryFolder folder;
-  EXPECT_ERROR(read_gltf_file(folder.path()), ExitCode::bad_data, "is not a file");
+  EXPECT_ERROR(read_gltf_file(folder.path()), ExitCode::bad_data, "is not a regular file");
 }
 
-TEST(GltfFile, LyingChunkLengthsAreRefused) {
+TEST(GltfFile, WrongChunkLengthsAreRefused) {
   Importer importer;
   GltfBuilder gltf = single_mesh(cube());
   const std::string good = gltf.glb();
@@ -55,9 +55,9 @@ TEST(GltfFile, LyingChunkLengthsAreRefused) {
       8, 12,
       20 + std::size_t(static_cast<unsigned char>(good[12])) + 256 * std::size_t(static_cast<unsigned char>(good[13]))};
   for (const std::size_t offset : offsets) {
-    for (const std::uint32_t lie : {0xffffffffu, 0x7fffffffu, static_cast<std::uint32_t>(good.size() + 4)}) {
+    for (const std::uint32_t length : {0xffffffffu, 0x7fffffffu, static_cast<std::uint32_t>(good.size() + 4)}) {
       std::string bad = good;
-      set_word(bad, offset, lie);
+      set_word(bad, offset, length);
       EXPECT_ERROR(importer.import_bytes(bad), ExitCode::bad_data, "GLB");
     }
   }
@@ -72,7 +72,7 @@ TEST(GltfFile, EveryTruncationIsRefused) {
   }
 }
 
-TEST(GltfFile, SceneIsToldByItsContentNotItsName) {
+TEST(GltfFile, FormatIsDetectedByContentNotByName) {
   Importer importer;
   GltfBuilder gltf = single_mesh(cube());
   EXPECT_EQ(importer.import_file(importer.folder.write("scene.gltf", gltf.glb())).primitives.size(), 6u);
@@ -98,7 +98,7 @@ TEST(GltfFile, MissingBufferIsMissingInputAndNamed) {
   EXPECT_ERROR(importer.import(gltf), ExitCode::missing_input, "absent.bin");
 }
 
-TEST(GltfFile, BufferUrisThatLeaveTheFolderOrNameFoldersAreRefused) {
+TEST(GltfFile, BufferUrisOutsideTheFolderOrOfFoldersAreRefused) {
   Importer importer;
   std::filesystem::create_directory(importer.folder / "folder");
   for (const char* uri : {"../secret.bin", "/dev/zero", "file:///dev/zero", "folder", "folder/"}) {

@@ -31,8 +31,8 @@ void expect_refused(const Json& light, const std::string& text) {
   EXPECT_ERROR(importer.import(gltf), ExitCode::bad_data, text);
 }
 
-TEST(Lights, BlendersWattsComeBack) {
-  // A point lamp of 100 W, as Blender 3.4 exports it by default, and Cycles' intensity of it.
+TEST(Lights, PowerOfABlenderLampIsRestored) {
+  // A point lamp of 100 W as Blender 3.4 exports it by default; Cycles' intensity is 100 / (4 pi).
   const PatchSet scene = imported({{"type", "point"}, {"color", {1, 0.5, 0}}, {"intensity", 100 * 683 / (4 * kPi)}},
                                   {{"name", "bulb"}, {"translation", {1, 2, 3}}, {"scale", {4, 5, 6}}});
   ASSERT_EQ(scene.lights.size(), 1u);
@@ -45,14 +45,14 @@ TEST(Lights, BlendersWattsComeBack) {
   EXPECT_EQ(light.strength.z, 0);
 }
 
-TEST(Lights, UnitsAreTheJobs) {
+TEST(Lights, UnitsAreSetByTheJob) {
   const Json sun = {{"type", "directional"}, {"intensity", 683 * 3}};
   EXPECT_NEAR(imported(sun).lights.at(0).strength.x, 3, 1e-6);
   EXPECT_NEAR(imported(sun, {}, "si").lights.at(0).strength.x, 3, 1e-6);
   EXPECT_NEAR(imported(sun, {}, "raw").lights.at(0).strength.x, 683 * 3, 1e-3);
 }
 
-TEST(Lights, ShineAlongTheirNodesMinusZ) {
+TEST(Lights, PointAlongMinusZOfTheirNode) {
   const double h = std::sqrt(0.5);
   const Json down = {{"rotation", {-h, 0, 0, h}}, {"scale", {2, 3, 4}}, {"translation", {0, 5, 0}}};
   const Light spot =
@@ -63,18 +63,18 @@ TEST(Lights, ShineAlongTheirNodesMinusZ) {
   EXPECT_EQ(spot.outer, 0.4);
   const Light sun = imported({{"type", "directional"}}, down).lights.at(0);
   EXPECT_LT((sun.direction - Vec3d(0, -1, 0)).length(), 1e-12);
-  EXPECT_EQ(sun.position, Vec3d(0.0)) << "where a sun's node stands says nothing";
-  const Light usual = imported({{"type", "spot"}, {"spot", Json::object()}}).lights.at(0);
-  EXPECT_EQ(usual.inner, 0);
-  EXPECT_NEAR(usual.outer, kPi / 4, 1e-12);
+  EXPECT_EQ(sun.position, Vec3d(0.0)) << "the position of a sun's node has no effect";
+  const Light defaults = imported({{"type", "spot"}, {"spot", Json::object()}}).lights.at(0);
+  EXPECT_EQ(defaults.inner, 0);
+  EXPECT_NEAR(defaults.outer, kPi / 4, 1e-12);
 }
 
-TEST(Lights, StandWhereAnimationsPutThem) {
+TEST(Lights, FollowAnimationsAtImportTime) {
   Importer importer;
   GltfBuilder gltf = lit_scene({{"type", "point"}}, {{"translation", {9, 9, 9}}});
   const int times = gltf.accessor(std::vector<float>{0, 2}, 5126, "SCALAR");
-  const int places = gltf.accessor(std::vector<Vec3f>{Vec3f(0.0f), Vec3f(4, 8, 0)}, 5126, "VEC3");
-  gltf.json["animations"] = {{{"samplers", {{{"input", times}, {"output", places}}}},
+  const int positions = gltf.accessor(std::vector<Vec3f>{Vec3f(0.0f), Vec3f(4, 8, 0)}, 5126, "VEC3");
+  gltf.json["animations"] = {{{"samplers", {{{"input", times}, {"output", positions}}}},
                               {"channels", {{{"sampler", 0}, {"target", {{"node", 1}, {"path", "translation"}}}}}}}};
   EXPECT_EQ(importer.import(gltf).lights.at(0).position, Vec3d(9, 9, 9));
   importer.job.import.time = 1.0;
@@ -91,7 +91,7 @@ TEST(Lights, GroupsAreNamedByNodeThenLight) {
   EXPECT_EQ(group({{"type", "point"}}, {{"name", "bulb"}}), "bulb");
 }
 
-TEST(Lights, GoByTheLampAboveTheNodeThatBlenderTurnsThemBy) {
+TEST(Lights, TakeTheNameOfTheLampAboveBlendersOrientationNode) {
   Importer importer;
   GltfBuilder gltf = lit_scene({{"type", "point"}, {"name", "data"}}, {{"name", "Lamp_Orientation"}});
   gltf.json["nodes"].push_back({{"name", "Lamp"}, {"children", {1}}, {"extras", {{"light_group", "warm"}}}});
@@ -116,13 +116,13 @@ TEST(Lights, ShareGroupsWithSurfaces) {
   EXPECT_EQ(scene.lights.at(0).light_group, scene.primitives.at(0).light_group);
 }
 
-TEST(Lights, WithoutStrengthAreNone) {
+TEST(Lights, WithoutStrengthAreIgnored) {
   const PatchSet scene = imported({{"type", "point"}, {"intensity", 0}});
   EXPECT_TRUE(scene.lights.empty());
   EXPECT_TRUE(scene.light_groups.empty());
 }
 
-TEST(Lights, OfUnknownTypesAreLeftOut) {
+TEST(Lights, OfUnknownTypesAreIgnored) {
   Importer importer;
   GltfBuilder gltf = lit_scene({{"type", "spherical"}});
   EXPECT_TRUE(importer.import(gltf).lights.empty());
@@ -139,7 +139,7 @@ TEST(Lights, MalformedOnesAreRefused) {
   expect_refused({{"type", "point"}, {"intensity", 1e300}}, "strength");
   expect_refused({{"type", "point"}, {"range", 0}}, "range");
   expect_refused({{"type", 7}}, "type");
-  expect_refused({{"type", "spot"}}, "without its cone");
+  expect_refused({{"type", "spot"}}, "without cone angles");
   expect_refused(spot({{"innerConeAngle", 0.2}, {"outerConeAngle", 0.1}}), "inner <= outer");
   expect_refused(spot({{"outerConeAngle", 1.6}}), "pi/2");
   expect_refused(spot({{"innerConeAngle", -0.1}}), "negative");
@@ -155,7 +155,7 @@ TEST(Lights, IndicesOutOfRangeAreRefused) {
   }
 }
 
-TEST(Lights, PlacesThatAreNotFiniteAreRefused) {
+TEST(Lights, NonFinitePositionsAreRefused) {
   Importer importer;
   GltfBuilder gltf = lit_scene({{"type", "point"}}, {{"name", "bulb"}, {"translation", {1e300, 0, 0}}});
   EXPECT_ERROR(importer.import(gltf), ExitCode::bad_data, "bulb");

@@ -1,4 +1,4 @@
-#include "importers/gltf/model/unpack.h"
+#include "importers/gltf/model/decompression.h"
 
 #include <fmt/format.h>
 
@@ -13,14 +13,14 @@ namespace patchlight {
 namespace {
 
 constexpr const char* kDecoders = "patchlight-meshes";
-constexpr std::size_t kMostReuse = 16;                         // of all bytes, by meshes that Draco packs
-constexpr std::size_t kMostFilledIn = std::size_t{256} << 20;  // bytes of all sparse accessors
+constexpr std::size_t kMaxDracoReuse = 16;  // compressed bytes of all meshes / bytes of all buffers
+constexpr std::size_t kMaxSparseBytes = std::size_t{256} << 20;  // of all sparse accessors, expanded
 
 [[noreturn]] void refuse(const std::string& what, const std::string& place) {
   throw Error(ExitCode::bad_data, what, place, "the file is damaged; export the scene again");
 }
 
-/// Adds a buffer of bytes without gaps. Returns its bufferView.
+/// Adds a buffer and a bufferView of all its bytes. Returns the bufferView's index.
 int add_view(GltfModel& model, Bytes bytes) {
   model.owned.push_back(std::make_shared<const Bytes>(std::move(bytes)));
   tinygltf::BufferView view;
@@ -31,16 +31,18 @@ int add_view(GltfModel& model, Bytes bytes) {
   return static_cast<int>(model.gltf.bufferViews.size()) - 1;
 }
 
-void unpack_view(GltfModel& model, const MeshoptView& packed) {
-  const std::string place = fmt::format("{}, bufferViews[{}]", model.file.name, packed.view);
-  const std::span<const unsigned char> buffer = model.buffers[packed.buffer];
-  if (packed.offset + packed.size > buffer.size()) refuse("the buffer of its packed bytes has no data", place);
-  const int view = add_view(model, unpack_meshopt(packed, buffer.subspan(packed.offset, packed.size), place));
-  model.gltf.bufferViews[view].byteStride = model.gltf.bufferViews[packed.view].byteStride;
-  model.gltf.bufferViews[packed.view] = model.gltf.bufferViews[view];
+void decompress_view(GltfModel& model, const MeshoptView& compressed) {
+  const std::string place = fmt::format("{}, bufferViews[{}]", model.file.name, compressed.view);
+  const std::span<const unsigned char> buffer = model.buffers[compressed.buffer];
+  if (compressed.offset + compressed.size > buffer.size())
+    refuse("the buffer of its compressed bytes has no data", place);
+  const int view =
+      add_view(model, decompress_meshopt(compressed, buffer.subspan(compressed.offset, compressed.size), place));
+  model.gltf.bufferViews[view].byteStride = model.gltf.bufferViews[compressed.view].byteStride;
+  model.gltf.bufferViews[compressed.view] = model.gltf.bufferViews[view];
 }
 
-/// Adds an accessor like `source` over bytes of its own. Returns its index.
+/// Adds an accessor like `source` for these bytes. Returns its index.
 int add_accessor(GltfModel& model, tinygltf::Accessor source, Bytes bytes) {
   source.bufferView = add_view(model, std::move(bytes));
   source.byteOffset = 0;
@@ -49,33 +51,33 @@ int add_accessor(GltfModel& model, tinygltf::Accessor source, Bytes bytes) {
   return static_cast<int>(model.gltf.accessors.size()) - 1;
 }
 
-void unpack_primitive(GltfModel& model, const DracoPrimitive& packed) {
-  tinygltf::Mesh& mesh = model.gltf.meshes[packed.mesh];
-  tinygltf::Primitive& primitive = mesh.primitives[packed.primitive];
-  const std::string place = fmt::format("{}, meshes[{}] '{}'", model.file.name, packed.mesh, mesh.name);
+void decompress_primitive(GltfModel& model, const DracoPrimitive& compressed) {
+  tinygltf::Mesh& mesh = model.gltf.meshes[compressed.mesh];
+  tinygltf::Primitive& primitive = mesh.primitives[compressed.primitive];
+  const std::string place = fmt::format("{}, meshes[{}] '{}'", model.file.name, compressed.mesh, mesh.name);
   const bool list = primitive.mode == TINYGLTF_MODE_TRIANGLES;
   if (!list && primitive.mode != TINYGLTF_MODE_TRIANGLE_STRIP)
-    refuse("Draco packs something else than triangles", place);
-  tinygltf::Accessor indices = model.gltf.accessors[packed.indices];
+    refuse("Draco compresses a mesh primitive that is not triangles", place);
+  tinygltf::Accessor indices = model.gltf.accessors[compressed.indices];
 
-  DracoMesh unpacked;
+  DracoMesh decoded;
   if (indices.count < 3) return;
-  unpacked.triangles = list ? indices.count / 3 : indices.count - 2;
+  decoded.triangles = list ? indices.count / 3 : indices.count - 2;
   for (const auto& [name, accessor] : primitive.attributes) {
     const tinygltf::Accessor& source = model.gltf.accessors[accessor];
-    const auto id = packed.attributes.find(name);
-    if (id == packed.attributes.end()) continue;  // it has bytes of its own, or counts as zeros
-    DracoAttribute& attribute = unpacked.attributes.emplace_back();
+    const auto id = compressed.attributes.find(name);
+    if (id == compressed.attributes.end()) continue;  // not compressed
+    DracoAttribute& attribute = decoded.attributes.emplace_back();
     attribute.name = name;
     attribute.id = id->second;
     attribute.component_type = source.componentType;
     attribute.components = tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(source.type));
   }
-  unpack_draco(view_bytes(model, packed.view), place, unpacked);
-  for (DracoAttribute& attribute : unpacked.attributes) {
+  decompress_draco(view_bytes(model, compressed.view), place, decoded);
+  for (DracoAttribute& attribute : decoded.attributes) {
     int& accessor = primitive.attributes[attribute.name];
-    if (model.gltf.accessors[accessor].count != unpacked.vertices) {
-      refuse(fmt::format("Draco packs {} vertices where {} are stated", unpacked.vertices,
+    if (model.gltf.accessors[accessor].count != decoded.vertices) {
+      refuse(fmt::format("the Draco data has {} vertices, but the accessor has {}", decoded.vertices,
                          model.gltf.accessors[accessor].count),
              place);
     }
@@ -83,29 +85,29 @@ void unpack_primitive(GltfModel& model, const DracoPrimitive& packed) {
     if (attribute.rounding > 0.0) model.roundings[accessor] = attribute.rounding;
   }
   indices.componentType = TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
-  indices.count = 3 * unpacked.triangles;
-  primitive.indices = add_accessor(model, std::move(indices), std::move(unpacked.indices));
+  indices.count = 3 * decoded.triangles;
+  primitive.indices = add_accessor(model, std::move(indices), std::move(decoded.indices));
   primitive.mode = TINYGLTF_MODE_TRIANGLES;
 }
 
-/// Packed parts that stand for more than their buffers can hold are not worth unpacking.
-void check_sizes(const GltfModel& model) {
-  std::size_t bytes = 1, elements = 0, packed = 0;
+/// Refuses files whose compressed parts overlap so much that they expand far beyond the buffers' size.
+void check_expansion(const GltfModel& model) {
+  std::size_t bytes = 1, elements = 0, compressed = 0;
   for (const auto& buffer : model.buffers) bytes += buffer.size();
   for (const MeshoptView& view : model.checked.meshopt_views) elements += view.count * view.stride;
   for (const DracoPrimitive& primitive : model.checked.draco_primitives)
-    packed += model.gltf.bufferViews[primitive.view].byteLength;
-  if (elements / kMostMeshoptGain > bytes || packed / kMostReuse > bytes)
-    refuse("packed meshes stand for more than the buffers can hold", model.file.name);
+    compressed += model.gltf.bufferViews[primitive.view].byteLength;
+  if (elements / kMaxMeshoptRatio > bytes || compressed / kMaxDracoReuse > bytes)
+    refuse("compressed meshes expand to more than the buffers can contain", model.file.name);
 }
 
-/// Gives a sparse accessor plain bytes.
-void fill_in(GltfModel& model, tinygltf::Accessor& accessor, std::size_t& budget) {
+/// Expands a sparse accessor. `budget`: bytes that may still be allocated.
+void expand_sparse(GltfModel& model, tinygltf::Accessor& accessor, std::size_t& budget) {
   const auto components = tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(accessor.type));
   const std::size_t size = size_of(accessor.componentType) * static_cast<std::size_t>(components);
   if (accessor.count > budget / size) {
-    throw Error(ExitCode::over_limit, "sparse accessors take more than 256 MiB", model.file.name,
-                "export without them; this limit is fixed");
+    throw Error(ExitCode::over_limit, "sparse accessors expand to more than 256 MiB", model.file.name,
+                "export without sparse accessors; this limit is fixed");
   }
   budget -= accessor.count * size;
   Bytes bytes(accessor.count * size, 0);
@@ -131,26 +133,26 @@ void fill_in(GltfModel& model, tinygltf::Accessor& accessor, std::size_t& budget
 
 }  // namespace
 
-void unpack(GltfModel& model) {
-  check_sizes(model);
-  for (const MeshoptView& view : model.checked.meshopt_views) unpack_view(model, view);
-  std::size_t budget = kMostFilledIn;
+void decompress(GltfModel& model) {
+  check_expansion(model);
+  for (const MeshoptView& view : model.checked.meshopt_views) decompress_view(model, view);
+  std::size_t budget = kMaxSparseBytes;
   for (tinygltf::Accessor& accessor : model.gltf.accessors) {
-    if (accessor.sparse.isSparse) fill_in(model, accessor, budget);
+    if (accessor.sparse.isSparse) expand_sparse(model, accessor, budget);
   }
-  for (const DracoPrimitive& primitive : model.checked.draco_primitives) unpack_primitive(model, primitive);
+  for (const DracoPrimitive& primitive : model.checked.draco_primitives) decompress_primitive(model, primitive);
 }
 
-Bytes unpack_meshopt(const MeshoptView& view, std::span<const unsigned char> packed, const std::string& place) {
+Bytes decompress_meshopt(const MeshoptView& view, std::span<const unsigned char> compressed, const std::string& place) {
   static auto* const decode = on_demand<decltype(decode_meshopt)>(kDecoders, "decode_meshopt");
   Bytes elements;
-  if (!decode(view, packed, elements)) refuse("what EXT_meshopt_compression packs cannot be unpacked", place);
+  if (!decode(view, compressed, elements)) refuse("its EXT_meshopt_compression data is damaged", place);
   return elements;
 }
 
-void unpack_draco(std::span<const unsigned char> packed, const std::string& place, DracoMesh& mesh) {
+void decompress_draco(std::span<const unsigned char> compressed, const std::string& place, DracoMesh& mesh) {
   static auto* const decode = on_demand<decltype(decode_draco)>(kDecoders, "decode_draco");
-  decode(packed, place, mesh);
+  decode(compressed, place, mesh);
 }
 
 }  // namespace patchlight

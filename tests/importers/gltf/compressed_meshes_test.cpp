@@ -6,7 +6,7 @@
 namespace patchlight::test {
 namespace {
 
-/// The same primitives at the same places.
+/// Expects equal primitives at equal positions.
 void expect_same(const PatchSet& scene, const PatchSet& plain, double tolerance = 1e-6) {
   ASSERT_EQ(scene.primitives.size(), plain.primitives.size());
   for (std::size_t i = 0; i < scene.primitives.size(); ++i)
@@ -15,22 +15,22 @@ void expect_same(const PatchSet& scene, const PatchSet& plain, double tolerance 
   EXPECT_NEAR(total_area(scene), total_area(plain), 10 * tolerance);
 }
 
-/// Before any other importer of the test: they share a folder.
+/// To be called before a test creates its own Importer: these share a folder.
 PatchSet plain_cube() {
   Importer importer;
   GltfBuilder gltf = single_mesh(cube());
   return importer.import(gltf);
 }
 
-TEST(PackedMeshes, SparseElementsReplaceThoseBelow) {
+TEST(CompressedMeshes, SparseElementsReplaceElements) {
   const PatchSet plain = plain_cube();
   Importer importer;
-  Mesh bent = cube();
-  bent.positions[3] = Vec3f(5, 5, 5);
-  bent.positions[7] = Vec3f(0, 0, 0);
-  GltfBuilder gltf = single_mesh(bent);
-  const std::vector<std::uint16_t> places{3, 7};
-  const int indices = gltf.accessor(places, 5123, "SCALAR");
+  Mesh modified = cube();
+  modified.positions[3] = Vec3f(5, 5, 5);
+  modified.positions[7] = Vec3f(0, 0, 0);
+  GltfBuilder gltf = single_mesh(modified);
+  const std::vector<std::uint16_t> replaced{3, 7};
+  const int indices = gltf.accessor(replaced, 5123, "SCALAR");
   const int values = gltf.accessor(std::vector{cube().positions[3], cube().positions[7]}, 5126, "VEC3");
   gltf.json["accessors"][0]["sparse"] = {
       {"count", 2},
@@ -47,7 +47,7 @@ TEST(PackedMeshes, SparseElementsReplaceThoseBelow) {
   EXPECT_ERROR(importer.import(gltf), ExitCode::bad_data, "sparse element 8 of 8 does not exist");
 }
 
-TEST(PackedMeshes, SparseElementsStandOnZerosWithoutBytesBelow) {
+TEST(CompressedMeshes, SparseAccessorWithoutBufferViewStartsFromZeros) {
   Importer importer;
   GltfBuilder gltf = single_mesh(quad_mesh({Vec3f(0, 0, 0), Vec3f(1, 0, 0), Vec3f(1, 1, 0), Vec3f(0, 1, 0)}));
   const int indices = gltf.accessor(std::vector<std::uint8_t>{1, 2, 3}, 5121, "SCALAR");
@@ -63,12 +63,12 @@ TEST(PackedMeshes, SparseElementsStandOnZerosWithoutBytesBelow) {
   EXPECT_ERROR(importer.import(gltf), ExitCode::bad_data, "accessors[0]");
 }
 
-TEST(PackedMeshes, QuantizedAndInterleavedPositionsAreRead) {
+TEST(CompressedMeshes, QuantizedAndInterleavedPositionsAreRead) {
   const PatchSet plain = plain_cube();
   for (const bool normalized : {false, true}) {
     Importer importer;
     GltfBuilder gltf;
-    std::vector<std::int8_t> values;  // of four bytes, one of them a gap
+    std::vector<std::int8_t> values;  // three per vertex and one of padding
     for (const Vec3f& p : cube().positions)
       for (int i = 0; i < 4; ++i) values.push_back(std::int8_t(i == 3 ? 77 : int(p[i]) * (normalized ? 127 : 1)));
     gltf.node({{"mesh", gltf.mesh(cube())}});
@@ -85,7 +85,7 @@ TEST(PackedMeshes, QuantizedAndInterleavedPositionsAreRead) {
   }
 }
 
-TEST(PackedMeshes, MeshoptUnpacksToTheSame) {
+TEST(CompressedMeshes, MeshoptGivesTheSameScene) {
   const PatchSet plain = plain_cube();
   Importer importer;
   GltfBuilder gltf;
@@ -94,24 +94,24 @@ TEST(PackedMeshes, MeshoptUnpacksToTheSame) {
   expect_same(importer.import(gltf), plain);
 
   Json& packed = gltf.json["bufferViews"][0]["extensions"]["EXT_meshopt_compression"];
-  const Json whole = packed;
+  const Json intact = packed;
   const auto expect_refused = [&](const char* key, const Json& value, const char* text) {
     packed[key] = value;
     EXPECT_ERROR(importer.import(gltf), ExitCode::bad_data, text);
-    packed = whole;
+    packed = intact;
   };
-  expect_refused("count", std::int64_t{1} << 50, "do not fit");
-  expect_refused("byteStride", 6, "elements of a size");
+  expect_refused("count", std::int64_t{1} << 50, "do not match");
+  expect_refused("byteStride", 6, "byteStride or count");
   expect_refused("byteLength", 1 << 20, "reaches beyond its buffer");
   expect_refused("buffer", 9, "index 9");
   expect_refused("buffer", 1, "has no data");
-  expect_refused("mode", "STRIPS", "no known mode");
-  expect_refused("filter", "OCTAHEDRON", "no known filter");
+  expect_refused("mode", "STRIPS", "unknown mode");
+  expect_refused("filter", "OCTAHEDRON", "unknown filter");
   gltf.binary[packed["byteOffset"].get<std::size_t>()] = 0;
   EXPECT_ERROR(importer.import(gltf), ExitCode::bad_data, "bufferViews[0]");
 }
 
-TEST(PackedMeshes, DracoUnpacksToTheSame) {
+TEST(CompressedMeshes, DracoGivesTheSameScene) {
   Importer importer;
   GltfBuilder gltf;
   gltf.node({{"mesh", draco_mesh(gltf, cube(), 0)}});
@@ -119,61 +119,62 @@ TEST(PackedMeshes, DracoUnpacksToTheSame) {
   EXPECT_EQ(scene.primitives.size(), 6u);
   EXPECT_NEAR(total_area(scene), 24.0, 1e-5);
 
-  const auto bent = [&](const char* text, const auto& bend) {
+  const auto expect_refused = [&](const char* text, const auto& modify) {
     GltfBuilder copy = gltf;
-    bend(copy);
+    modify(copy);
     EXPECT_ERROR(importer.import(copy), ExitCode::bad_data, text);
   };
-  bent("12 triangles in", [](GltfBuilder& g) { g.json["accessors"][1]["count"] = 39; });
-  bent("8 vertices where 7", [](GltfBuilder& g) { g.json["accessors"][0]["count"] = 7; });
+  expect_refused("12 triangles in", [](GltfBuilder& g) { g.json["accessors"][1]["count"] = 39; });
+  expect_refused("8 vertices, but the accessor has 7", [](GltfBuilder& g) { g.json["accessors"][0]["count"] = 7; });
   const auto extension = [](GltfBuilder& g) -> Json& {
     return g.primitive(0)["extensions"]["KHR_draco_mesh_compression"];
   };
-  bent("no POSITION", [&](GltfBuilder& g) { extension(g)["attributes"]["POSITION"] = 5; });
-  bent("no bufferView", [&](GltfBuilder& g) { extension(g).erase("bufferView"); });
-  bent("index 7", [&](GltfBuilder& g) { extension(g)["bufferView"] = 7; });
-  bent("damaged header", [](GltfBuilder& g) { g.binary[0] = 'X'; });
-  bent("not 2.2", [](GltfBuilder& g) { g.binary[6] = 1; });
-  bent("damaged", [](GltfBuilder& g) { g.json["bufferViews"][0]["byteLength"] = 30; });
+  expect_refused("no POSITION", [&](GltfBuilder& g) { extension(g)["attributes"]["POSITION"] = 5; });
+  expect_refused("no bufferView", [&](GltfBuilder& g) { extension(g).erase("bufferView"); });
+  expect_refused("index 7", [&](GltfBuilder& g) { extension(g)["bufferView"] = 7; });
+  expect_refused("damaged header", [](GltfBuilder& g) { g.binary[0] = 'X'; });
+  expect_refused("not 2.2", [](GltfBuilder& g) { g.binary[6] = 1; });
+  expect_refused("damaged", [](GltfBuilder& g) { g.json["bufferViews"][0]["byteLength"] = 30; });
 }
 
-TEST(PackedMeshes, BytesThatAreUnpackedOverAndOverAreRefused) {
+TEST(CompressedMeshes, CompressedBytesReusedManyTimesAreRefused) {
   for (const bool draco : {false, true}) {
     Importer importer;
     GltfBuilder gltf;
-    Mesh heap = grid(100);
-    for (Vec3f& p : heap.positions) {
-      if (!draco && p.x + p.y > 0.0f) p = Vec3f(1.0f);  // which packs well
+    Mesh mesh_to_encode = grid(100);
+    for (Vec3f& p : mesh_to_encode.positions) {
+      if (!draco && p.x + p.y > 0.0f) p = Vec3f(1.0f);  // which compresses well
     }
-    const QuantizedPositions positions(heap);
-    const int mesh = draco ? draco_mesh(gltf, heap, 11) : quantized_mesh(gltf, heap, positions, true);
+    const QuantizedPositions positions(mesh_to_encode);
+    const int mesh =
+        draco ? draco_mesh(gltf, mesh_to_encode, 11) : quantized_mesh(gltf, mesh_to_encode, positions, true);
     gltf.node(positions.with_transform({{"mesh", mesh}}));
     for (int i = 0; i < 200; ++i) {
       gltf.json["bufferViews"].push_back(gltf.json["bufferViews"][0]);
       gltf.json["meshes"].push_back(gltf.json["meshes"][0]);
     }
-    EXPECT_ERROR(importer.import(gltf), ExitCode::bad_data, "more than the buffers can hold");
+    EXPECT_ERROR(importer.import(gltf), ExitCode::bad_data, "more than the buffers can contain");
   }
 }
 
-TEST(PackedMeshes, DamagedPackedBytesAreRefusedOrReadNeverTakenForMore) {
+TEST(CompressedMeshes, DamagedCompressedBytesAreRefusedOrGiveNoExtraPrimitives) {
   for (const bool draco : {false, true}) {
     Importer importer;
     GltfBuilder gltf;
-    const Mesh ball = uv_sphere(16, 8);
-    const QuantizedPositions positions(ball);
-    const int mesh = draco ? draco_mesh(gltf, ball, 11) : quantized_mesh(gltf, ball, positions, true);
+    const Mesh sphere = uv_sphere(16, 8);
+    const QuantizedPositions positions(sphere);
+    const int mesh = draco ? draco_mesh(gltf, sphere, 11) : quantized_mesh(gltf, sphere, positions, true);
     gltf.node(positions.with_transform({{"mesh", mesh}}));
-    const std::string whole = gltf.binary;
+    const std::string intact = gltf.binary;
     std::uint32_t random = 1;
     for (int i = 0; i < 100; ++i) {
-      gltf.binary = whole;
+      gltf.binary = intact;
       for (int k = 0; k < 3; ++k) {
         random = random * 1664525u + 1013904223u;
-        gltf.binary[(random >> 8) % whole.size()] = char(random >> 24);
+        gltf.binary[(random >> 8) % intact.size()] = char(random >> 24);
       }
       try {
-        EXPECT_LE(importer.import(gltf).primitives.size(), ball.indices.size() / 3);
+        EXPECT_LE(importer.import(gltf).primitives.size(), sphere.indices.size() / 3);
       } catch (const Error& error) {
         EXPECT_EQ(error.code(), ExitCode::bad_data);
       }

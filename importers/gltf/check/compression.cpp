@@ -1,4 +1,4 @@
-#include "importers/gltf/check/packing.h"
+#include "importers/gltf/check/compression.h"
 
 #include <fmt/format.h>
 
@@ -10,48 +10,50 @@ namespace {
 constexpr const char* kMeshopt = "EXT_meshopt_compression";
 constexpr const char* kDraco = "KHR_draco_mesh_compression";
 
-MeshoptView::Mode mode_of(const Json& packed, const GltfPlace& place) {
-  const std::string mode = string_member(packed, "mode");
+MeshoptView::Mode mode_of(const Json& compressed, const GltfPlace& place) {
+  const std::string mode = string_member(compressed, "mode");
   if (mode == "ATTRIBUTES") return MeshoptView::Mode::attributes;
   if (mode == "TRIANGLES") return MeshoptView::Mode::triangles;
-  if (mode != "INDICES") refuse_gltf("has no known mode", place, kMeshopt);
+  if (mode != "INDICES") refuse_gltf("has an unknown mode", place, kMeshopt);
   return MeshoptView::Mode::indices;
 }
 
-MeshoptView::Filter filter_of(const Json& packed, const GltfPlace& place) {
-  const std::string filter = string_member(packed, "filter");
+MeshoptView::Filter filter_of(const Json& compressed, const GltfPlace& place) {
+  const std::string filter = string_member(compressed, "filter");
   if (filter == "OCTAHEDRAL") return MeshoptView::Filter::octahedral;
   if (filter == "QUATERNION") return MeshoptView::Filter::quaternion;
   if (filter == "EXPONENTIAL") return MeshoptView::Filter::exponential;
-  if (!filter.empty() && filter != "NONE") refuse_gltf("has no known filter", place, kMeshopt);
+  if (!filter.empty() && filter != "NONE") refuse_gltf("has an unknown filter", place, kMeshopt);
   return MeshoptView::Filter::none;
 }
 
-/// Whether elements may have this many bytes.
-bool stride_fits(const MeshoptView& packed) {
-  const std::size_t stride = packed.stride;
-  if (packed.mode != MeshoptView::Mode::attributes) {
-    const bool whole = packed.mode == MeshoptView::Mode::indices || packed.count % 3 == 0;
-    return (stride == 2 || stride == 4) && whole && packed.filter == MeshoptView::Filter::none;
+/// Whether the mode and the filter permit this stride and count.
+bool is_valid_stride(const MeshoptView& compressed) {
+  const std::size_t stride = compressed.stride;
+  if (compressed.mode != MeshoptView::Mode::attributes) {
+    const bool whole_triangles = compressed.mode == MeshoptView::Mode::indices || compressed.count % 3 == 0;
+    return (stride == 2 || stride == 4) && whole_triangles && compressed.filter == MeshoptView::Filter::none;
   }
-  if (packed.filter == MeshoptView::Filter::octahedral) return stride == 4 || stride == 8;
-  if (packed.filter == MeshoptView::Filter::quaternion) return stride == 8;
+  if (compressed.filter == MeshoptView::Filter::octahedral) return stride == 4 || stride == 8;
+  if (compressed.filter == MeshoptView::Filter::quaternion) return stride == 8;
   return stride % 4 == 0 && stride >= 4 && stride <= 256;
 }
 
-bool has_bytes(const GltfLists& gltf, const Json& object, const char* key, const GltfPlace& place) {
+/// Whether an accessor, if present, has a bufferView.
+bool has_buffer_view(const GltfLists& gltf, const Json& object, const char* key, const GltfPlace& place) {
   const int accessor = index_member(object, key, gltf.count("accessors"), place);
   return accessor < 0 || gltf.list("accessors")[static_cast<std::size_t>(accessor)].contains("bufferView");
 }
 
-DracoPrimitive checked_draco(const GltfLists& gltf, const Json& primitive, const Json& packed, const GltfPlace& place) {
+DracoPrimitive checked_draco(const GltfLists& gltf, const Json& primitive, const Json& compressed,
+                             const GltfPlace& place) {
   DracoPrimitive result;
   result.indices = index_member(primitive, "indices", gltf.count("accessors"), place);
-  if (result.indices < 0) refuse_gltf("has a primitive packed by Draco without indices", place);
+  if (result.indices < 0) refuse_gltf("has a primitive compressed by Draco without indices", place);
   result.mesh = static_cast<int>(place.index);
-  result.view = index_member(packed, "bufferView", gltf.count("bufferViews"), place);
+  result.view = index_member(compressed, "bufferView", gltf.count("bufferViews"), place);
   if (result.view < 0) refuse_gltf("has no bufferView", place, kDraco);
-  if (const Json* attributes = find_object(packed, "attributes", place)) {
+  if (const Json* attributes = find_object(compressed, "attributes", place)) {
     for (const auto& [name, id] : attributes->items()) {
       result.attributes[name] = checked_index(id, kDraco, std::size_t{1} << 31, place);
     }
@@ -65,28 +67,31 @@ std::vector<MeshoptView> checked_meshopt_views(const GltfLists& gltf) {
   std::vector<MeshoptView> result;
   const Json& buffers = gltf.list("buffers");
   gltf.each("bufferViews", [&](const Json& view, const GltfPlace& place) {
-    const Json* packed = find_extension(view, kMeshopt, place);
-    if (!packed) return;
+    const Json* compressed = find_extension(view, kMeshopt, place);
+    if (!compressed) return;
     MeshoptView& entry = result.emplace_back();
-    const auto number = [&](const char* key) { return static_cast<std::size_t>(whole_number(*packed, key, 0, place)); };
+    const auto number = [&](const char* key) {
+      return static_cast<std::size_t>(whole_number(*compressed, key, 0, place));
+    };
     entry.view = static_cast<int>(place.index);
-    entry.buffer = index_member(*packed, "buffer", buffers.size(), place);
+    entry.buffer = index_member(*compressed, "buffer", buffers.size(), place);
     if (entry.buffer < 0) refuse_gltf("has no buffer", place, kMeshopt);
     entry.offset = number("byteOffset");
     entry.size = number("byteLength");
     entry.count = number("count");
     entry.stride = number("byteStride");
-    entry.mode = mode_of(*packed, place);
-    entry.filter = filter_of(*packed, place);
+    entry.mode = mode_of(*compressed, place);
+    entry.filter = filter_of(*compressed, place);
     const std::size_t length = static_cast<std::size_t>(whole_number(buffers[entry.buffer], "byteLength", 0, place));
     if (entry.offset > length || entry.size > length - entry.offset) {
       refuse_gltf("reaches beyond its buffer", place, kMeshopt);
     }
-    if (!stride_fits(entry)) refuse_gltf("has elements of a size that its mode does not have", place, kMeshopt);
+    if (!is_valid_stride(entry))
+      refuse_gltf("has a byteStride or count that its mode or filter does not permit", place, kMeshopt);
     const std::size_t bytes = entry.count * entry.stride;
-    if (bytes > kMostMeshoptGain * (entry.size + 1) ||
+    if (bytes > kMaxMeshoptRatio * (entry.size + 1) ||
         bytes != static_cast<std::size_t>(whole_number(view, "byteLength", 0, place))) {
-      refuse_gltf(fmt::format("has {} elements, which do not fit its bytes", entry.count), place, kMeshopt);
+      refuse_gltf(fmt::format("has {} elements, which do not match its byteLength", entry.count), place, kMeshopt);
     }
   });
   return result;
@@ -97,14 +102,14 @@ std::vector<DracoPrimitive> checked_draco_primitives(const GltfLists& gltf) {
   gltf.each("meshes", [&](const Json& mesh, const GltfPlace& place) {
     const Json& primitives = mesh.at("primitives");
     for (std::size_t i = 0; i < primitives.size(); ++i) {
-      const Json* packed = find_extension(primitives[i], kDraco, place);
-      if (!packed) continue;
-      bool plain = has_bytes(gltf, primitives[i], "indices", place);
+      const Json* compressed = find_extension(primitives[i], kDraco, place);
+      if (!compressed) continue;
+      bool plain = has_buffer_view(gltf, primitives[i], "indices", place);
       for (const auto& [name, accessor] : primitives[i].at("attributes").items()) {
-        plain = plain && has_bytes(gltf, primitives[i].at("attributes"), name.c_str(), place);
+        plain = plain && has_buffer_view(gltf, primitives[i].at("attributes"), name.c_str(), place);
       }
       if (plain) continue;
-      result.push_back(checked_draco(gltf, primitives[i], *packed, place));
+      result.push_back(checked_draco(gltf, primitives[i], *compressed, place));
       result.back().primitive = static_cast<int>(i);
     }
   });
