@@ -22,10 +22,10 @@
 namespace patchlight {
 namespace {
 
-/// Triangles that instances may make, for each patch that is allowed: spheres take many triangles and few patches.
+/// Maximum number of triangles per permitted patch; spheres have many triangles and few patches.
 constexpr std::int64_t kTrianglesPerPatch = 20;
-constexpr std::size_t kMostLights = 1000;             // each is looked at by every patch and every pixel
-constexpr std::int64_t kMostTriangles = 600'000'000;  // their corners are counted in 32 bits
+constexpr std::size_t kMaxLights = 1000;             // every patch and every pixel samples each of them
+constexpr std::int64_t kMaxTriangles = 600'000'000;  // corner indices have 32 bits
 
 struct PlacedNode {
   int node;
@@ -62,7 +62,8 @@ std::vector<PlacedNode> placed_nodes(const GltfModel& model) {
     const Matrix4& m = node.to_world;
     if (std::abs(m[0][3]) + std::abs(m[1][3]) + std::abs(m[2][3]) + std::abs(m[3][3] - 1.0) > 1e-6) {
       throw Error(ExitCode::bad_data, "the transform is not affine",
-                  fmt::format("{}, nodes[{}]", model.file.name, node.node), "its matrix must end in a row 0 0 0 1");
+                  fmt::format("{}, nodes[{}]", model.file.name, node.node),
+                  "the last row of its matrix must be 0 0 0 1");
     }
     placed.push_back(node);
     push(gltf.nodes[node.node].children, node.to_world);
@@ -71,7 +72,7 @@ std::vector<PlacedNode> placed_nodes(const GltfModel& model) {
 }
 
 std::int64_t triangle_limit(const ImportConfig& config) {
-  return std::min(config.max_patches, kMostTriangles / kTrianglesPerPatch) * kTrianglesPerPatch;
+  return std::min(config.max_patches, kMaxTriangles / kTrianglesPerPatch) * kTrianglesPerPatch;
 }
 
 std::vector<Surface> placed_surfaces(const GltfModel& model, const std::vector<PlacedNode>& nodes, std::int64_t limit,
@@ -90,9 +91,9 @@ std::vector<Surface> placed_surfaces(const GltfModel& model, const std::vector<P
       const std::size_t part = k % parts.size();
       triangles += parts[part].triangles;
       if (triangles > limit) {
-        throw Error(
-            ExitCode::over_limit, fmt::format("the scene has more than {} triangles", limit), model.file.name,
-            fmt::format("simplify it or raise import.max_patches; {} triangles are read for each", kTrianglesPerPatch));
+        throw Error(ExitCode::over_limit, fmt::format("the scene has more than {} triangles", limit), model.file.name,
+                    fmt::format("simplify it or raise import.max_patches; {} triangles are allowed per patch",
+                                kTrianglesPerPatch));
       }
       Surface surface;
       surface.node = node.node;
@@ -115,17 +116,18 @@ std::string light_group(const tinygltf::Node& node, const SurfaceMaterial& mater
   return light_group_name(name.empty() ? material.name : name);
 }
 
-/// The light groups of a scene in the making.
+/// Collects the light groups of a scene.
 class LightGroups {
  public:
   LightGroups(const GltfModel& model, GltfScene& scene) : model_(model), scene_(scene) {}
 
-  /// `source`: what of it names a group that nothing else does.
-  int number(const std::string& name, const std::string& node, const char* source) {
+  /// Index of a group, added if it is new. `source`: the kind of object that may have given its name.
+  int index_of(const std::string& name, const std::string& node, const char* source) {
     if (name.size() > kLongestLightGroup) {
-      throw Error(ExitCode::bad_data, fmt::format("a light group's name of {} bytes", name.size()),
-                  fmt::format("{}, node {}", model_.file.name, node),
-                  fmt::format("shorten it to {}; the {}'s name counts too", kLongestLightGroup, source));
+      throw Error(
+          ExitCode::bad_data, fmt::format("the name of a light group has {} bytes", name.size()),
+          fmt::format("{}, node {}", model_.file.name, node),
+          fmt::format("shorten it to {} bytes; by default it is the name of the {}", kLongestLightGroup, source));
     }
     const auto [entry, is_new] = numbers_.emplace(name, static_cast<int>(scene_.light_groups.size()));
     if (is_new) scene_.light_groups.push_back(name);
@@ -144,7 +146,7 @@ void assign_light_groups(const GltfModel& model, LightGroups& groups, GltfScene&
     const bool shader_emits = surface.shader >= 0 && is_set(scene.shaders[surface.shader].emission);
     if (!material.emits() && !shader_emits) continue;
     const std::string name = light_group(model.gltf.nodes[surface.node], material);
-    surface.light_group = groups.number(name, scene.nodes[surface.node], "emitting material");
+    surface.light_group = groups.index_of(name, scene.nodes[surface.node], "emitting material");
   }
 }
 
@@ -153,28 +155,28 @@ void place_lights(const GltfModel& model, const Job& job, const std::vector<Plac
   for (const PlacedNode& node : nodes) {
     auto placed = placed_light(model, job, scene.nodes, node.node, node.to_world, progress);
     if (!placed) continue;
-    if (scene.lights.size() == kMostLights)
-      throw Error(ExitCode::over_limit, fmt::format("the scene has more than {} lights", kMostLights), model.file.name,
-                  "exclude some by the job's `nodes`, or make them emissive surfaces; this limit is fixed");
-    placed->light.light_group = groups.number(placed->group, placed->light.name, "light");
+    if (scene.lights.size() == kMaxLights)
+      throw Error(ExitCode::over_limit, fmt::format("the scene has more than {} lights", kMaxLights), model.file.name,
+                  "exclude some in the job's `nodes`, or replace them by emissive surfaces; this limit is fixed");
+    placed->light.light_group = groups.index_of(placed->group, placed->light.name, "light");
     scene.lights.push_back(std::move(placed->light));
   }
 }
 
-/// Vertex colours count where the job does not say what the reflectance is, their alpha where a material cuts out.
+/// Vertex colours apply unless the job or a shader sets the reflectance; vertex alpha applies if there is a mask.
 void assign_vertex_colors(const GltfModel& model, GltfScene& scene) {
   for (Surface& surface : scene.surfaces) {
     const SurfaceMaterial& material = scene.materials[surface.material];
     const MeshPart& part = model.mesh_parts[surface.mesh][surface.part];
     const bool shaded = surface.shader >= 0 && is_set(scene.shaders[surface.shader].reflectance);
-    surface.reads_colors = part.has_colors && !shaded && !material.reflectance_overridden;
+    surface.needs_colors = part.has_colors && !shaded && !material.reflectance_overridden;
     surface.is_masked = material.mask >= 0 && (part.has_alphas || !material.masked_by_vertices_only);
-    surface.reads_alphas = part.has_alphas && surface.is_masked;
+    surface.needs_alphas = part.has_alphas && surface.is_masked;
   }
 }
 
-/// Leaves out what alpha leaves nothing of.
-void leave_out_invisible(const GltfModel& model, GltfScene& scene, Progress& progress) {
+/// Removes surfaces whose alpha test fails everywhere.
+void remove_invisible(const GltfModel& model, GltfScene& scene, Progress& progress) {
   std::set<std::string> names;
   std::erase_if(scene.surfaces, [&](const Surface& surface) {
     const SurfaceMaterial& material = scene.materials[surface.material];
@@ -184,12 +186,13 @@ void leave_out_invisible(const GltfModel& model, GltfScene& scene, Progress& pro
     return true;
   });
   for (const std::string& name : names)
-    progress.warning(fmt::format("material '{}' is left out: its alpha is below its cutoff everywhere", name));
+    progress.warning(
+        fmt::format("surfaces of material '{}' are skipped: their alpha is below the cutoff everywhere", name));
 }
 
 /// Names the nodes of surfaces that have no material, unless the job says what these reflect.
 void warn_of_missing_materials(const GltfScene& scene, std::size_t default_material, Progress& progress) {
-  constexpr std::size_t kMostNames = 5;
+  constexpr std::size_t kMaxNames = 5;
   if (default_material >= scene.materials.size() || scene.materials[default_material].overridden) return;
   std::vector<std::string> names;
   std::set<int> nodes;
@@ -197,7 +200,7 @@ void warn_of_missing_materials(const GltfScene& scene, std::size_t default_mater
     const bool shaded = surface.shader >= 0 && is_set(scene.shaders[surface.shader].reflectance);
     if (shaded || surface.material != static_cast<int>(default_material) || !nodes.insert(surface.node).second)
       continue;
-    if (names.size() < kMostNames) names.push_back("`" + scene.nodes[surface.node] + "`");
+    if (names.size() < kMaxNames) names.push_back("`" + scene.nodes[surface.node] + "`");
   }
   if (names.empty()) return;
   const std::string more = nodes.size() > names.size() ? fmt::format(" and {} more", nodes.size() - names.size()) : "";
@@ -218,7 +221,8 @@ std::vector<Camera> placed_cameras(const GltfModel& model, const std::vector<Pla
       cameras.push_back(std::move(*placed));
       cameras.back().motion = motions.motion_of(node.node);
     } else {
-      progress.warning(fmt::format("camera '{}' is skipped: its lens or transform makes no picture", names[node.node]));
+      progress.warning(
+          fmt::format("camera '{}' is skipped: its field of view or transform is invalid", names[node.node]));
     }
   }
   return cameras;
@@ -227,11 +231,11 @@ std::vector<Camera> placed_cameras(const GltfModel& model, const std::vector<Pla
 }  // namespace
 
 GltfScene read_gltf_scene(const Job& job, Progress& progress) {
-  const std::vector<char> reads_uv = check_shaders(job);
-  GltfReadOptions wanted;
-  wanted.texcoords = std::find(reads_uv.begin(), reads_uv.end(), 1) != reads_uv.end();
-  wanted.animations = job.import.time.has_value();
-  const auto model = std::make_shared<GltfModel>(load_gltf_model(read_gltf_file(job.scene), wanted));
+  const std::vector<char> uses_uv = check_shaders(job);
+  GltfReadOptions options;
+  options.texcoords = std::find(uses_uv.begin(), uses_uv.end(), 1) != uses_uv.end();
+  options.animations = job.import.time.has_value();
+  const auto model = std::make_shared<GltfModel>(load_gltf_model(read_gltf_file(job.scene), options));
   if (job.import.time) pose_nodes(*model, *job.import.time);
   for (const std::string& message : model->checked.ignored) progress.warning(message);
 
@@ -245,17 +249,17 @@ GltfScene read_gltf_scene(const Job& job, Progress& progress) {
   for (const PlacedNode& node : nodes) scene.node_to_world[node.node] = node.to_world;
   scene.surfaces = placed_surfaces(*model, nodes, triangle_limit(job.import), scene.triangles);
 
-  leave_out_excluded(*model, job, scene);
+  remove_excluded(*model, job, scene);
   std::vector<char> used(model->gltf.materials.size() + 1, 0);
   for (const Surface& surface : scene.surfaces) used[surface.material] = 1;
   scene.materials = read_materials(*model, used, job, scene.textures, scene.masks, progress);
-  leave_out_invisible(*model, scene, progress);
+  remove_invisible(*model, scene, progress);
   override_nodes(*model, job, scene, progress);
   for (Surface& surface : scene.surfaces) {
     const SurfaceMaterial& material = scene.materials[surface.material];
-    surface.reads_uv = material.has_texture() || material.mask >= 0;
+    surface.needs_texcoords = material.has_texture() || material.mask >= 0;
   }
-  assign_shaders(job, reads_uv, scene, progress);
+  assign_shaders(job, uses_uv, scene, progress);
   warn_of_missing_materials(scene, model->gltf.materials.size(), progress);
   assign_vertex_colors(*model, scene);
   LightGroups groups(*model, scene);

@@ -32,15 +32,15 @@ std::vector<Matrix4> instances_of(const GltfModel& model, int node) {
     if (scale) matrix.setScale(Vec3d(scale->vector3(i)));
     if (rotation) {
       const auto q = rotation->vector4(i);
-      const Imath::Quatd turn(q[3], q[0], q[1], q[2]);
-      if (turn.length() > 0.0) matrix *= turn.normalized().toMatrix44();
+      const Imath::Quatd quaternion(q[3], q[0], q[1], q[2]);
+      if (quaternion.length() > 0.0) matrix *= quaternion.normalized().toMatrix44();
     }
     if (translation) matrix *= Matrix4().setTranslation(Vec3d(translation->vector3(i)));
     for (int k = 0; k < 16; ++k) {
       if (!std::isfinite(matrix.x[k / 4][k % 4])) {
         throw Error(ExitCode::bad_data, fmt::format("instance {} is not finite", i),
                     fmt::format("{}, nodes[{}] '{}'", model.file.name, node, model.gltf.nodes[node].name),
-                    "mend its place");
+                    "correct the instance's transform");
       }
     }
     result.push_back(matrix);

@@ -6,8 +6,8 @@
 
 namespace patchlight {
 
-/// Transforms of a node's instances (EXT_mesh_gpu_instancing) to the node; one that changes nothing for a node without.
-/// Throws: Error (bad_data) naming the node for numbers that are not finite.
+/// Transforms from a node's instances (EXT_mesh_gpu_instancing) to the node; one identity matrix without the extension.
+/// Throws: Error (bad_data) naming the node for non-finite numbers.
 std::vector<Matrix4> instances_of(const GltfModel& model, int node);
 
 }  // namespace patchlight

@@ -13,10 +13,10 @@ namespace patchlight {
 namespace {
 
 constexpr float kLumensPerWatt = 683.0f;
-constexpr double kFarthest = 1e12;  // m, as of surfaces
+constexpr double kMaxDistance = 1e12;  // m, as for surfaces
 
-/// Of the node of a light, the one that a user knows.
-int lamp_of(const GltfModel& model, int node) {
+/// The node whose name the user knows: the parent, if Blender's exporter added this node to rotate the light.
+int named_node(const GltfModel& model, int node) {
   const int parent = model.checked.parents[node];
   const auto& nodes = model.gltf.nodes;
   return parent >= 0 && nodes[node].name == nodes[parent].name + "_Orientation" ? parent : node;
@@ -27,13 +27,13 @@ std::string group_of_node(const tinygltf::Node& node) {
   return named ? node.extras.Get("light_group").Get<std::string>() : "";
 }
 
-std::string group_of(const GltfModel& model, const Job& job, int node, int lamp, const GltfLight& source,
+std::string group_of(const GltfModel& model, const Job& job, int node, int named, const GltfLight& source,
                      const std::string& name) {
   std::string group;
   for (const MaterialOverride& change : job.nodes)
     if (change.light_group && matches(change.pattern, name)) group = *change.light_group;
   for (const std::string& other :
-       {group_of_node(model.gltf.nodes[node]), group_of_node(model.gltf.nodes[lamp]), source.light_group, source.name})
+       {group_of_node(model.gltf.nodes[node]), group_of_node(model.gltf.nodes[named]), source.light_group, source.name})
     if (group.empty()) group = other;
   return light_group_name(group.empty() ? name : group);
 }
@@ -45,21 +45,23 @@ std::optional<PlacedLight> placed_light(const GltfModel& model, const Job& job, 
   const auto found = model.checked.node_lights.find(node);
   if (found == model.checked.node_lights.end()) return std::nullopt;
   const GltfLight& source = model.checked.lights[found->second];
-  const int lamp = lamp_of(model, node);
-  PlacedLight placed{source.light, group_of(model, job, node, lamp, source, names[lamp])};
+  const int named = named_node(model, node);
+  PlacedLight placed{source.light, group_of(model, job, node, named, source, names[named])};
   Light& light = placed.light;
-  light.name = names[lamp];
+  light.name = names[named];
   if (job.import.punctual_units != "raw") light.strength /= kLumensPerWatt;
   if (light.strength == Color(0.0f) || is_excluded(job.nodes, light.name)) return std::nullopt;
   const Vec3d forward(-to_world[2][0], -to_world[2][1], -to_world[2][2]);
   if (light.kind != Light::Kind::sun) light.position = {to_world[3][0], to_world[3][1], to_world[3][2]};
   for (int k = 0; k < 3; ++k)
-    if (!(std::abs(light.position[k]) <= kFarthest) || !std::isfinite(forward[k]))
-      throw Error(ExitCode::bad_data, "a light that is not finite or too far away",
-                  fmt::format("{}, nodes[{}] '{}'", model.file.name, node, names[node]), "mend its place");
+    if (!(std::abs(light.position[k]) <= kMaxDistance) || !std::isfinite(forward[k]))
+      throw Error(ExitCode::bad_data, "the position or direction of a light is not finite or too far away",
+                  fmt::format("{}, nodes[{}] '{}'", model.file.name, node, names[node]),
+                  "correct the node's transform");
   if (light.kind == Light::Kind::point) return placed;
   if (!(forward.length() > 0.0)) {
-    progress.warning(fmt::format("light '{}' is skipped: its transform leaves no direction", light.name));
+    progress.warning(fmt::format("light '{}' is skipped: its transform has no direction: its local Z axis has length 0",
+                                 light.name));
     return std::nullopt;
   }
   light.direction = forward.normalized();

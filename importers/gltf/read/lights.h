@@ -9,17 +9,17 @@
 
 namespace patchlight {
 
-/// A light of the scene, and the name of its group.
+/// A light in world space, and the name of its light group.
 struct PlacedLight {
   Light light;
   std::string group;
 };
 
-/// The light on a node, in W/sr or W/m2 whatever the file's unit; nothing if there is none, if it has no strength, the
-/// job excludes it, or its transform leaves no direction. It goes by the name of the node, or, of one that Blender's
-/// exporter puts below a lamp to turn it, by the lamp's. Scale has no say.
-/// The group is named by the job, else by the node's `light_group`, else by the light's, else it is the light's name.
-/// Throws: Error (bad_data) for a place that is not finite.
+/// The light of a node, in W/sr or W/m2 whatever unit the file uses. Nothing if the node has none, its strength is 0,
+/// the job excludes it, or its transform gives no direction. Its name is the node's, or the parent's if Blender's
+/// exporter added the node to rotate the light. Scale is ignored. Light group, in order of precedence: job,
+/// `light_group` of the node, `light_group` of the light, name of the light. Throws: Error (bad_data) for a non-finite
+/// or far too distant position.
 std::optional<PlacedLight> placed_light(const GltfModel& model, const Job& job, const std::vector<std::string>& names,
                                         int node, const Matrix4& to_world, Progress& progress);
 

@@ -3,90 +3,22 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
 
 #include "importers/gltf/read/name_pattern.h"
-#include "importers/gltf/read/texture_reader.h"
+#include "importers/gltf/read/scene_textures.h"
 #include "pipeline/model/error.h"
 
 namespace patchlight {
 namespace {
 
-constexpr float kHighestReflectance = 0.99999f;
-constexpr float kStrongestEmission = 3e38f;
+constexpr float kMaxReflectance = 0.99999f;
+constexpr float kMaxEmission = 3e38f;
 constexpr float kDefaultGrey = 0.8f;
-
-Texture::Wrap wrap_of(int gltf) {
-  if (gltf == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE) return Texture::Wrap::clamp;
-  return gltf == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT ? Texture::Wrap::mirror : Texture::Wrap::repeat;
-}
-
-/// The textures that were looked up.
-struct TextureReader {
-  GltfModel& model;
-  Progress& progress;
-  std::vector<Texture>& textures;
-  std::vector<Texture>& masks;
-  std::int64_t texels_left = kMostTexels;
-  std::map<std::pair<int, TextureEncoding>, std::pair<Vec3d, std::int32_t>> whole{};
-  std::map<int, std::int32_t> mask_of{};
-
-  /// The mean of a texture, and its number among the scene's; ones and -1 for none.
-  std::pair<Vec3d, std::int32_t> texture(const tinygltf::TextureInfo& info, TextureEncoding encoding) {
-    const std::pair<Vec3d, std::int32_t> none(Vec3d(1.0), -1);
-    if (info.index < 0) return none;
-    const tinygltf::Texture& source = model.gltf.textures[info.index];
-    if (source.source < 0) {
-      progress.warning(
-          fmt::format("textures[{}] has no PNG or JPEG image: only the material's factor counts", info.index));
-      return none;
-    }
-    const auto [entry, is_new] =
-        whole.emplace(std::pair(info.index, encoding), std::pair(Vec3d(1.0), std::int32_t(textures.size())));
-    if (is_new) entry->second.first = read(source.source, encoding, &textures.emplace_back(sampled(source)));
-    return entry->second;
-  }
-
-  /// The number of a base colour's mask; without a texture, or alpha in it, of one that is there everywhere.
-  std::int32_t mask(const tinygltf::TextureInfo& info) {
-    const bool none = info.index < 0 || model.gltf.textures[info.index].source < 0;
-    const auto [entry, is_new] = mask_of.emplace(none ? -1 : info.index, std::int32_t(masks.size()));
-    if (!is_new) return entry->second;
-    Texture whole_one;
-    whole_one.width = whole_one.height = 1;
-    whole_one.texels = {255};
-    if (none) {
-      masks.push_back(whole_one);
-      return entry->second;
-    }
-    const tinygltf::Texture& source = model.gltf.textures[info.index];
-    Texture texture = sampled(source);
-    read(source.source, TextureEncoding::alpha, &texture);
-    masks.push_back(texture.texels.empty() ? whole_one : std::move(texture));
-    return entry->second;
-  }
-
-  /// A texture still without texels.
-  Texture sampled(const tinygltf::Texture& source) const {
-    Texture texture;
-    if (source.sampler < 0) return texture;
-    const tinygltf::Sampler& sampler = model.gltf.samplers[source.sampler];
-    texture.wrap = {wrap_of(sampler.wrapS), wrap_of(sampler.wrapT)};
-    texture.nearest = sampler.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST;
-    return texture;
-  }
-
-  Vec3d read(int image, TextureEncoding encoding, Texture* kept) {
-    std::shared_ptr<const Bytes> owner;
-    const std::string place = fmt::format("{}, {}", model.file.name, model.checked.images[image].name);
-    return read_texture(image_bytes(model, image, owner), encoding, place, texels_left, kept);
-  }
-};
 
 [[noreturn]] void refuse(const GltfModel& model, const std::string& material, const std::string& what,
                          const std::string& range) {
   throw Error(ExitCode::bad_data, what, fmt::format("{}, material '{}'", model.file.name, material),
-              fmt::format("it must be {}; mend the material or override it in the job's `materials`", range));
+              fmt::format("it must be {}; correct the material or override it in the job's `materials`", range));
 }
 
 Color color(const Vec3d& value) {
@@ -103,35 +35,19 @@ double emissive_strength(const tinygltf::Material& source) {
   return extension->second.Get("emissiveStrength").GetNumberAsDouble();
 }
 
-TextureMapping mapping_of(const tinygltf::TextureInfo& info) {
-  TextureMapping mapping;
-  mapping.set = info.texCoord;
-  const auto extension = info.extensions.find("KHR_texture_transform");
-  if (extension == info.extensions.end()) return mapping;
-  const tinygltf::Value& transform = extension->second;
-  const auto pair = [&](const char* key, Vec2f& result) {
-    if (!transform.Has(key)) return;
-    for (int i = 0; i < 2; ++i) result[i] = static_cast<float>(transform.Get(key).Get(i).GetNumberAsDouble());
-  };
-  pair("offset", mapping.offset);
-  pair("scale", mapping.scale);
-  if (transform.Has("rotation")) mapping.rotation = static_cast<float>(transform.Get("rotation").GetNumberAsDouble());
-  if (transform.Has("texCoord")) mapping.set = transform.Get("texCoord").GetNumberAsInt();
-  return mapping;
-}
-
-/// What a material cuts out: where alpha is below the cutoff. BLEND is MASK at a half.
-void read_mask(const tinygltf::Material& source, TextureReader& textures, SurfaceMaterial& material) {
+/// Reads the alpha mask. BLEND is read as MASK with a cutoff of 0.5.
+void read_mask(const tinygltf::Material& source, SceneTextures& textures, SurfaceMaterial& material) {
   if (source.alphaMode != "MASK" && source.alphaMode != "BLEND") return;
-  constexpr double kHalf = 0.5;
-  const double cutoff = source.alphaMode == "MASK" ? source.alphaCutoff : kHalf;
+  constexpr double kBlendCutoff = 0.5;
+  const double cutoff = source.alphaMode == "MASK" ? source.alphaCutoff : kBlendCutoff;
   const double alpha = source.pbrMetallicRoughness.baseColorFactor.at(3);
   if (!(alpha >= 0.0 && alpha <= 1.0))
-    refuse(textures.model, material.name, fmt::format("the alpha of its base colour is {}", alpha), "in [0, 1]");
+    refuse(textures.model(), material.name, fmt::format("the alpha of its base colour factor is {}", alpha),
+           "in [0, 1]");
   if (!(cutoff > 0.0)) return;
   const std::int32_t mask = textures.mask(source.pbrMetallicRoughness.baseColorTexture);
-  const auto [least, most] =
-      std::minmax_element(textures.masks[mask].texels.begin(), textures.masks[mask].texels.end());
+  const std::vector<std::int32_t>& texels = textures.mask_at(mask).texels;
+  const auto [least, most] = std::minmax_element(texels.begin(), texels.end());
   material.alpha = static_cast<float>(alpha);
   material.alpha_cutoff = static_cast<float>(cutoff);
   material.invisible = material.alpha * static_cast<float>(*most) / 255.0f < material.alpha_cutoff;
@@ -139,39 +55,40 @@ void read_mask(const tinygltf::Material& source, TextureReader& textures, Surfac
   material.mask = mask;
 }
 
-SurfaceMaterial read_material(const tinygltf::Material& source, bool used, TextureReader& textures) {
+SurfaceMaterial read_material(const tinygltf::Material& source, bool used, SceneTextures& textures) {
   const auto read = [&](const tinygltf::TextureInfo& info, TextureEncoding encoding) {
     return used ? textures.texture(info, encoding) : std::pair(Vec3d(1.0), std::int32_t{-1});
   };
   const tinygltf::PbrMetallicRoughness& pbr = source.pbrMetallicRoughness;
-  const bool unlit = source.extensions.contains("KHR_materials_unlit");  // a colour, of no metal
-  const double most_metallic = unlit ? 0.0 : pbr.metallicFactor;
+  const bool unlit = source.extensions.contains("KHR_materials_unlit");  // then not metallic
+  const double metallic_factor = unlit ? 0.0 : pbr.metallicFactor;
 
   SurfaceMaterial material;
   material.name = source.name.empty() ? "default" : source.name;
-  // G is roughness, B metallic.
+  // Roughness is in the green channel, metallic in the blue one.
   const auto [metallic_roughness, metallic_roughness_texture] =
       read(pbr.metallicRoughnessTexture, TextureEncoding::linear);
   const auto [base_mean, texture] = read(pbr.baseColorTexture, TextureEncoding::srgb);
   const auto [emissive_mean, emission_texture] = read(source.emissiveTexture, TextureEncoding::srgb);
   const Vec3d factor = vector(pbr.baseColorFactor), base = factor * base_mean;
   const Vec3d emissive = vector(source.emissiveFactor) * (kPi * emissive_strength(source));
-  if (!(most_metallic >= 0.0 && most_metallic <= 1.0)) {
-    refuse(textures.model, material.name, fmt::format("metallic is {}", most_metallic), "in [0, 1]");
+  if (!(metallic_factor >= 0.0 && metallic_factor <= 1.0)) {
+    refuse(textures.model(), material.name, fmt::format("its metallic factor is {}", metallic_factor), "in [0, 1]");
   }
   if (!(pbr.roughnessFactor >= 0.0 && pbr.roughnessFactor <= 1.0)) {
-    refuse(textures.model, material.name, fmt::format("roughness is {}", pbr.roughnessFactor), "in [0, 1]");
+    refuse(textures.model(), material.name, fmt::format("its roughness factor is {}", pbr.roughnessFactor),
+           "in [0, 1]");
   }
-  const double metallic = most_metallic * metallic_roughness.z;
+  const double metallic = metallic_factor * metallic_roughness.z;
   material.reflectance = color(base * (1.0 - metallic));
   material.texture = texture;
   if (used) read_mask(source, textures, material);
   if (texture >= 0) material.mapping = mapping_of(pbr.baseColorTexture);
-  material.tint = color(factor * (1.0 - most_metallic));
-  material.metal = color(factor * most_metallic);
+  material.tint = color(factor * (1.0 - metallic_factor));
+  material.metal = color(factor * metallic_factor);
   material.specular = color(base * metallic);
   material.roughness = static_cast<float>(pbr.roughnessFactor * metallic_roughness.y);
-  if (most_metallic > 0.0) material.metallic_roughness_texture = metallic_roughness_texture;
+  if (metallic_factor > 0.0) material.metallic_roughness_texture = metallic_roughness_texture;
   material.metallic_roughness_mapping = mapping_of(pbr.metallicRoughnessTexture);
   material.mean_metallic = static_cast<float>(metallic_roughness.z);
   material.roughness_factor = static_cast<float>(pbr.roughnessFactor);
@@ -186,6 +103,7 @@ SurfaceMaterial read_material(const tinygltf::Material& source, bool used, Textu
   return material;
 }
 
+/// Of surfaces without a material.
 SurfaceMaterial default_material() {
   SurfaceMaterial material;
   material.name = "default";
@@ -193,21 +111,21 @@ SurfaceMaterial default_material() {
   return material;
 }
 
-/// What is left for one kind of reflection beside the other.
-Color at_most_rest(const Color& value, const Color& other) {
+/// `value`, limited to 1 - `other` per channel, so that both reflectances together do not exceed 1.
+Color limited_by(const Color& value, const Color& other) {
   Color result = value;
   for (int i = 0; i < 3; ++i) result[i] = std::min(result[i], std::max(0.0f, 1.0f - other[i]));
   return result;
 }
 
-/// Makes the metallic part the same everywhere.
-void fix_metallic_roughness(SurfaceMaterial& material) {
+/// Replaces the metallic-roughness texture by its mean.
+void average_metallic_roughness(SurfaceMaterial& material) {
   material.tint += material.metal * (1.0f - material.mean_metallic);
   material.metal = Color(0.0f);
   material.metallic_roughness_texture = -1;
 }
 
-/// `section` of the job is materials or nodes.
+/// `section` of the job: "materials" or "nodes".
 void apply_override(const MaterialOverride& change, const char* section, SurfaceMaterial& material) {
   if (change.light_group) {
     material.light_group = *change.light_group;
@@ -219,7 +137,7 @@ void apply_override(const MaterialOverride& change, const char* section, Surface
     material.emission_texture = -1;
     material.emission_tint = Color(0.0f);
   }
-  if (change.reflectance || change.mirror) fix_metallic_roughness(material);
+  if (change.reflectance || change.mirror) average_metallic_roughness(material);
   if (change.reflectance) {
     material.reflectance = material.tint = *change.reflectance;
     material.texture = -1;
@@ -237,9 +155,9 @@ void apply_override(const MaterialOverride& change, const char* section, Surface
                   fmt::format("{}.{}", section, change.pattern), "lower one of them");
     }
   } else if (change.reflectance) {
-    material.specular = at_most_rest(material.specular, material.reflectance);
+    material.specular = limited_by(material.specular, material.reflectance);
   } else if (change.mirror) {
-    material.reflectance = at_most_rest(material.reflectance, material.specular);
+    material.reflectance = limited_by(material.reflectance, material.specular);
   }
 }
 
@@ -263,28 +181,30 @@ void check_values(const GltfModel& model, SurfaceMaterial& material, Progress& p
     const float specular = material.specular[i];
     const float emission = material.emission[i];
     if (!(reflectance >= 0.0f && reflectance <= 1.0f)) {
-      refuse(model, material.name, fmt::format("reflectance is {}", reflectance), "in [0, 1]");
+      refuse(model, material.name, fmt::format("its reflectance is {}", reflectance), "in [0, 1]");
     }
     if (!(specular >= 0.0f && specular <= 1.0f)) {
-      refuse(model, material.name, fmt::format("mirror reflectance is {}", specular), "in [0, 1]");
+      refuse(model, material.name, fmt::format("its specular reflectance is {}", specular), "in [0, 1]");
     }
     const float brightest = material.emission_texture < 0 ? emission : material.emission_tint[i];
-    if (!(emission >= 0.0f && brightest >= 0.0f && brightest <= kStrongestEmission)) {
-      refuse(model, material.name, fmt::format("emission is {} W/m2", brightest), "finite and not negative");
+    if (!(emission >= 0.0f && brightest >= 0.0f && brightest <= kMaxEmission)) {
+      refuse(model, material.name, fmt::format("its emission is {} W/m2", brightest), "finite and not negative");
     }
     if (!(material.tint[i] >= 0.0f && material.tint[i] <= 1.0f)) {
-      refuse(model, material.name, fmt::format("the factor of its base colour is {}", material.tint[i]), "in [0, 1]");
-    }
-    if (!(material.metal[i] >= 0.0f && material.metal[i] <= 1.0f)) {
-      refuse(model, material.name, fmt::format("the factor of its metal's colour is {}", material.metal[i]),
+      refuse(model, material.name, fmt::format("its base colour factor, times 1 - metallic, is {}", material.tint[i]),
              "in [0, 1]");
     }
-    lowered = lowered || reflectance > kHighestReflectance;
-    reflectance = std::min(reflectance, kHighestReflectance);
+    if (!(material.metal[i] >= 0.0f && material.metal[i] <= 1.0f)) {
+      refuse(model, material.name, fmt::format("its base colour factor, times metallic, is {}", material.metal[i]),
+             "in [0, 1]");
+    }
+    lowered = lowered || reflectance > kMaxReflectance;
+    reflectance = std::min(reflectance, kMaxReflectance);
   }
   if (lowered) {
-    progress.warning(fmt::format("reflectance of material '{}' lowered to {}: more would keep light forever",
-                                 material.name, kHighestReflectance));
+    progress.warning(
+        fmt::format("reflectance of material '{}' is lowered to {}: with more, light would never be absorbed",
+                    material.name, kMaxReflectance));
   }
 }
 
@@ -294,7 +214,7 @@ std::vector<SurfaceMaterial> read_materials(GltfModel& model, const std::vector<
                                             std::vector<Texture>& textures, std::vector<Texture>& masks,
                                             Progress& progress) {
   std::vector<SurfaceMaterial> materials;
-  TextureReader reader{model, progress, textures, masks};
+  SceneTextures reader(model, progress, textures, masks);
   for (std::size_t i = 0; i < model.gltf.materials.size(); ++i) {
     materials.push_back(read_material(model.gltf.materials[i], used[i], reader));
   }

@@ -11,7 +11,7 @@
 namespace patchlight {
 namespace {
 
-constexpr std::size_t kMostNumbers = 10'000'000;
+constexpr std::size_t kMaxNumbers = 10'000'000;
 
 std::vector<double> numbers(const GltfModel& model, int accessor, int width) {
   const AccessorReader reader(model, accessor);
@@ -27,14 +27,14 @@ bool all_finite(const std::vector<double>& values) {
   return std::all_of(values.begin(), values.end(), [](double x) { return std::isfinite(x); });
 }
 
-Motion fixed(const Matrix4& matrix) {
+Motion constant(const Matrix4& matrix) {
   Motion factor;
   factor.values.assign(&matrix[0][0], &matrix[0][0] + 16);
   return factor;
 }
 
-/// The part of a node's transform at rest that `kind` is. glTF's column-major matrices of column vectors are Imath's
-/// row-major ones of row vectors.
+/// The scale, rotation or translation of a node's rest transform. glTF's column-major matrices for column vectors equal
+/// Imath's row-major matrices for row vectors.
 Matrix4 rest_factor(const tinygltf::Node& node, Motion::Kind kind) {
   Matrix4 matrix;
   if (kind == Motion::Kind::scale && node.scale.size() == 3)
@@ -52,7 +52,7 @@ Motion::Kind kind_of(NodeChannel::Path path) {
                                                 : Motion::Kind::scale;
 }
 
-constexpr std::array kOutwards{Motion::Kind::scale, Motion::Kind::rotation, Motion::Kind::translation};
+constexpr std::array kOrder{Motion::Kind::scale, Motion::Kind::rotation, Motion::Kind::translation};
 
 }  // namespace
 
@@ -62,7 +62,7 @@ Matrix4 local_matrix(const tinygltf::Node& node) {
     std::copy(node.matrix.begin(), node.matrix.end(), &matrix[0][0]);
     return matrix;
   }
-  for (const Motion::Kind kind : kOutwards) matrix *= rest_factor(node, kind);
+  for (const Motion::Kind kind : kOrder) matrix *= rest_factor(node, kind);
   return matrix;
 }
 
@@ -74,33 +74,33 @@ MotionReader::MotionReader(const GltfModel& model) : model_(model), channels_(mo
 std::vector<Motion> MotionReader::motion_of(int camera) {
   std::vector<Motion> factors;
   if (model_.checked.camera_channels.empty()) return factors;
-  Matrix4 still;  // product of those since the last that moves
-  const auto end_still = [&] {
-    if (still == Matrix4()) return;
-    factors.push_back(fixed(still));
-    if (!all_finite(factors.back().values)) refuse("a transform that is not finite", camera);
-    still = Matrix4();
+  Matrix4 static_product;  // of the constant factors since the last animated one
+  const auto append_static = [&] {
+    if (static_product == Matrix4()) return;
+    factors.push_back(constant(static_product));
+    if (!all_finite(factors.back().values)) refuse("a transform is not finite", camera);
+    static_product = Matrix4();
   };
-  bool moves = false;
+  bool animated = false;
   for (int node = camera; node >= 0; node = model_.checked.parents[node]) {
     count(1, node);
     if (channels_[node] == std::array<const NodeChannel*, 4>{}) {
-      still *= local_matrix(model_.gltf.nodes[node]);
+      static_product *= local_matrix(model_.gltf.nodes[node]);
       continue;
     }
-    for (const Motion::Kind kind : kOutwards) {
+    for (const Motion::Kind kind : kOrder) {
       const NodeChannel* channel = channels_[node][static_cast<std::size_t>(kind)];
       if (!channel) {
-        still *= rest_factor(model_.gltf.nodes[node], kind);
+        static_product *= rest_factor(model_.gltf.nodes[node], kind);
         continue;
       }
-      end_still();
+      append_static();
       factors.push_back(read(*channel));
-      moves = true;
+      animated = true;
     }
   }
-  end_still();
-  return moves ? factors : std::vector<Motion>();
+  append_static();
+  return animated ? factors : std::vector<Motion>();
 }
 
 Motion MotionReader::read(const NodeChannel& channel) {
@@ -110,16 +110,17 @@ Motion MotionReader::read(const NodeChannel& channel) {
   count(model_.gltf.accessors[channel.times].count * static_cast<std::size_t>(1 + motion.stride()), channel.node);
   motion.times = numbers(model_, channel.times, 1);
   motion.values = numbers(model_, channel.values, motion.width());
-  if (motion.times.empty() || motion.values.empty()) refuse("keyframes without data", channel.node);
-  if (!all_finite(motion.times) || !all_finite(motion.values)) refuse("a keyframe that is not finite", channel.node);
-  if (!std::is_sorted(motion.times.begin(), motion.times.end())) refuse("keyframes that go back in time", channel.node);
+  if (motion.times.empty() || motion.values.empty()) refuse("keyframes have no data", channel.node);
+  if (!all_finite(motion.times) || !all_finite(motion.values)) refuse("a keyframe is not finite", channel.node);
+  if (!std::is_sorted(motion.times.begin(), motion.times.end()))
+    refuse("keyframe times are not ascending", channel.node);
   return motion;
 }
 
 void MotionReader::count(std::size_t numbers, int node) {
   read_ += numbers;
-  if (read_ > kMostNumbers)
-    throw Error(ExitCode::over_limit, fmt::format("keyframes of cameras take more than {} numbers", kMostNumbers),
+  if (read_ > kMaxNumbers)
+    throw Error(ExitCode::over_limit, fmt::format("keyframes of cameras have more than {} numbers", kMaxNumbers),
                 place(node), "export fewer animated cameras, or fewer keyframes");
 }
 

@@ -9,14 +9,14 @@
 
 namespace patchlight {
 
-/// Reads how nodes move.
+/// Reads the motion of cameras.
 class MotionReader {
  public:
   explicit MotionReader(const GltfModel& model);
 
-  /// The factors of a camera node's transform to the world, from the node to its root; none if nothing on that way
-  /// moves. Throws: Error (bad_data) for keyframes that are not in order or not finite; (over_limit) if so many cameras
-  /// share them that they would take too much memory or time.
+  /// The factors of a camera node's transform to the world, from the node to its root; empty if no node on this path is
+  /// animated. Throws: Error (bad_data) for unsorted or non-finite keyframes; (over_limit) if all cameras together have
+  /// too many.
   std::vector<Motion> motion_of(int camera);
 
  private:
@@ -26,11 +26,11 @@ class MotionReader {
   std::string place(int node) const;
 
   const GltfModel& model_;
-  std::vector<std::array<const NodeChannel*, 4>> channels_;  ///< By node and kind; null: at rest.
-  std::size_t read_ = 0;                                     ///< Numbers and nodes so far.
+  std::vector<std::array<const NodeChannel*, 4>> channels_;  ///< By node and kind; null: not animated.
+  std::size_t read_ = 0;                                     ///< Keyframe numbers and nodes read so far.
 };
 
-/// A node's transform relative to its parent, at rest.
+/// A node's rest transform relative to its parent.
 Matrix4 local_matrix(const tinygltf::Node& node);
 
 }  // namespace patchlight

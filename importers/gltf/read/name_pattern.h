@@ -5,7 +5,7 @@
 
 namespace patchlight {
 
-/// Whether a name is meant by a pattern of the job: a glob, or the name itself even if it holds a glob's characters.
+/// Whether a pattern of the job matches a name: as a glob, or literally even if it contains characters of globs.
 inline bool matches(const std::string& pattern, const std::string& name) {
   return pattern == name || fnmatch(pattern.c_str(), name.c_str(), 0) == 0;
 }

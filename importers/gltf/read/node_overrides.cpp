@@ -20,7 +20,7 @@ bool is_excluded(const std::vector<MaterialOverride>& overrides, const std::stri
   return excluded;
 }
 
-void leave_out_excluded(const GltfModel& model, const Job& job, GltfScene& scene) {
+void remove_excluded(const GltfModel& model, const Job& job, GltfScene& scene) {
   const auto& materials = model.gltf.materials;
   std::erase_if(scene.surfaces, [&](const Surface& surface) {
     const auto number = static_cast<std::size_t>(surface.material);
@@ -39,7 +39,7 @@ void override_nodes(const GltfModel& model, const Job& job, GltfScene& scene, Pr
     if (!found) progress.warning(fmt::format("nodes.{} in the job matches no node of the scene", change.pattern));
   }
   if (job.nodes.empty()) return;
-  std::map<std::pair<int, int>, int> own;  // material of a node's material
+  std::map<std::pair<int, int>, int> own;  // overridden material, by node and material
   for (Surface& surface : scene.surfaces) {
     const auto [entry, is_new] = own.emplace(std::pair(surface.node, surface.material), surface.material);
     if (is_new) {

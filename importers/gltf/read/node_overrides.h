@@ -5,13 +5,13 @@
 
 namespace patchlight {
 
-/// Whether the job leaves out what has this name; the last pattern that says so or not counts.
+/// Whether the job excludes a material or node of this name; the last matching pattern with `exclude` decides.
 bool is_excluded(const std::vector<MaterialOverride>& overrides, const std::string& name);
 
-/// Takes the surfaces out of the scene whose material or node the job excludes.
-void leave_out_excluded(const GltfModel& model, const Job& job, GltfScene& scene);
+/// Removes the surfaces whose material or node the job excludes.
+void remove_excluded(const GltfModel& model, const Job& job, GltfScene& scene);
 
-/// Gives surfaces on nodes that the job overrides materials of their own.
+/// Gives surfaces on nodes with overrides their own materials.
 /// Throws: Error (bad_data, bad_config) for values out of range.
 void override_nodes(const GltfModel& model, const Job& job, GltfScene& scene, Progress& progress);
 

@@ -14,7 +14,7 @@ namespace {
 
 using Path = NodeChannel::Path;
 
-/// The value of one channel at a time in s. Reads only the keyframes about it.
+/// The value of a channel at a time in s. Reads only the neighbouring keyframes.
 std::vector<double> value_of(const GltfModel& model, const NodeChannel& channel, double seconds) {
   const AccessorReader times(model, channel.times), values(model, channel.values);
   if (!times.data || !values.data) {
@@ -42,7 +42,7 @@ void pose_nodes(GltfModel& model, double time) {
   for (const NodeChannel& channel : model.checked.node_channels) {
     const std::vector<double> value = value_of(model, channel, time);
     if (!std::all_of(value.begin(), value.end(), [](double x) { return std::isfinite(x); })) {
-      throw Error(ExitCode::bad_data, "a keyframe that is not finite",
+      throw Error(ExitCode::bad_data, "a keyframe is not finite",
                   fmt::format("{}, nodes[{}]", model.file.name, channel.node), "export the scene again");
     }
     tinygltf::Node& node = model.gltf.nodes[channel.node];

@@ -4,8 +4,8 @@ namespace patchlight {
 
 struct GltfModel;
 
-/// Moves nodes, and sets the weights of morph targets, to where animations have them at `time`, s; before their first
-/// and after their last keyframe as there. Throws: Error (bad_data) if keyframes have no data.
+/// Sets node transforms and morph target weights to their animated values at `time`, s, clamped to the first and last
+/// keyframes. Throws: Error (bad_data) for keyframes without data or with non-finite values.
 void pose_nodes(GltfModel& model, double time);
 
 }  // namespace patchlight

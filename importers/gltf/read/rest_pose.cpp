@@ -13,7 +13,7 @@ namespace {
   throw Error(ExitCode::bad_data, what, place, "export the scene again");
 }
 
-Vec3f with_targets(Vec3f value, const auto& targets, auto member, std::size_t vertex) {
+Vec3f with_morph_targets(Vec3f value, const auto& targets, auto member, std::size_t vertex) {
   for (const auto& target : targets) {
     const std::optional<AccessorReader>& offsets = target.*member;
     if (offsets && offsets->data) value += offsets->vector3(vertex) * target.weight;
@@ -59,29 +59,30 @@ RestPose::RestPose(const GltfModel& model, const tinygltf::Primitive& primitive,
     auto numbers = reader(primitive.attributes, fmt::format("JOINTS_{}", set));
     auto joint_weights = reader(primitive.attributes, fmt::format("WEIGHTS_{}", set));
     if (!numbers || !joint_weights || !numbers->data || !joint_weights->data) break;
-    bones_.push_back({std::move(*numbers), std::move(*joint_weights)});
+    joint_sets_.push_back({std::move(*numbers), std::move(*joint_weights)});
   }
 }
 
 Vec3f RestPose::morphed_position(std::size_t vertex, const Vec3f& position) const {
-  return with_targets(position, targets_, &Target::positions, vertex);
+  return with_morph_targets(position, targets_, &Target::positions, vertex);
 }
 
 Vec3f RestPose::morphed_normal(std::size_t vertex, const Vec3f& normal) const {
-  return with_targets(normal, targets_, &Target::normals, vertex);
+  return with_morph_targets(normal, targets_, &Target::normals, vertex);
 }
 
 Matrix4 RestPose::to_world(std::size_t vertex) const {
   Matrix4 sum(0.0);
   double total = 0.0;
-  for (const Bones& bones : bones_) {
-    const auto numbers = bones.joints.vector4(vertex);
-    const auto joint_weights = bones.weights.vector4(vertex);
+  for (const JointSet& set : joint_sets_) {
+    const auto numbers = set.joints.vector4(vertex);
+    const auto joint_weights = set.weights.vector4(vertex);
     for (std::size_t i = 0; i < 4; ++i) {
       if (!(joint_weights[i] > 0.0f)) continue;
       const auto joint = static_cast<std::size_t>(numbers[i]);
       if (joint >= joints_.size()) {
-        refuse(fmt::format("vertex {} hangs on joint {} of {}", vertex, joint, joints_.size()), "a skin");
+        refuse(fmt::format("vertex {} refers to joint {}, but the skin has {} joints", vertex, joint, joints_.size()),
+               "a skin");
       }
       sum += joints_[joint] * static_cast<double>(joint_weights[i]);
       total += static_cast<double>(joint_weights[i]);

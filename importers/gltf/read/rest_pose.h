@@ -7,12 +7,11 @@
 
 namespace patchlight {
 
-/// A skin's joints as they stand: where each takes a vertex of the mesh that is bound to it, in the world.
-/// `node_to_world` by node. Throws: Error (bad_data) for a matrix that is not finite.
+/// Joint matrices of a skin: from mesh space in the bind pose to world space. `node_to_world` by node.
+/// Throws: Error (bad_data) for a non-finite matrix.
 std::vector<Matrix4> joint_matrices(const GltfModel& model, int skin, const std::vector<Matrix4>& node_to_world);
 
-/// Bends the vertices of a mesh primitive: by its morph targets with the weights that the file starts from, and by a
-/// skin.
+/// Deforms the vertices of a mesh primitive by morph targets with constant weights, and by a skin.
 class RestPose {
  public:
   /// `weights` of the targets; `joints` as joint_matrices returns them, or empty without a skin.
@@ -20,12 +19,12 @@ class RestPose {
   RestPose(const GltfModel& model, const tinygltf::Primitive& primitive, const std::vector<double>& weights,
            const std::vector<Matrix4>& joints);
 
-  /// Adds the targets' parts to a position or normal of the mesh.
+  /// Position and normal of a vertex with the weighted morph targets added, in mesh space; normals not normalised.
   Vec3f morphed_position(std::size_t vertex, const Vec3f& position) const;
   Vec3f morphed_normal(std::size_t vertex, const Vec3f& normal) const;
 
-  bool has_skin() const { return !bones_.empty(); }
-  /// Where the skin takes a vertex. Throws: Error (bad_data) for a joint that does not exist.
+  bool has_skin() const { return !joint_sets_.empty(); }
+  /// Transform of a vertex by the skin. Throws: Error (bad_data) for a joint that does not exist.
   Matrix4 to_world(std::size_t vertex) const;
 
  private:
@@ -34,14 +33,15 @@ class RestPose {
     std::optional<AccessorReader> positions;
     std::optional<AccessorReader> normals;
   };
-  struct Bones {
+  /// One JOINTS_n and WEIGHTS_n pair.
+  struct JointSet {
     AccessorReader joints;
     AccessorReader weights;
   };
 
   const std::vector<Matrix4>& joints_;
   std::vector<Target> targets_;
-  std::vector<Bones> bones_;  ///< Of four joints each.
+  std::vector<JointSet> joint_sets_;
 };
 
 }  // namespace patchlight

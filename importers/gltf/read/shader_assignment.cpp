@@ -9,35 +9,35 @@
 namespace patchlight {
 namespace {
 
-/// Whether an expression of the colour reads u or v. `key` is the colour's, as in `shaders.NAME.reflectance`.
+/// Compiles a colour's expressions. Returns whether one of them uses u or v. `key`: such as shaders.NAME.reflectance.
 bool check_color(const ColorExpressions& color, const Job& job, const std::string& key) {
   if (!is_set(color)) return false;
-  bool reads_uv = false;
+  bool uses_uv = false;
   for (const std::string& text : color) {
     try {
-      reads_uv = Expression(text).reads_uv() || reads_uv;
+      uses_uv = Expression(text).reads_uv() || uses_uv;
     } catch (const ExpressionFault& fault) {
       throw Error(ExitCode::bad_config,
                   fmt::format("bad expression `{}` at character {}", text.substr(0, 200), fault.character),
                   fmt::format("{}, {}", job.file.string(), key), fault.reason);
     }
   }
-  return reads_uv;
+  return uses_uv;
 }
 
 }  // namespace
 
 std::vector<char> check_shaders(const Job& job) {
-  std::vector<char> reads_uv;
+  std::vector<char> uses_uv;
   for (const Shader& shader : job.shaders) {
     const bool reflectance = check_color(shader.reflectance, job, fmt::format("shaders.{}.reflectance", shader.name));
     const bool emission = check_color(shader.emission, job, fmt::format("shaders.{}.emission", shader.name));
-    reads_uv.push_back(reflectance || emission);
+    uses_uv.push_back(reflectance || emission);
   }
-  return reads_uv;
+  return uses_uv;
 }
 
-void assign_shaders(const Job& job, const std::vector<char>& reads_uv, GltfScene& scene, Progress& progress) {
+void assign_shaders(const Job& job, const std::vector<char>& uses_uv, GltfScene& scene, Progress& progress) {
   std::vector<int> number(job.shaders.size(), -1);
   for (std::size_t i = 0; i < job.shaders.size(); ++i) {
     const std::string& pattern = job.shaders[i].name;
@@ -53,7 +53,7 @@ void assign_shaders(const Job& job, const std::vector<char>& reads_uv, GltfScene
   }
   for (Surface& surface : scene.surfaces) {
     if (surface.shader < 0) continue;
-    surface.reads_uv = surface.reads_uv || reads_uv[surface.shader] != 0;
+    surface.needs_texcoords = surface.needs_texcoords || uses_uv[surface.shader] != 0;
     int& index = number[surface.shader];
     if (index < 0) {
       index = static_cast<int>(scene.shaders.size());

@@ -5,12 +5,12 @@
 
 namespace patchlight {
 
-/// For each of the job's shaders, whether it reads u or v.
-/// Throws: Error (bad_config) that points into the first expression that does not compile.
+/// By shader of the job: whether it uses u or v.
+/// Throws: Error (bad_config) with the position of the fault in the first expression that does not compile.
 std::vector<char> check_shaders(const Job& job);
 
-/// Gives each surface the last of the job's shaders whose name matches its material or its node, and `scene` those in
-/// use. `reads_uv` as check_shaders returns it.
-void assign_shaders(const Job& job, const std::vector<char>& reads_uv, GltfScene& scene, Progress& progress);
+/// Assigns to each surface the last of the job's shaders whose name matches its material or its node. The shaders in
+/// use are added to `scene`. `uses_uv` as check_shaders returns it.
+void assign_shaders(const Job& job, const std::vector<char>& uses_uv, GltfScene& scene, Progress& progress);
 
 }  // namespace patchlight

@@ -13,14 +13,14 @@
 namespace patchlight {
 namespace {
 
-constexpr std::int64_t kLargestImage = 8192 * 8192;
+constexpr std::int64_t kMaxTexels = 8192 * 8192;
 constexpr int kRowsAtOnce = 64;
 
 [[noreturn]] void refuse(const std::string& what, const std::string& place) {
   throw Error(ExitCode::bad_data, what, place, "save the texture as PNG or JPEG again");
 }
 
-/// The name by which OpenImageIO chooses a reader, from the file's first bytes.
+/// A file name whose extension makes OpenImageIO choose the right reader, from the image's first bytes.
 const char* format_name(std::span<const unsigned char> bytes, const std::string& place) {
   constexpr std::array<unsigned char, 8> png{0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
   constexpr std::array<unsigned char, 3> jpeg{0xff, 0xd8, 0xff};
@@ -42,7 +42,7 @@ std::vector<float> decoding_table(TextureEncoding encoding) {
   return table;
 }
 
-/// Texels as 0xRRGGBB, grey ones as much of each, or the last channel alone.
+/// Texels as 0xRRGGBB, or alpha alone. Grey images have one or two channels.
 void append_texels(std::span<const std::uint16_t> values, std::size_t channels, TextureEncoding encoding,
                    std::vector<std::int32_t>& texels) {
   const auto byte = [](std::uint16_t value) { return (value + 128) / 257; };
@@ -71,9 +71,10 @@ void decode_texture(std::span<const unsigned char> bytes, TextureEncoding encodi
   const OIIO::ImageSpec& spec = image->spec();
   const std::int64_t texels = std::int64_t{spec.width} * spec.height;
   if (texels <= 0 || spec.nchannels < 1 || spec.nchannels > 4) refuse("the texture holds no colours", place);
-  if (texels > std::min(kLargestImage, texels_left)) {
+  if (texels > std::min(kMaxTexels, texels_left)) {
     throw Error(ExitCode::over_limit, fmt::format("a texture of {} x {} texels is too large", spec.width, spec.height),
-                place, "make it smaller; 8192 x 8192 for one, and 2^30 texels for all, are fixed limits");
+                place,
+                "scale it down; a texture may have 8192 x 8192 texels, all textures 2^30, and these limits are fixed");
   }
   const auto channels = static_cast<std::size_t>(spec.nchannels);
   if (encoding == TextureEncoding::alpha && channels % 2 != 0) {

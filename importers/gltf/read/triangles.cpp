@@ -4,6 +4,9 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "importers/gltf/model/accessor.h"
 #include "importers/gltf/read/gltf_reader.h"
@@ -13,14 +16,14 @@
 namespace patchlight {
 namespace {
 
-constexpr double kFloatRounding = 0x1p-24;  // of a number, in its size
-constexpr double kFarthest = 1e12;          // m; what is farther has no useful digits left and overflows areas
+constexpr double kFloatRounding = 0x1p-24;  // relative error of a float
+constexpr double kMaxDistance = 1e12;       // m; beyond, positions lose precision and areas overflow
 const Vec2f kNoTexcoord(std::numeric_limits<float>::quiet_NaN());
 
 /// A node's transform, for positions and for normals.
 struct Placement {
   Matrix4 matrix;
-  std::array<Vec3d, 3> cofactors;  ///< Rows; takes normals along, up to their length.
+  std::array<Vec3d, 3> cofactors;  ///< Rows of the cofactor matrix, which transforms normals up to their length.
   bool mirrors = false;
 
   explicit Placement(const Matrix4& to_world) : matrix(to_world) {
@@ -32,7 +35,7 @@ struct Placement {
     cofactors = {sign * y.cross(z), sign * z.cross(x), sign * x.cross(y)};
   }
 
-  /// The most by which a length can grow.
+  /// Upper bound of the factor by which lengths grow.
   double scale() const {
     double sum = 0.0;
     for (int i = 0; i < 3; ++i) sum += Vec3d(matrix[i][0], matrix[i][1], matrix[i][2]).length2();
@@ -56,11 +59,11 @@ struct Placement {
   }
 };
 
-/// The corner indices of one mesh primitive's triangles, whatever its mode.
+/// Order of the triangles' corners in a mesh primitive of any mode.
 struct CornerOrder {
   int mode;
 
-  /// The place in the index list of a triangle's corner.
+  /// Position of a triangle's corner in the index list.
   std::size_t operator()(std::size_t triangle, std::size_t corner) const {
     if (mode == TINYGLTF_MODE_TRIANGLE_FAN) return corner == 0 ? 0 : triangle + corner;
     if (mode == TINYGLTF_MODE_TRIANGLE_STRIP) {
@@ -76,94 +79,137 @@ struct CornerOrder {
   }
 };
 
-/// What of a mesh primitive's vertices is read besides their places.
-struct Wanted {
+/// Vertex attributes to read besides positions and normals.
+struct RequestedAttributes {
   std::vector<TextureMapping> mappings{};  ///< Of texture coordinates; empty: none.
   bool colors = false;
   bool alphas = false;
 };
 
-/// The colour of a vertex and its alpha, as far as they are wanted.
-Vec4f color_at(const std::optional<AccessorReader>& colors, const Wanted& wanted, std::size_t vertex) {
-  Vec4f value(1.0f);
-  if (!colors) return value;
-  const Vec3f color = colors->data ? colors->vector3(vertex) : Vec3f(0.0f);
-  if (wanted.colors) value = Vec4f(color.x, color.y, color.z, 1.0f);
-  if (wanted.alphas && colors->components == 4) value.w = colors->data ? colors->vector4(vertex)[3] : 0.0f;
-  return value;
-}
+/// Accessors of a mesh primitive; absent ones are empty.
+struct PrimitiveAccessors {
+  AccessorReader positions;
+  std::optional<AccessorReader> normals{};
+  std::optional<AccessorReader> indices{};
+  std::optional<AccessorReader> colors{};
+  std::vector<std::optional<AccessorReader>> texcoords{};  ///< By mapping.
 
-void append_triangles(const GltfModel& model, const tinygltf::Primitive& primitive, const Placement& placement,
-                      const RestPose& pose, const std::string& node, const Wanted& wanted, TriangleSoup& soup) {
-  const auto refuse = [&](const std::string& what) {
-    throw Error(ExitCode::bad_data, what, fmt::format("{}, node '{}'", model.file.name, node), "mend its mesh");
-  };
-  const AccessorReader positions(model, primitive.attributes.at("POSITION"));
-  std::optional<AccessorReader> normals;
-  std::optional<AccessorReader> indices;
-  std::vector<std::optional<AccessorReader>> uvs(wanted.mappings.size());
-  std::optional<AccessorReader> colors;
-  const auto normal = primitive.attributes.find("NORMAL");
-  if (normal != primitive.attributes.end()) normals.emplace(model, normal->second);
-  if (primitive.indices >= 0) indices.emplace(model, primitive.indices);
-  const auto color = primitive.attributes.find("COLOR_0");
-  if ((wanted.colors || wanted.alphas) && color != primitive.attributes.end()) colors.emplace(model, color->second);
-  for (std::size_t k = 0; k < uvs.size(); ++k) {
-    const auto uv = primitive.attributes.find(fmt::format("TEXCOORD_{}", wanted.mappings[k].set));
-    if (uv != primitive.attributes.end()) uvs[k].emplace(model, uv->second);
+  PrimitiveAccessors(const GltfModel& model, const tinygltf::Primitive& primitive, const RequestedAttributes& requested)
+      : positions(model, primitive.attributes.at("POSITION")), texcoords(requested.mappings.size()) {
+    const auto read = [&](const std::string& name, std::optional<AccessorReader>& reader) {
+      const auto attribute = primitive.attributes.find(name);
+      if (attribute != primitive.attributes.end()) reader.emplace(model, attribute->second);
+    };
+    read("NORMAL", normals);
+    if (primitive.indices >= 0) indices.emplace(model, primitive.indices);
+    if (requested.colors || requested.alphas) read("COLOR_0", colors);
+    for (std::size_t k = 0; k < texcoords.size(); ++k)
+      read(fmt::format("TEXCOORD_{}", requested.mappings[k].set), texcoords[k]);
+  }
+};
+
+/// Appends the triangles of one mesh primitive to a soup, in world space.
+class TriangleReader {
+ public:
+  /// `place`: the node, for errors.
+  TriangleReader(const PrimitiveAccessors& accessors, const Placement& placement, const RestPose& pose,
+                 const RequestedAttributes& requested, std::string place, TriangleSoup& soup)
+      : accessors_(accessors),
+        placement_(placement),
+        pose_(pose),
+        requested_(requested),
+        place_(std::move(place)),
+        soup_(soup) {}
+
+  void append_triangles(int mode) {
+    const CornerOrder order{mode};
+    const std::size_t count =
+        order.triangles(accessors_.indices ? accessors_.indices->count : accessors_.positions.count);
+    for (std::size_t triangle = 0; triangle < count; ++triangle) {
+      bool mirrors = placement_.mirrors;
+      if (pose_.has_skin()) mirrors = Placement(pose_.to_world(vertex_at(order(triangle, 0)))).mirrors;
+      for (std::size_t i = 0; i < 3; ++i) append_vertex(vertex_at(order(triangle, mirrors && i > 0 ? 3 - i : i)));
+    }
+    update_rounding();
   }
 
-  std::optional<Placement> bent;
-  const CornerOrder order{primitive.mode};
-  const std::size_t count = order.triangles(indices ? indices->count : positions.count);
-  float largest = 0.0f;  // coordinate
-  const auto vertex_at = [&](std::size_t corner) {
-    const std::size_t vertex = indices ? indices->index(corner) : corner;
-    if (vertex >= positions.count) refuse(fmt::format("vertex {} of {} does not exist", vertex, positions.count));
+ private:
+  [[noreturn]] void refuse(const std::string& what) const {
+    throw Error(ExitCode::bad_data, what, place_, "correct its mesh and export the scene again");
+  }
+
+  std::size_t vertex_at(std::size_t corner) const {
+    const std::size_t vertex = accessors_.indices ? accessors_.indices->index(corner) : corner;
+    const std::size_t count = accessors_.positions.count;
+    if (vertex >= count)
+      refuse(fmt::format("index {} refers to a vertex that does not exist; there are {}", vertex, count));
     return vertex;
-  };
-  for (std::size_t triangle = 0; triangle < count; ++triangle) {
-    bool mirrors = placement.mirrors;
-    if (pose.has_skin()) mirrors = Placement(pose.to_world(vertex_at(order(triangle, 0)))).mirrors;
-    for (std::size_t i = 0; i < 3; ++i) {
-      const std::size_t vertex = vertex_at(order(triangle, mirrors && i > 0 ? 3 - i : i));
-      const Placement& placed = pose.has_skin() ? bent.emplace(pose.to_world(vertex)) : placement;
-      const Vec3f local = pose.morphed_position(vertex, positions.vector3(vertex));
-      largest = std::max({largest, std::abs(local.x), std::abs(local.y), std::abs(local.z)});
-      const Vec3d position = placed.position(local);
-      for (int axis = 0; axis < 3; ++axis) {
-        if (!std::isfinite(position[axis])) refuse("a position is not finite");
-        if (std::abs(position[axis]) > kFarthest) refuse(fmt::format("a position is beyond {} m", kFarthest));
-      }
-      soup.positions.push_back(position);
-      soup.normals.push_back(normals && normals->data
-                                 ? placed.normal(pose.morphed_normal(vertex, normals->vector3(vertex)))
-                                 : Vec3f(0.0f));
-      if (wanted.colors || wanted.alphas) {
-        const Vec4f value = color_at(colors, wanted, vertex);
-        soup.colors.push_back(value);
-        for (int k = 0; k < 4; ++k)
-          if (!(value[k] >= 0.0f && value[k] <= 1.0f))
-            refuse(fmt::format("a vertex colour of {} is not in [0, 1]", value[k]));
-      }
-      for (std::size_t k = 0; k < uvs.size(); ++k) {
-        const bool has = uvs[k] && uvs[k]->data;
-        soup.texcoords[k].push_back(has ? wanted.mappings[k](uvs[k]->vector2(vertex)) : kNoTexcoord);
-        if (has && !std::isfinite(soup.texcoords[k].back().x + soup.texcoords[k].back().y))
-          refuse("a texture coordinate is not finite");
-      }
+  }
+
+  void append_vertex(std::size_t vertex) {
+    std::optional<Placement> skinned;
+    const Placement& placement = pose_.has_skin() ? skinned.emplace(pose_.to_world(vertex)) : placement_;
+    const Vec3f local = pose_.morphed_position(vertex, accessors_.positions.vector3(vertex));
+    largest_ = std::max({largest_, std::abs(local.x), std::abs(local.y), std::abs(local.z)});
+    const Vec3d position = placement.position(local);
+    for (int axis = 0; axis < 3; ++axis) {
+      if (!std::isfinite(position[axis])) refuse("a position is not finite");
+      if (std::abs(position[axis]) > kMaxDistance) refuse(fmt::format("a position is beyond {} m", kMaxDistance));
+    }
+    soup_.positions.push_back(position);
+    const std::optional<AccessorReader>& normals = accessors_.normals;
+    soup_.normals.push_back(normals && normals->data
+                                ? placement.normal(pose_.morphed_normal(vertex, normals->vector3(vertex)))
+                                : Vec3f(0.0f));
+    if (requested_.colors || requested_.alphas) append_color(vertex);
+    append_texcoords(vertex);
+  }
+
+  void append_color(std::size_t vertex) {
+    Vec4f value(1.0f);
+    if (accessors_.colors) {
+      const AccessorReader& colors = *accessors_.colors;
+      const Vec3f color = colors.data ? colors.vector3(vertex) : Vec3f(0.0f);
+      if (requested_.colors) value = Vec4f(color.x, color.y, color.z, 1.0f);
+      if (requested_.alphas && colors.components == 4) value.w = colors.data ? colors.vector4(vertex)[3] : 0.0f;
+    }
+    soup_.colors.push_back(value);
+    for (int k = 0; k < 4; ++k)
+      if (!(value[k] >= 0.0f && value[k] <= 1.0f))
+        refuse(fmt::format("a vertex colour of {} is not in [0, 1]", value[k]));
+  }
+
+  void append_texcoords(std::size_t vertex) {
+    for (std::size_t k = 0; k < accessors_.texcoords.size(); ++k) {
+      const std::optional<AccessorReader>& texcoords = accessors_.texcoords[k];
+      const bool has = texcoords && texcoords->data;
+      soup_.texcoords[k].push_back(has ? requested_.mappings[k](texcoords->vector2(vertex)) : kNoTexcoord);
+      if (has && !std::isfinite(soup_.texcoords[k].back().x + soup_.texcoords[k].back().y))
+        refuse("a texture coordinate is not finite");
     }
   }
-  const double rounding = std::max(positions.rounding, kFloatRounding * static_cast<double>(largest));
-  soup.rounding = std::max(soup.rounding, rounding * placement.scale());
-  soup.quantized = soup.quantized || positions.rounding > 0.0;
-  for (std::size_t k = 0; k < uvs.size(); ++k) {
-    if (!uvs[k]) continue;
-    const Vec2f& stretch = wanted.mappings[k].scale;
-    const double most = std::max(std::abs(stretch.x), std::abs(stretch.y));
-    soup.texcoord_rounding = std::max(soup.texcoord_rounding, uvs[k]->rounding * most);
+
+  void update_rounding() {
+    const AccessorReader& positions = accessors_.positions;
+    const double rounding = std::max(positions.rounding, kFloatRounding * static_cast<double>(largest_));
+    soup_.rounding = std::max(soup_.rounding, rounding * placement_.scale());
+    soup_.quantized = soup_.quantized || positions.rounding > 0.0;
+    for (std::size_t k = 0; k < accessors_.texcoords.size(); ++k) {
+      if (!accessors_.texcoords[k]) continue;
+      const Vec2f& scale = requested_.mappings[k].scale;
+      const double largest = std::max(std::abs(scale.x), std::abs(scale.y));
+      soup_.texcoord_rounding = std::max(soup_.texcoord_rounding, accessors_.texcoords[k]->rounding * largest);
+    }
   }
-}
+
+  const PrimitiveAccessors& accessors_;
+  const Placement& placement_;
+  const RestPose& pose_;
+  const RequestedAttributes& requested_;
+  const std::string place_;
+  TriangleSoup& soup_;
+  float largest_ = 0.0f;  ///< Largest |coordinate| in mesh space.
+};
 
 }  // namespace
 
@@ -181,16 +227,19 @@ TriangleSoup read_triangles(const GltfScene& scene, const Surface& surface) {
   soup.positions.reserve(static_cast<std::size_t>(part.triangles) * 3);
   soup.normals.reserve(static_cast<std::size_t>(part.triangles) * 3);
   const Placement placement(surface.to_world);
-  Wanted wanted{{}, surface.reads_colors, surface.reads_alphas};
-  if (surface.reads_uv) wanted.mappings = scene.materials[surface.material].mappings().all;
-  soup.texcoords.resize(wanted.mappings.size());
+  RequestedAttributes requested{{}, surface.needs_colors, surface.needs_alphas};
+  if (surface.needs_texcoords) requested.mappings = scene.materials[surface.material].mappings().all;
+  soup.texcoords.resize(requested.mappings.size());
   const tinygltf::Mesh& mesh = model.gltf.meshes[surface.mesh];
   const tinygltf::Node& node = model.gltf.nodes[surface.node];
   std::vector<Matrix4> joints;
   if (node.skin >= 0) joints = joint_matrices(model, node.skin, scene.node_to_world);
-  for (const int primitive : part.primitives) {
-    const RestPose pose(model, mesh.primitives[primitive], node.weights.empty() ? mesh.weights : node.weights, joints);
-    append_triangles(model, mesh.primitives[primitive], placement, pose, scene.nodes[surface.node], wanted, soup);
+  const std::string place = fmt::format("{}, node '{}'", model.file.name, scene.nodes[surface.node]);
+  for (const int index : part.primitives) {
+    const tinygltf::Primitive& primitive = mesh.primitives[index];
+    const RestPose pose(model, primitive, node.weights.empty() ? mesh.weights : node.weights, joints);
+    const PrimitiveAccessors accessors(model, primitive, requested);
+    TriangleReader(accessors, placement, pose, requested, place, soup).append_triangles(primitive.mode);
   }
   return soup;
 }

@@ -15,7 +15,7 @@ const Json kLeaf{
     {"pbrMetallicRoughness", {{"metallicFactor", 0}, {"baseColorTexture", {{"index", 0}}}}},
 };
 
-/// Red and there, green and a hole, blue and half there, white and a hole; four patches, or sixteen, side by side.
+/// A square with four texels along x: opaque red, transparent green, blue of alpha 128, white of alpha 127.
 struct Leaf {
   Importer importer;
   GltfBuilder gltf;
@@ -28,7 +28,7 @@ struct Leaf {
   PatchSet import() { return importer.import(gltf); }
 };
 
-TEST(AlphaMasks, PatchesAreOfWhatIsThere) {
+TEST(AlphaMasks, PatchesAverageTheOpaquePart) {
   Leaf leaf(kLeaf, 1.0 / 4);  // two by two patches
   const PatchSet scene = leaf.import();
   ASSERT_EQ(scene.masks.size(), 1u);
@@ -44,7 +44,7 @@ TEST(AlphaMasks, PatchesAreOfWhatIsThere) {
   EXPECT_NEAR(patch_at(scene, 0.75).reflectance.x, 0, 1e-6);
 }
 
-TEST(AlphaMasks, TheFactorsAlphaAndTheCutoffCount) {
+TEST(AlphaMasks, AlphaFactorAndCutoffApply) {
   Leaf leaf;
   leaf.gltf.json["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"] = {1, 1, 1, 0.5};
   leaf.gltf.json["materials"][0]["alphaCutoff"] = 0.25;
@@ -54,12 +54,12 @@ TEST(AlphaMasks, TheFactorsAlphaAndTheCutoffCount) {
   EXPECT_TRUE(leaf.import().masks.empty());
   leaf.gltf.json["materials"][0]["alphaCutoff"] = 0.75;
   EXPECT_ERROR(leaf.import(), ExitCode::bad_data, "no surface with an area");
-  EXPECT_THAT(leaf.importer.messages(), ::testing::HasSubstr("'leaf' is left out: its alpha"));
+  EXPECT_THAT(leaf.importer.messages(), ::testing::HasSubstr("material 'leaf' are skipped: their alpha"));
   leaf.gltf.json["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"] = {1, 1, 1, -1};
   EXPECT_ERROR(leaf.import(), ExitCode::bad_data, "leaf");
 }
 
-TEST(AlphaMasks, BlendIsMaskAtAHalfWithAWarning) {
+TEST(AlphaMasks, BlendIsReadAsMaskWithAWarning) {
   Leaf leaf;
   leaf.gltf.json["materials"][0]["alphaMode"] = "BLEND";
   leaf.gltf.json["materials"][0]["alphaCutoff"] = 0.9;
@@ -71,7 +71,7 @@ TEST(AlphaMasks, BlendIsMaskAtAHalfWithAWarning) {
   EXPECT_ERROR(leaf.import(), ExitCode::bad_data, "alphaMode");
 }
 
-TEST(AlphaMasks, WhatIsWholeHasNoMask) {
+TEST(AlphaMasks, OpaqueSurfacesHaveNoMask) {
   Leaf opaque;
   opaque.gltf.json["materials"][0].erase("alphaMode");
   EXPECT_TRUE(opaque.import().masks.empty());
@@ -83,7 +83,7 @@ TEST(AlphaMasks, WhatIsWholeHasNoMask) {
   EXPECT_EQ(unmapped.import().primitives[0].mask, -1);
 }
 
-TEST(AlphaMasks, BothSidesAreCutOutInOnePlace) {
+TEST(AlphaMasks, BothSidesHaveTheSameMask) {
   Leaf leaf;
   leaf.gltf.json["materials"][0]["doubleSided"] = true;
   const PatchSet scene = leaf.import();
@@ -94,18 +94,18 @@ TEST(AlphaMasks, BothSidesAreCutOutInOnePlace) {
   EXPECT_LT(patch_at(scene, 0.375, 1).coverage, 0.002f);
 }
 
-TEST(AlphaMasks, AlphaOfVerticesCutsOutToo) {
+TEST(AlphaMasks, VertexAlphaIsTestedToo) {
   const Json plain{{"name", "veil"}, {"alphaMode", "MASK"}, {"pbrMetallicRoughness", {{"metallicFactor", 0}}}};
   Leaf veil(plain);
   veil.gltf.primitive(0)["attributes"]["COLOR_0"] =
       veil.gltf.accessor(std::vector<Vec4f>{{1, 0, 0, 0}, {1, 0, 0, 1}, {1, 0, 0, 0}, {1, 0, 0, 1}}, 5126, "VEC4");
   const PatchSet scene = veil.import();
-  const auto there = [&](double x) {
+  const auto opaque = [&](double x) {
     const Imath::V2d uv = uv_of(scene, 0, x, 0.5);
     return passes_alpha_test(scene, 0, uv.x, uv.y);
   };
-  EXPECT_FALSE(there(0.49));
-  EXPECT_TRUE(there(0.51));
+  EXPECT_FALSE(opaque(0.49));
+  EXPECT_TRUE(opaque(0.51));
   EXPECT_EQ(patch_at(scene, 0.625).coverage, 1);
   EXPECT_NEAR(patch_at(scene, 0.625).reflectance.y, 0, 1e-6);
   veil.importer.job.materials = {{"veil"}};
@@ -114,7 +114,7 @@ TEST(AlphaMasks, AlphaOfVerticesCutsOutToo) {
   EXPECT_LT(patch_at(veil.import(), 0.375).coverage, 0.002f);
 }
 
-TEST(AlphaMasks, ANewMaskIsANewTransportANewColourIsNot) {
+TEST(AlphaMasks, MaskChangesTheGeometryKeyColourDoesNot) {
   Leaf leaf;
   const auto keys = [&] {
     PatchSet scene = leaf.import();

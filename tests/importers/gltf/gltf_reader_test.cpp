@@ -32,7 +32,7 @@ TEST(GltfReader, TransformsChainAndScaleUnevenly) {
       for (int i = 0; i < 3; ++i) low[i] = std::min(low[i], c[i]), high[i] = std::max(high[i], c[i]);
     }
   }
-  // The turn by 90 degrees about Z takes the child's Y, scaled by 2, to X, which the parent doubles.
+  // The rotation by 90 degrees about Z maps the child's Y, scaled by 2, to X, which the parent scales by 2.
   EXPECT_NEAR((low - Vec3d(6, -1, -3)).length(), 0.0, 1e-6);
   EXPECT_NEAR((high - Vec3d(14, 1, 3)).length(), 0.0, 1e-6);
   EXPECT_TRUE(faces_away_from(scene, {10, 0, 0}));
@@ -58,7 +58,7 @@ TEST(GltfReader, ProjectiveMatrixIsRefused) {
   EXPECT_ERROR(importer.import(gltf), ExitCode::bad_data, "affine");
 }
 
-TEST(GltfReader, SharedMeshStandsOncePerNode) {
+TEST(GltfReader, SharedMeshIsImportedOncePerNode) {
   Importer importer;
   GltfBuilder gltf;
   const int mesh = gltf.mesh(cube());
@@ -83,7 +83,7 @@ TEST(GltfReader, OnlyTheDefaultSceneIsRead) {
   EXPECT_EQ(importer.import(gltf).primitives.size(), 6u);
 }
 
-TEST(GltfReader, WithoutAnySceneAllRootsAreRead) {
+TEST(GltfReader, WithoutASceneAllRootNodesAreRead) {
   Importer importer;
   GltfBuilder gltf;
   const int mesh = gltf.mesh(cube());
@@ -93,7 +93,7 @@ TEST(GltfReader, WithoutAnySceneAllRootsAreRead) {
   EXPECT_EQ(importer.import(gltf).primitives.size(), 18u);
 }
 
-TEST(GltfReader, StripsAndFansFaceAsTheirFirstTriangle) {
+TEST(GltfReader, StripsAndFansHaveTheWindingOfTheirFirstTriangle) {
   const std::vector<Vec3f> strip{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0, 2, 0}, {1, 2, 0}};
   const std::vector<Vec3f> fan{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
   for (const auto& [mode, positions, area] : {std::tuple(5, strip, 2.0), std::tuple(6, fan, 1.0)}) {
@@ -150,7 +150,7 @@ TEST(GltfReader, NonFinitePositionsNameTheNode) {
   EXPECT_ERROR(importer.import(gltf), ExitCode::bad_data, "crate");
 }
 
-TEST(GltfReader, InstancesThatMultiplyAreRefusedBeforeTheyAreBuilt) {
+TEST(GltfReader, TooManyTrianglesAreRefusedBeforeTheyAreRead) {
   Importer importer;
   importer.job.import.max_patches = 1000;
   GltfBuilder gltf;
@@ -163,7 +163,7 @@ Json perspective() {
   return {{"type", "perspective"}, {"perspective", {{"yfov", 0.5}, {"aspectRatio", 1.5}, {"znear", 0.1}}}};
 }
 
-TEST(GltfReader, CamerasLoseTheirScaleAndKeepTheirDirection) {
+TEST(GltfReader, CamerasKeepDirectionWithoutScale) {
   Importer importer;
   GltfBuilder gltf = single_mesh(cube());
   gltf.json["cameras"] = {
@@ -186,7 +186,7 @@ TEST(GltfReader, CamerasLoseTheirScaleAndKeepTheirDirection) {
   EXPECT_NEAR(scene.cameras[1].to_world.determinant(), 1.0, 1e-12);
 }
 
-TEST(GltfReader, CamerasThatMakeNoPictureAreSkippedWithAWarning) {
+TEST(GltfReader, InvalidCamerasAreSkippedWithAWarning) {
   Importer importer;
   GltfBuilder gltf = single_mesh(cube());
   gltf.json["cameras"] = {perspective(), {{"type", "fisheye"}}, {{"type", "perspective"}}};

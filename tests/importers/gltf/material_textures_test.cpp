@@ -28,7 +28,7 @@ GltfBuilder textured(const std::string& slot, const std::string& uri) {
   return gltf;
 }
 
-TEST(MaterialTextures, WithoutCoordinatesATextureCountsByItsLinearMean) {
+TEST(MaterialTextures, TextureWithoutCoordinatesIsReplacedByItsLinearMean) {
   Importer importer;
   write_png(importer.folder / "tiles.png", {255, 0, 188, 0, 0, 188});
   GltfBuilder gltf = textured("baseColorTexture", "tiles.png");
@@ -42,7 +42,7 @@ TEST(MaterialTextures, WithoutCoordinatesATextureCountsByItsLinearMean) {
   EXPECT_EQ(scene.primitives[0].texture, -1);
 }
 
-/// The textured square with coordinates that span the image once, cut into two patches side by side.
+/// The textured square with texture coordinates from 0 to 1.
 GltfBuilder mapped(const std::string& uri) {
   GltfBuilder gltf = textured("baseColorTexture", uri);
   gltf.primitive(0)["attributes"]["TEXCOORD_0"] =
@@ -53,7 +53,7 @@ GltfBuilder mapped(const std::string& uri) {
   return gltf;
 }
 
-TEST(MaterialTextures, PatchesTakeTheTextureWhereTheyLie) {
+TEST(MaterialTextures, PatchesAverageTheirPartOfTheTexture) {
   Importer importer;
   importer.job.import.patch_area = 1.0 / 16;
   write_png(importer.folder / "tiles.png", {255, 0, 188, 0, 0, 188});
@@ -68,7 +68,7 @@ TEST(MaterialTextures, PatchesTakeTheTextureWhereTheyLie) {
   for (const Patch& patch : scene.patches) EXPECT_NEAR(patch.reflectance.x, patch.center.x < 0.5 ? 0.5 : 0.0, 1e-5);
 }
 
-TEST(MaterialTextures, TexturesLieByTheSetAndTheTransformThatTheyName) {
+TEST(MaterialTextures, TextureUsesItsCoordinateSetAndTransform) {
   Importer importer;
   write_png(importer.folder / "tiles.png", {255, 0, 188, 0, 0, 188});
   GltfBuilder gltf = mapped("tiles.png");
@@ -82,7 +82,7 @@ TEST(MaterialTextures, TexturesLieByTheSetAndTheTransformThatTheyName) {
   ASSERT_EQ(scene.texcoords.size(), 1u);
   for (std::size_t i = 0; i < 4; ++i) {
     const Vec3d& corner = scene.primitives[0].corners[i];
-    // Scaled to (4 + 2x, 4y), turned counter-clockwise where v grows downwards to (4y, -4 - 2x), moved.
+    // Scaled to (4 + 2x, 4y), rotated counter-clockwise (v points down) to (4y, -4 - 2x), then offset.
     EXPECT_NEAR(scene.texcoords[0][i].x, 4 * corner.y + 0.5, 1e-5);
     EXPECT_NEAR(scene.texcoords[0][i].y, -4 - 2 * corner.x + 10, 1e-5);
   }
@@ -90,7 +90,7 @@ TEST(MaterialTextures, TexturesLieByTheSetAndTheTransformThatTheyName) {
   EXPECT_ERROR(importer.import(gltf), ExitCode::bad_data, "offset");
 }
 
-TEST(MaterialTextures, ColoursOfVerticesTintThePatches) {
+TEST(MaterialTextures, VertexColoursTintThePatches) {
   Importer importer;
   importer.job.import.patch_area = 1.0 / 16;
   GltfBuilder gltf = single_mesh(
@@ -110,7 +110,7 @@ TEST(MaterialTextures, ColoursOfVerticesTintThePatches) {
   EXPECT_ERROR(importer.import(gltf), ExitCode::bad_data, "COLOR_0 must be VEC3 or VEC4");
 }
 
-TEST(MaterialTextures, TrianglesOfUnlikeColoursStayApart) {
+TEST(MaterialTextures, TrianglesOfDifferentColoursAreNotMerged) {
   Importer importer;
   Mesh square = grid(1);
   square.positions = {square.positions[0], square.positions[1], square.positions[3],
@@ -127,7 +127,7 @@ TEST(MaterialTextures, TrianglesOfUnlikeColoursStayApart) {
     expect_color(patch.reflectance, Vec3d(patch.primitive == 0 ? red : blue) * 0.5);
 }
 
-TEST(MaterialTextures, AnOverriddenReflectanceHasNoTexture) {
+TEST(MaterialTextures, OverriddenReflectanceHasNoTexture) {
   Importer importer;
   importer.job.materials = {MaterialOverride{"tiles"}};
   importer.job.materials[0].reflectance = Color(0.25f);
@@ -138,16 +138,16 @@ TEST(MaterialTextures, AnOverriddenReflectanceHasNoTexture) {
   for (const Patch& patch : scene.patches) EXPECT_EQ(patch.reflectance, Color(0.25f));
 }
 
-TEST(MaterialTextures, TexturedBallsKeepTheirCoordinates) {
+TEST(MaterialTextures, TexturedSpheresStayMeshes) {
   Importer importer;
   write_png(importer.folder / "tiles.png", {255, 0, 188, 0, 0, 188});
-  const Mesh ball = uv_sphere(32, 16);
+  const Mesh sphere = uv_sphere(32, 16);
   for (const bool mapped : {false, true}) {
     GltfBuilder gltf = textured("baseColorTexture", "tiles.png");
-    gltf.json["nodes"][0]["mesh"] = gltf.mesh(ball, 0);
+    gltf.json["nodes"][0]["mesh"] = gltf.mesh(sphere, 0);
     if (mapped)
       gltf.primitive(1)["attributes"]["TEXCOORD_0"] =
-          gltf.accessor(std::vector<Vec2f>(ball.positions.size(), Vec2f(0.25f)), 5126, "VEC2");
+          gltf.accessor(std::vector<Vec2f>(sphere.positions.size(), Vec2f(0.25f)), 5126, "VEC2");
     const PatchSet scene = importer.import(gltf);
     EXPECT_EQ(scene.primitives[0].shape, mapped ? Primitive::Shape::quad : Primitive::Shape::sphere);
     EXPECT_EQ(scene.primitives[0].texture, mapped ? 0 : -1);
@@ -164,8 +164,8 @@ TEST(MaterialTextures, BrokenSamplersAreRefused) {
 
 TEST(MaterialTextures, MetallicRoughnessTextureIsLinear) {
   Importer importer;
-  write_png(importer.folder / "finish.png", {0, 51, 102, 0, 51, 102});
-  GltfBuilder gltf = textured("metallicRoughnessTexture", "finish.png");
+  write_png(importer.folder / "metallic_roughness.png", {0, 51, 102, 0, 51, 102});
+  GltfBuilder gltf = textured("metallicRoughnessTexture", "metallic_roughness.png");
   const PatchSet scene = importer.import(gltf);
   expect_color(scene.materials[0].specular, {0.4, 0.4, 0.4});
   EXPECT_NEAR(scene.materials[0].roughness, 0.2, 1e-5);

@@ -10,7 +10,7 @@
 namespace patchlight::test {
 namespace {
 
-/// What one square of a material imports as.
+/// The imported scene of one square with a material.
 struct Imported {
   Importer importer;
   PatchSet scene;
@@ -33,7 +33,7 @@ MaterialOverride change(const std::string& pattern) {
   return {pattern};
 }
 
-TEST(Materials, MetallicSplitsBaseColourIntoDiffuseAndMirror) {
+TEST(Materials, MetallicSplitsBaseColourIntoDiffuseAndSpecular) {
   const Imported square =
       imported({{"name", "brass"},
                 {"pbrMetallicRoughness",
@@ -51,7 +51,7 @@ TEST(Materials, GltfDefaultsAreAWhiteRoughMetal) {
   EXPECT_FLOAT_EQ(square.material().roughness, 1.0f);
 }
 
-TEST(Materials, WhatHasNoMaterialIsDiffuseGreyWithAWarning) {
+TEST(Materials, SurfacesWithoutMaterialAreDiffuseGreyWithAWarning) {
   Importer importer;
   GltfBuilder gltf = single_mesh(grid(1));
   const PatchSet scene = importer.import(gltf);
@@ -69,7 +69,7 @@ TEST(Materials, EmissionIsPiTimesFactorTimesStrength) {
   expect_color(lamp.patch().emission, {8 * kPi, 4 * kPi, 2 * kPi});
 }
 
-TEST(Materials, LightGroupIsTheNodesElseTheMaterialsElseItsName) {
+TEST(Materials, LightGroupComesFromNodeThenMaterialThenName) {
   const Json plain{{"name", "lights/lamp"}, {"emissiveFactor", {1, 1, 1}}};
   Json grouped = plain;
   grouped["extras"] = {{"light_group", "hall"}};
@@ -81,7 +81,7 @@ TEST(Materials, LightGroupIsTheNodesElseTheMaterialsElseItsName) {
   EXPECT_EQ(imported(plain).scene.primitives[0].light_group, 0);
 }
 
-TEST(Materials, LightGroupsOfAnyNameFitIntoFiles) {
+TEST(Materials, LightGroupNamesAreValidInFiles) {
   const auto group = [](const std::string& name) {
     return imported({{"name", "lamp"}, {"emissiveFactor", {1, 1, 1}}, {"extras", {{"light_group", name}}}})
         .scene.light_groups[0];
@@ -93,7 +93,7 @@ TEST(Materials, LightGroupsOfAnyNameFitIntoFiles) {
   EXPECT_ERROR(group(std::string(1025, 'x')), ExitCode::bad_data, "node ");
 }
 
-TEST(Materials, WhatDoesNotEmitHasNoLightGroup) {
+TEST(Materials, NonEmittingSurfacesHaveNoLightGroup) {
   const Imported wall = imported({{"name", "wall"}}, {{"extras", {{"light_group", "hall"}}}});
   EXPECT_TRUE(wall.scene.light_groups.empty());
   EXPECT_EQ(wall.scene.primitives[0].light_group, -1);
@@ -120,7 +120,7 @@ TEST(Materials, ValuesOutOfRangeAreRefusedByName) {
                ExitCode::bad_data, "odd");
 }
 
-TEST(Materials, JobOverridesWhatMatchesAPattern) {
+TEST(Materials, JobOverridesMatchingMaterials) {
   MaterialOverride walls = change("wall_*");
   walls.reflectance = Color(0.1f, 0.2f, 0.3f);
   walls.emission = Color(5.0f);
@@ -131,14 +131,14 @@ TEST(Materials, JobOverridesWhatMatchesAPattern) {
   EXPECT_EQ(wall.scene.light_groups, std::vector<std::string>{"wall_red"});
 }
 
-TEST(Materials, OverrideCanMendAValueOutOfRange) {
+TEST(Materials, OverrideCanCorrectAValueOutOfRange) {
   MaterialOverride mend = change("odd");
   mend.reflectance = Color(0.5f);
   const Json bad{{"name", "odd"}, {"pbrMetallicRoughness", {{"baseColorFactor", {2, 2, 2, 1}}, {"metallicFactor", 0}}}};
   EXPECT_EQ(imported(bad, {}, {mend}).patch().reflectance, Color(0.5f));
 }
 
-TEST(Materials, MirrorOverrideTakesFromTheDiffusePart) {
+TEST(Materials, MirrorOverrideReducesTheDiffusePart) {
   MaterialOverride mirror = change("glass");
   mirror.mirror = Color(0.9f);
   const Imported glass = imported(
@@ -149,14 +149,14 @@ TEST(Materials, MirrorOverrideTakesFromTheDiffusePart) {
   expect_color(glass.patch().reflectance, {0.1, 0.05, 0.1});
 }
 
-TEST(Materials, MirrorAndReflectanceBeyondOneAreABadJob) {
+TEST(Materials, MirrorAndReflectanceAboveOneAreBadConfig) {
   MaterialOverride both = change("glass");
   both.mirror = Color(0.9f);
   both.reflectance = Color(0.2f);
   EXPECT_ERROR(imported({{"name", "glass"}}, {}, {both}), ExitCode::bad_config, "materials.glass");
 }
 
-/// Two unit squares of one lamp's material, on nodes `left` and `right` that name a light group, and one on `floor`.
+/// Two emissive unit squares on nodes `left` and `right` with a light group, and a plain one on node `floor`.
 GltfBuilder lamps() {
   GltfBuilder gltf;
   const int lamp = gltf.material(
@@ -169,7 +169,7 @@ GltfBuilder lamps() {
   return gltf;
 }
 
-TEST(Materials, JobOverridesWhatStandsOnANode) {
+TEST(Materials, JobOverridesMaterialsOfANode) {
   Importer importer;
   GltfBuilder gltf = lamps();
   MaterialOverride material = change("lamp"), left = change("le*");
@@ -197,7 +197,7 @@ TEST(Materials, JobOverridesWhatStandsOnANode) {
   EXPECT_THAT(importer.messages(), ::testing::HasSubstr("nodes.nothing in the job matches no node"));
 }
 
-TEST(Materials, JobLeavesOutWhatItExcludes) {
+TEST(Materials, JobExcludesMaterialsAndNodes) {
   Importer importer;
   GltfBuilder gltf = lamps();
   const auto nodes_left = [&] {
@@ -218,7 +218,7 @@ TEST(Materials, JobLeavesOutWhatItExcludes) {
   EXPECT_ERROR(importer.import(gltf), ExitCode::bad_data, "no surface with an area");
 }
 
-TEST(Materials, JobCutsMaterialsAndNodesAsFineAsItSays) {
+TEST(Materials, JobSetsPatchAreaOfMaterialsAndNodes) {
   Importer importer;
   GltfBuilder gltf = lamps();
   MaterialOverride lamp = change("lamp"), right = change("right");
@@ -235,7 +235,7 @@ TEST(Materials, JobCutsMaterialsAndNodesAsFineAsItSays) {
   EXPECT_ERROR(importer.import(gltf), ExitCode::over_limit, "patch_area of materials and nodes");
 }
 
-TEST(Materials, PatternThatMatchesNothingIsWarnedOf) {
+TEST(Materials, PatternWithoutMatchGivesAWarning) {
   EXPECT_THAT(imported({{"name", "wall"}}, {}, {change("wal")}).importer.messages(),
               ::testing::HasSubstr("materials.wal "));
 }

@@ -19,7 +19,7 @@ Shader emitting(const std::string& name, const std::string& red) {
   return {name, {}, {red, "1", "0"}};
 }
 
-/// A unit square of one material on the node `square`, cut into 4 x 4 patches.
+/// A unit square of 4 x 4 patches on node `square`.
 struct Square : Importer {
   GltfBuilder gltf;
 
@@ -39,13 +39,13 @@ struct Square : Importer {
   }
 };
 
-/// Mean of `antiderivative`'s derivative between two places.
+/// Mean between two points of the function with this antiderivative.
 template <class Function>
 double mean(const Function& antiderivative, double from, double to) {
   return (antiderivative(to) - antiderivative(from)) / (to - from);
 }
 
-TEST(Shaders, PatchesHoldTheMeansOverTheirAreas) {
+TEST(Shaders, PatchesHoldMeansOverTheirAreas) {
   Square square;
   const PatchSet scene = square.shaded(reflecting("wall", {"(1+cos(4*pi*u))/2", "x*y", "x > 0.3 ? 0.8 : 0.2"}));
   ASSERT_EQ(scene.patches.size(), 16u);
@@ -58,15 +58,15 @@ TEST(Shaders, PatchesHoldTheMeansOverTheirAreas) {
   }
 }
 
-TEST(Shaders, MeansOverTrianglesAndSpheresAreByArea) {
+TEST(Shaders, MeansOverTrianglesAndSpheresAreWeightedByArea) {
   Importer importer;
   importer.job.import.patch_area = 1e9;
   importer.job.shaders = {reflecting("*", {"max(x, 0)", "v", "(1 + ny)/2"})};
   GltfBuilder triangle = single_mesh({{{0, 0, 0}, {0.3f, 0, 0}, {0, 0.9f, 0}}, {0, 1, 2}, {}}, kWall);
   EXPECT_NEAR(importer.import(triangle).patches.at(0).reflectance.x, 0.1, 1e-4);
 
-  GltfBuilder ball = single_mesh(uv_sphere(32, 16), kWall);
-  const PatchSet scene = importer.import(ball);
+  GltfBuilder sphere = single_mesh(uv_sphere(32, 16), kWall);
+  const PatchSet scene = importer.import(sphere);
   double ny = 0, v = 0;
   for (const Patch& patch : scene.patches) {
     ny += patch.reflectance.z * patch.area / total_area(scene);
@@ -77,7 +77,7 @@ TEST(Shaders, MeansOverTrianglesAndSpheresAreByArea) {
   EXPECT_NEAR(scene.patches.at(0).reflectance.z, 0.75, 1e-3);  // of the upper hemisphere
 }
 
-TEST(Shaders, AreGivenByMaterialAndByNodeAndTheLastThatMatchesCounts) {
+TEST(Shaders, AreAssignedByMaterialOrNodeAndTheLastMatchWins) {
   Square square;
   square.gltf.node({{"name", "other"}, {"mesh", 0}, {"translation", {5, 0, 0}}});
   square.job.shaders = {reflecting("w?ll", {"0.1", "0.1", "0.1"}), reflecting("oth*", {"0.2", "0.2", "0.2"}),
@@ -92,7 +92,7 @@ TEST(Shaders, AreGivenByMaterialAndByNodeAndTheLastThatMatchesCounts) {
   EXPECT_THAT(square.messages(), ::testing::HasSubstr("shaders.absent in the job matches no material"));
 }
 
-TEST(Shaders, EmissionMakesALightGroup) {
+TEST(Shaders, EmissionCreatesALightGroup) {
   Square square;
   const PatchSet scene = square.shaded(emitting("wall", "4*u"));
   EXPECT_EQ(scene.light_groups, std::vector<std::string>{"wall"});
@@ -110,7 +110,7 @@ TEST(Shaders, FaultsPointIntoTheExpression) {
   EXPECT_ERROR(square.shaded(emitting("nowhere", "w")), ExitCode::bad_config, "shaders.nowhere.emission");
 }
 
-TEST(Shaders, ValuesOutOfRangeAreRefusedWithTheirPlace) {
+TEST(Shaders, ValuesOutOfRangeAreRefusedWithTheirPosition) {
   Square square;
   EXPECT_ERROR(square.shaded(reflecting("wall", {"1", "u - 0.5", "1"})), ExitCode::bad_config,
                "job.yaml, shaders.wall.reflectance");
@@ -129,7 +129,7 @@ TEST(Shaders, TooMuchReflectanceIsLoweredWithOneWarning) {
   EXPECT_EQ(messages.find(warning), messages.rfind(warning));
 }
 
-TEST(Shaders, MetallicPartLeavesTheRest) {
+TEST(Shaders, ReflectanceIsLimitedByTheMetallicPart) {
   Square square(
       {{"name", "wall"}, {"pbrMetallicRoughness", {{"baseColorFactor", {0.8, 0.4, 0.8, 1}}, {"metallicFactor", 0.5}}}});
   const PatchSet scene = square.shaded(reflecting("wall", {"0.9", "0.7", "0.3"}));
@@ -138,7 +138,7 @@ TEST(Shaders, MetallicPartLeavesTheRest) {
   EXPECT_NEAR(scene.patches[0].reflectance.z, 0.3, 1e-6);
 }
 
-TEST(Shaders, ReadTextureCoordinatesThroughTheQuad) {
+TEST(Shaders, UseTextureCoordinatesOfTheQuad) {
   Square square;
   square.texcoords({0, 3, 0, 5, 2, 3, 2, 5});  // u = 2 y, v = 3 + 2 x
   const PatchSet scene = square.shaded(reflecting("wall", {"u/4", "v/10", "0"}));
@@ -150,7 +150,7 @@ TEST(Shaders, ReadTextureCoordinatesThroughTheQuad) {
   }
 }
 
-TEST(Shaders, BothSidesSeeTheSameTextureCoordinates) {
+TEST(Shaders, BothSidesUseTheSameTextureCoordinates) {
   Json material = kWall;
   material["doubleSided"] = true;
   Square square(material);
@@ -160,7 +160,7 @@ TEST(Shaders, BothSidesSeeTheSameTextureCoordinates) {
   for (const Patch& patch : scene.patches) EXPECT_NEAR(patch.reflectance.x, patch.center.x / 2, 1e-5);
 }
 
-TEST(Shaders, TrianglesMappedApartStayTwoButOnlyIfTheirShaderReadsUv) {
+TEST(Shaders, TrianglesWithDifferentMappingsAreMergedOnlyIfUvIsUnused) {
   Square square;
   square.texcoords({0, 0, 1, 0, 0, 1, 0.5f, 1});  // bent along the diagonal
   const PatchSet bent = square.shaded(reflecting("wall", {"u", "0", "0"}));
@@ -175,7 +175,7 @@ TEST(Shaders, TrianglesMappedApartStayTwoButOnlyIfTheirShaderReadsUv) {
   EXPECT_EQ(square.shaded(reflecting("absent", {"u", "0", "0"})).primitives.size(), 1u);
 }
 
-TEST(Shaders, SurfacesWithoutTextureCoordinatesKeepTheirOwnUv) {
+TEST(Shaders, SurfacesWithoutTextureCoordinatesUseTheirOwnUv) {
   Square square;
   square.texcoords({0, 0, 0, 0, 0, 0, 0, 0});
   square.gltf.node({{"name", "bare"}, {"mesh", square.gltf.mesh(grid(1), 0)}, {"translation", {5, 0, 0}}});
@@ -194,7 +194,7 @@ TEST(Shaders, TextureCoordinatesMayBeNormalizedIntegers) {
     EXPECT_NEAR(patch.reflectance.y, patch.center.y / 5, 1e-5);
 }
 
-TEST(Shaders, BadTextureCoordinatesAreRefusedOnlyWhereTheyAreRead) {
+TEST(Shaders, BadTextureCoordinatesAreRefusedOnlyIfUsed) {
   const Shader reads = reflecting("wall", {"u", "v", "0"}), ignores = reflecting("wall", {"x", "0", "0"});
   Square few, infinite, whole;
   few.texcoords({0, 0, 1, 1});

@@ -1,4 +1,4 @@
-// Textures of emission and finish, and colours of vertices beside textures.
+// Emission and metallic-roughness textures, and vertex colours combined with textures.
 #include <gtest/gtest.h>
 
 #include "pipeline/optics/surface/texture_lookup.h"
@@ -8,7 +8,7 @@
 namespace patchlight::test {
 namespace {
 
-/// A property of a place of the square.
+/// A property at (x, y) of the square.
 template <class Property>
 auto at(const Property& property, const PatchSet& scene, double x, double y, std::int32_t side = 0) {
   const Imath::V2d uv = uv_of(scene, side, x, y);
@@ -45,12 +45,13 @@ TEST(Textures, EmissionIsThatOfEachPatch) {
   EXPECT_EQ(patch_at(overridden, 0.375).emission, Color(3.0f));
 }
 
-TEST(Textures, FinishAndBaseColourMultiplyPlaceByPlace) {
+TEST(Textures, MetallicRoughnessAndBaseColourMultiplyPerTexel) {
   Importer importer;
   importer.job.import.patch_area = 1.0 / 4;
   // Metal, not metal | half metal, metal; on a base of light and dark, so that means of products are not products of
   // means.
-  write_row(importer.folder / "finish.png", {{0, 51, 255, 255}, {0, 102, 0, 255}, {0, 153, 51, 255}, {0, 0, 255, 255}});
+  write_row(importer.folder / "metallic_roughness.png",
+            {{0, 51, 255, 255}, {0, 102, 0, 255}, {0, 153, 51, 255}, {0, 0, 255, 255}});
   write_row(importer.folder / "base.png",
             {{255, 255, 255, 255}, {255, 0, 0, 255}, {255, 255, 255, 255}, {0, 0, 0, 255}});
   GltfBuilder gltf = textured_square({{"name", "plate"},
@@ -60,19 +61,19 @@ TEST(Textures, FinishAndBaseColourMultiplyPlaceByPlace) {
                                         {"baseColorFactor", {0.5, 0.5, 0.5, 1}},
                                         {"baseColorTexture", {{"index", 0}}},
                                         {"metallicRoughnessTexture", {{"index", 1}}}}}},
-                                     {"base.png", "finish.png"});
+                                     {"base.png", "metallic_roughness.png"});
   const PatchSet scene = importer.import(gltf);
   expect_near(patch_at(scene, 0.25).reflectance, {0.25, 0, 0}, 1e-3);
   expect_near(patch_at(scene, 0.75).reflectance, {0.2, 0.2, 0.2}, 1e-3);
-  const std::array<MetallicRoughness, 4> finishes{
+  const std::array<MetallicRoughness, 4> samples{
       at(metallic_roughness_at, scene, 0.1, 0.5), at(metallic_roughness_at, scene, 0.3, 0.5),
       at(metallic_roughness_at, scene, 0.6, 0.5), at(metallic_roughness_at, scene, 0.9, 0.5)};
-  expect_near(finishes[0].specular, {0.5, 0.5, 0.5});
-  expect_near(finishes[1].specular, {0, 0, 0});
-  expect_near(finishes[2].specular, {0.1, 0.1, 0.1});
-  expect_near(finishes[3].specular, {0, 0, 0});
-  EXPECT_NEAR(finishes[0].roughness, 0.1, 1e-5);
-  EXPECT_NEAR(finishes[2].roughness, 0.3, 1e-5);
+  expect_near(samples[0].specular, {0.5, 0.5, 0.5});
+  expect_near(samples[1].specular, {0, 0, 0});
+  expect_near(samples[2].specular, {0.1, 0.1, 0.1});
+  expect_near(samples[3].specular, {0, 0, 0});
+  EXPECT_NEAR(samples[0].roughness, 0.1, 1e-5);
+  EXPECT_NEAR(samples[2].roughness, 0.3, 1e-5);
   expect_near(at(colored_reflectance, scene, 0.6, 0.5), {0.4, 0.4, 0.4});
 
   importer.job.materials = {{"plate"}};
@@ -81,7 +82,7 @@ TEST(Textures, FinishAndBaseColourMultiplyPlaceByPlace) {
   expect_near(at(metallic_roughness_at, mirror, 0.3, 0.5).specular, {0.25, 0.25, 0.25});
 }
 
-TEST(Textures, EachLiesByItsOwnSetAndTransform) {
+TEST(Textures, EachUsesItsOwnCoordinateSetAndTransform) {
   Importer importer;
   importer.job.import.patch_area = 1.0 / 16;
   write_row(importer.folder / "row.png", {{255, 255, 0, 255}, {0, 255, 255, 255}});
@@ -108,7 +109,7 @@ TEST(Textures, EachLiesByItsOwnSetAndTransform) {
   }
 }
 
-TEST(Textures, ColoursOfVerticesMultiplyThem) {
+TEST(Textures, VertexColoursMultiplyTextures) {
   Importer importer;
   importer.job.import.patch_area = 1.0 / 16;
   write_row(importer.folder / "row.png", {{255, 255, 0, 255}, {0, 255, 255, 255}});
@@ -137,10 +138,9 @@ TEST(Textures, UnlitMaterialsAreDiffuse) {
   EXPECT_THAT(importer.messages(), ::testing::HasSubstr("unlit materials are read as diffuse"));
 }
 
-TEST(Textures, MetalsBrighterThanLightAreRefusedByName) {
+TEST(Textures, MetalsAboveFullReflectanceAreRefusedByName) {
   Importer importer;
-  write_row(importer.folder / "base.png",
-            {{100, 100, 100, 255}});  // so that what metal reflects in the mean is below 1
+  write_row(importer.folder / "base.png", {{100, 100, 100, 255}});  // so that the mean specular reflectance is below 1
   GltfBuilder gltf = textured_square(
       {{"name", "chrome"},
        {"pbrMetallicRoughness",
