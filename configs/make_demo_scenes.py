@@ -1,9 +1,9 @@
-"""Makes the demo scenes cornell_box.glb and mirror_room.glb beside this file.
+"""Creates the demo scenes cornell_box.glb and mirror_room.glb in the folder of this file.
 
 Run as: blender -b --factory-startup --python configs/make_demo_scenes.py
 
-Lengths are metres and Z points up, as Blender has it; the exporter turns the scenes to glTF's Y up. Walls are
-single-sided with their front into the room, and every object touches what it stands on or hangs at.
+Lengths are in metres and Z points up, as in Blender; the exporter converts to glTF's Y up. Walls are single-sided and
+face into the room, and every object touches its support, so that no light leaks below it.
 """
 
 import math
@@ -17,19 +17,18 @@ from mathutils import Vector
 
 FOLDER = Path(__file__).resolve().parent
 
-# The Cornell box as measured (www.graphics.cornell.edu/online/box/data.html), with the walls straightened to right
-# angles. The box is centred on X, Y runs from the opening to the back wall.
+# The measured Cornell box (www.graphics.cornell.edu/online/box/data.html), with walls at exact right angles. The box is
+# centred on X; Y runs from the opening to the back wall.
 CORNELL_SIZE = (0.5528, 0.5592, 0.5488)
 CORNELL_LIGHT = ((0.213, 0.343), (0.227, 0.332))
 SHORT_BLOCK = ((0.130, 0.065), (0.082, 0.225), (0.240, 0.272), (0.290, 0.114))
 TALL_BLOCK = ((0.423, 0.247), (0.265, 0.296), (0.314, 0.456), (0.472, 0.406))
 
-
 # --- Blender data -----------------------------------------------------------------------------------------------------
 
 
 def start_scene(resolution):
-    """Empties the file; `resolution` gives the cameras their aspect ratio."""
+    """Starts an empty scene; `resolution` sets the aspect ratio of cameras."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     bpy.context.scene.render.resolution_x, bpy.context.scene.render.resolution_y = resolution
 
@@ -46,7 +45,7 @@ def export_scene(name):
 
 
 def make_material(name, color, metallic=0.0, roughness=1.0, emission=(0.0, 0.0, 0.0), strength=0.0):
-    """Principled without a dielectric coat. Emits `emission` x `strength` as radiance, W/m2/sr."""
+    """Principled BSDF without dielectric specular. Emits the radiance `emission` x `strength`, W/m2/sr."""
     material = bpy.data.materials.new(name)
     material.use_nodes = True
     material.use_backface_culling = True  # Exported as single-sided.
@@ -62,13 +61,13 @@ def make_material(name, color, metallic=0.0, roughness=1.0, emission=(0.0, 0.0, 
 
 
 def add_object(name, data):
-    thing = bpy.data.objects.new(name, data)
-    bpy.context.scene.collection.objects.link(thing)
-    return thing
+    new_object = bpy.data.objects.new(name, data)
+    bpy.context.scene.collection.objects.link(new_object)
+    return new_object
 
 
 def add_mesh(name, shape, material):
-    """`shape` is (vertices, faces); faces run counter-clockwise seen from their lit side."""
+    """`shape` is (vertices, faces); faces are counter-clockwise seen from the front."""
     mesh = bpy.data.meshes.new(name)
     vertices, faces = shape
     mesh.from_pydata(vertices, [], faces)
@@ -89,7 +88,7 @@ def add_sphere(name, shape, center, material):
 
 
 def add_camera(name, position, target, lens, sensor):
-    """`lens` and `sensor` in mm; the sensor spans the longer side of the picture."""
+    """`lens` and `sensor` in mm; the sensor width applies to the longer side of the image."""
     data = bpy.data.cameras.new(name)
     data.lens, data.sensor_width = lens, sensor
     data.clip_start, data.clip_end = 0.01, 100.0
@@ -102,15 +101,15 @@ def add_camera(name, position, target, lens, sensor):
 
 
 def rectangle(origin, u, v):
-    """Spanned by `u` and `v` from `origin`, facing along u x v."""
+    """The rectangle spanned by `u` and `v` from `origin`, facing along u x v."""
     origin, u, v = Vector(origin), Vector(u), Vector(v)
     return [origin, origin + u, origin + u + v, origin + v], [(0, 1, 2, 3)]
 
 
 def wall_and_panes(origin, u, v, panes_u, panes_v):
-    """`rectangle` cut along all edges of its panes, as two shapes: the wall around them, and the panes.
+    """`rectangle` split along all edges of its panes, as two shapes: the wall around the panes, and the panes.
 
-    `panes_u` and `panes_v` hold the panes' edges in metres along u and v: begin, end, begin, end and so on.
+    `panes_u` and `panes_v`: the panes' edges along u and v in metres, as begin, end, begin, end and so on.
     """
     origin, u, v = Vector(origin), Vector(u), Vector(v)
     steps_u = (0.0, *panes_u, u.length)
@@ -126,7 +125,7 @@ def wall_and_panes(origin, u, v, panes_u, panes_v):
 
 
 def prism(base, height):
-    """Stands on Z = 0 without a bottom; `base` is a list of (x, y), counter-clockwise from above."""
+    """A prism on Z = 0 without a bottom face; `base` is a list of (x, y), counter-clockwise from above."""
     n = len(base)
     vertices = [(x, y, z) for z in (0.0, height) for x, y in base]
     sides = [(i, (i + 1) % n, n + (i + 1) % n, n + i) for i in range(n)]
@@ -134,36 +133,37 @@ def prism(base, height):
 
 
 def upright_loop(width, bottom, top, y):
-    """A rectangle's corners at depth `y`, counter-clockwise seen from the front (from -Y)."""
+    """The corners of an upright rectangle at depth `y`, counter-clockwise seen from the front (-Y)."""
     left, right = -width / 2, width / 2
     return [(left, y, bottom), (right, y, bottom), (right, y, top), (left, y, top)]
 
 
 def loft(loops):
-    """Joins loops of four vertices, each to the next, and closes the first from behind."""
+    """Connects consecutive loops of four vertices by quads, and closes the first loop from behind."""
     vertices = [vertex for loop in loops for vertex in loop]
-    joints = [(4 * k + i, 4 * k + (i + 1) % 4) for k in range(len(loops) - 1) for i in range(4)]
-    return vertices, [(3, 2, 1, 0)] + [(a, b, b + 4, a + 4) for a, b in joints]
+    edges = [(4 * k + i, 4 * k + (i + 1) % 4) for k in range(len(loops) - 1) for i in range(4)]
+    return vertices, [(3, 2, 1, 0)] + [(a, b, b + 4, a + 4) for a, b in edges]
 
 
-def turned_square(center, edge, degrees):
-    """A base for `prism`."""
+def rotated_square(center, edge, degrees):
+    """A base of `prism`."""
     corners = (math.radians(degrees + 45 + 90 * i) for i in range(4))
-    reach = edge / math.sqrt(2)
-    return [(center[0] + reach * math.cos(a), center[1] + reach * math.sin(a)) for a in corners]
+    radius = edge / math.sqrt(2)
+    return [(center[0] + radius * math.cos(a), center[1] + radius * math.sin(a)) for a in corners]
 
 
 def uv_sphere(radius, segments=32, rings=16):
-    """Blender's own comes with its faces in another order on every run."""
-    polars = [math.pi * ring / rings for ring in range(1, rings)]
-    turns = [2 * math.pi * segment / segments for segment in range(segments)]
-    around = [
-        Vector((math.sin(polar) * math.cos(turn), math.sin(polar) * math.sin(turn), math.cos(polar)))
-        for polar in polars
-        for turn in turns
+    """A UV sphere with a fixed face order; that of Blender's operator differs from run to run."""
+    polar_angles = [math.pi * ring / rings for ring in range(1, rings)]
+    azimuths = [2 * math.pi * segment / segments for segment in range(segments)]
+    ring_vertices = [
+        Vector((math.sin(polar) * math.cos(azimuth), math.sin(polar) * math.sin(azimuth), math.cos(polar)))
+        for polar in polar_angles
+        for azimuth in azimuths
     ]
-    vertices = [radius * vertex for vertex in (*around, Vector((0, 0, 1)), Vector((0, 0, -1)))]
-    north, south, last_ring = len(around), len(around) + 1, len(around) - segments
+    vertices = [radius * vertex for vertex in (*ring_vertices, Vector((0, 0, 1)), Vector((0, 0, -1)))]
+    count = len(ring_vertices)
+    north, south, last_ring = count, count + 1, count - segments
     faces = []
     for i in range(segments):
         j = (i + 1) % segments
@@ -183,7 +183,7 @@ def icosphere(radius, subdivisions=3):
 
 
 def room_sides(size):
-    """(origin, u, v) of the inner sides of a room that stands on Z = 0, is centred on X and has its front at Y = 0."""
+    """(origin, u, v) of the inner sides of a room on Z = 0, centred on X, whose front is at Y = 0."""
     width, depth, height = size
     left, right = -width / 2, width / 2
     across, along, up = Vector((width, 0, 0)), Vector((0, depth, 0)), Vector((0, 0, height))
@@ -201,7 +201,7 @@ def room_sides(size):
 
 
 def from_cornell(point):
-    """Floor coordinates as published, X to the left, to ours."""
+    """Converts published floor coordinates, with X to the left, to scene coordinates."""
     return CORNELL_SIZE[0] / 2 - point[0], point[1]
 
 
@@ -226,14 +226,14 @@ def make_cornell_box():
     add_mesh("short_block", prism([from_cornell(p) for p in SHORT_BLOCK], 0.165), white)
     add_mesh("tall_block", prism([from_cornell(p) for p in TALL_BLOCK], 0.330), white)
 
-    # The published lens (35 mm over 25 mm of film) from a little nearer, so that the box just fills the picture.
+    # The published lens (35 mm on 25 mm film), moved closer so that the box fills the image.
     middle = height / 2
     add_camera("camera", (0, -0.765, middle), (0, 0, middle), lens=35.0, sensor=25.0)
     export_scene("cornell_box.glb")
 
 
 def add_leaning_mirror(center_x, wall_y, size, lean, frame, glass):
-    """A framed mirror that stands on the floor by its back edge and leans on the wall behind it, by `lean` radians."""
+    """A framed mirror on the floor that leans against the wall behind it by `lean` radians."""
     outline = (size[0], 0.0, size[1])
     opening = (size[0] - 0.14, 0.07, size[1] - 0.07)
     thickness, recess = 0.045, 0.02
@@ -279,11 +279,11 @@ def make_mirror_room():
     add_light("window", window, cool, "lights.window")
 
     add_leaning_mirror(0.5, size[1], (1.75, 1.7), math.radians(3), oak, silver)
-    add_mesh("plinth", prism(turned_square((0.9, 2.8), 0.4, 20), 0.5), plaster)
+    add_mesh("plinth", prism(rotated_square((0.9, 2.8), 0.4, 20), 0.5), plaster)
     add_sphere("plinth_sphere", icosphere(0.2), (0.9, 2.8, 0.5 + 0.2), coral)
     add_sphere("floor_sphere", uv_sphere(0.35), (-0.45, 2.7, 0.35), chalk)
 
-    # The window is seen in the mirror only.
+    # The window is visible only in the mirror.
     add_camera("camera", (1.75, 0.3, 1.35), (0.05, 3.2, 0.7), lens=35.0, sensor=36.0)
     export_scene("mirror_room.glb")
 
@@ -296,6 +296,6 @@ def main():
 if __name__ == "__main__":
     try:
         main()
-    except Exception:  # Blender itself would report success.
+    except Exception:  # Blender itself would exit with 0.
         traceback.print_exc()
         sys.exit(1)
