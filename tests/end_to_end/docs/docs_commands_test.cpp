@@ -164,6 +164,24 @@ TEST_F(DocsCommands, EveryShellBlockParsesAndNamesWhatExists) {
   EXPECT_GE(run, 2u);
 }
 
+TEST_F(DocsCommands, EveryCommandInASentenceNamesWhatExists) {
+  const std::regex command("^(build/bin/[^ ]+|patchlight|patchlight-(import|solve|trace|preview)|cmake|ctest) .*");
+  std::size_t commands = 0;
+  for (const Readme& readme : all_readmes()) {
+    std::istringstream stream(std::regex_replace(readme.text, std::regex(R"(\\[|])"), "|"));
+    int line = 0;
+    for (std::string text; std::getline(stream, text);) {
+      ++line;
+      for (const std::string& span : code_spans(text)) {
+        if (!std::regex_match(span, command)) continue;
+        ++commands;
+        for (const Words& words : shell_commands(span)) EXPECT_EQ(fault(words), "") << readme.place(line);
+      }
+    }
+  }
+  EXPECT_GT(commands, 20u);
+}
+
 TEST_F(DocsCommands, EveryCommandAndOptionOfTheProgramIsListed) {
   const std::string page = read_text(source_tree() / "pipeline/README.md");
   const std::string all = help("patchlight", "");
