@@ -16,7 +16,8 @@ namespace {
 using Words = std::vector<std::string>;
 
 /// Programs of others that commands may use.
-const std::set<std::string> kForeign{"grep", "git", "blender", "gnuplot", "python3", "export", "ninja", "cd", "ls"};
+const std::set<std::string> kForeign{"grep",  "git",    "blender", "gnuplot", "python3",
+                                     "cpack", "export", "ninja",   "cd",      "ls"};
 
 bool is_job_file(const std::string& word) {
   return word.ends_with(".yaml");
