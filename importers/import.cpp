@@ -32,15 +32,15 @@ PrimitiveList build_primitives(const GltfScene& scene, const Job& job, Progress&
   }
   if (list.degenerate_triangles > 0)
     progress.warning(fmt::format("{} triangles without area are skipped", list.degenerate_triangles));
-  if (!list.texcoords.empty()) list.texcoords.resize(list.primitives.size(), kOwnTexcoords);
+  if (!list.texcoords.empty()) list.texcoords.resize(list.primitives.size(), kIdentityTexcoords);
   for (auto* texcoords : {&list.emission_texcoords, &list.metallic_roughness_texcoords}) {
     if (texcoords->empty()) continue;
     texcoords->resize(list.primitives.size(), kNoTexcoords);
     for (std::size_t i = 0; i < texcoords->size(); ++i)
       if (std::isnan((*texcoords)[i][0].x))
-        (*texcoords)[i] = list.texcoords.empty() ? kOwnTexcoords : list.texcoords[i];
+        (*texcoords)[i] = list.texcoords.empty() ? kIdentityTexcoords : list.texcoords[i];
   }
-  if (!list.colors.empty()) list.colors.resize(list.primitives.size(), kUncolored);
+  if (!list.colors.empty()) list.colors.resize(list.primitives.size(), kWhiteVertices);
   if (list.primitives.empty()) {
     throw Error(ExitCode::bad_data, "the scene has no surface with an area", job.scene.filename().string(),
                 "add a mesh to its default scene");

@@ -87,6 +87,6 @@ int main(int argc, char** argv) {
        {.name = "--merge",
         .value = &shards,
         .help = "Merge the rows of this number of shards instead of casting them",
-        .range = {{1, kMostShards}},
+        .range = {{1, kMaxShards}},
         .excludes = "--shard"}});
 }

@@ -14,8 +14,9 @@
 namespace patchlight {
 namespace {
 
-constexpr double kRounding = 1e-6;           // shader values down to -kRounding count as 0
-constexpr double kUniformSpread = 1.0 / 32;  // spread of samples, relative to max(1, largest), below which kFew suffice
+constexpr double kRounding = 1e-6;  // shader values down to -kRounding count as 0
+constexpr double kUniformSpread =
+    1.0 / 32;  // spread of samples, relative to max(1, largest), below which kCoarse suffice
 
 /// A Fibonacci lattice in the unit square. The points' projections on each axis are evenly spaced, so that stripes
 /// along an edge are sampled at `count` different coordinates.
@@ -28,8 +29,8 @@ struct Lattice {
     return {centered(i), centered(i * step % count)};
   }
 };
-constexpr Lattice kFew{21, 13};
-constexpr Lattice kMany{377, 233};
+constexpr Lattice kCoarse{21, 13};
+constexpr Lattice kFine{377, 233};
 constexpr Lattice kFinest{987, 610};
 constexpr float kMinCoverage = 1.0f / 1024;
 
@@ -45,7 +46,7 @@ struct ColorSource {
   Vec3d checked(const Vec3d& value, const ExpressionInputs& at) {
     Vec3d result;
     for (int k = 0; k < 3; ++k) {
-      if (!(value[k] >= -kRounding && value[k] <= kMostEmission)) {
+      if (!(value[k] >= -kRounding && value[k] <= kMaxEmission)) {
         throw Error(
             ExitCode::bad_config,
             fmt::format("{} is {:g} in {} at u {:.6g}, v {:.6g}, x {:.6g}, y {:.6g}, z {:.6g}", key, value[k],
@@ -72,7 +73,7 @@ class PatchMean {
  public:
   PatchMean(const PatchSet& scene, const Patch& patch) : sampler_(scene.primitives[patch.primitive], patch) {
     if (scene.primitives[patch.primitive].mask < 0) return;
-    for (const Lattice& lattice : {kMany, kFinest}) {
+    for (const Lattice& lattice : {kFine, kFinest}) {
       opaque_points_.clear();
       for (int i = 0; i < lattice.count; ++i) {
         const Imath::V2d at = uv_at(lattice, i);
@@ -95,7 +96,7 @@ class PatchMean {
       for (const Imath::V2d& at : opaque_points_) sum += value(at.x, at.y);
       return Color(sum / static_cast<double>(opaque_points_.size()));
     }
-    for (const Lattice& lattice : {kFew, kMany}) {
+    for (const Lattice& lattice : {kCoarse, kFine}) {
       Vec3d sum(0.0);
       Vec3d low(0.0);
       Vec3d high(0.0);
@@ -108,7 +109,7 @@ class PatchMean {
           high[k] = std::max(high[k], sample[k]);
         }
       }
-      if (lattice.count == kMany.count || is_uniform(low, high)) return Color(sum / lattice.count);
+      if (lattice.count == kFine.count || is_uniform(low, high)) return Color(sum / lattice.count);
     }
     return Color(0.0f);
   }
@@ -152,16 +153,16 @@ void average_colors(const Job& job, PatchSet& scene, Progress& progress) {
     const Shader& source = scene.shaders[primitive.shader];
     MaterialShader& shader = shaders[primitive.shader];
     if (shader.reflects()) {
-      ColorSource color{job, source, "reflectance", most_reflectance(scene.materials[primitive.material])};
-      patch.reflectance = within_range(Vec3d(mean([&](double u, double v) {
-                                         const auto at = shader_inputs(scene, patch.primitive, u, v);
-                                         return color.checked(shader.reflectance(at), at);
-                                       })),
-                                       color.limit);
+      ColorSource color{job, source, "reflectance", max_diffuse_reflectance(scene.materials[primitive.material])};
+      patch.reflectance = clamp_color(Vec3d(mean([&](double u, double v) {
+                                        const auto at = shader_inputs(scene, patch.primitive, u, v);
+                                        return color.checked(shader.reflectance(at), at);
+                                      })),
+                                      color.limit);
       lowered[primitive.shader] |= color.lowered;
     }
     if (shader.emits()) {
-      ColorSource color{job, source, "emission", Color(kMostEmission)};
+      ColorSource color{job, source, "emission", Color(kMaxEmission)};
       patch.emission = mean([&](double u, double v) {
         const auto at = shader_inputs(scene, patch.primitive, u, v);
         return color.checked(shader.emission(at), at);

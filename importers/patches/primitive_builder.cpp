@@ -113,7 +113,7 @@ std::vector<char> append_spheres(const Surface& surface, const SurfaceMaterial& 
     if (!topology.colors.empty()) {
       CornerColors colors;
       colors.fill(topology.colors[3 * static_cast<std::size_t>(component.triangles.front())]);
-      append_corners(colors, kUncolored, list, list.colors);
+      append_corners(colors, kWhiteVertices, list, list.colors);
     }
     ++list.spheres;
   }
@@ -151,12 +151,12 @@ void append_primitives(const Surface& surface, const SurfaceMaterial& material, 
       const auto& s = facet.sources;
       return std::array{s[0](values), s[1](values), s[2](values), s[3](values)};
     };
-    if (has_mapping(0)) append_corners(at_corners(topology.texcoords[0]), kOwnTexcoords, list, list.texcoords);
+    if (has_mapping(0)) append_corners(at_corners(topology.texcoords[0]), kIdentityTexcoords, list, list.texcoords);
     for (const auto& [mapping, corners] : {std::pair(mappings.emission, &list.emission_texcoords),
                                            std::pair(mappings.metallic_roughness, &list.metallic_roughness_texcoords)})
       if (mapping > 0 && has_mapping(mapping))
         append_corners(at_corners(topology.texcoords[mapping]), kNoTexcoords, list, *corners);
-    if (!topology.colors.empty()) append_corners(at_corners(topology.colors), kUncolored, list, list.colors);
+    if (!topology.colors.empty()) append_corners(at_corners(topology.colors), kWhiteVertices, list, list.colors);
     ++(primitive.is_triangle() ? list.triangles : list.quads);
   }
   list.smooth_vertices += material.double_sided ? 2 * smooth_count : smooth_count;

@@ -13,7 +13,7 @@ bool is_fresh(const Frame& frame, const std::string& frame_key, const std::vecto
   try {
     Image header = read_exr_header(frame.exr);
     if (header.metadata["patchlight:key"] != frame_key || header.metadata["patchlight:png"] != hash_file(frame.png) ||
-        !lacking_layer(header, layers).empty())
+        !missing_layer(header, layers).empty())
       return false;
     read_exr(frame.exr);
     return true;

@@ -43,22 +43,22 @@ std::vector<ImageLayer> frame_layers(const TraceConfig& config, const PatchSet& 
 
 std::vector<ImageLayer> relit_layers(const TraceConfig& config, const PatchSet& scene) {
   std::vector<ImageLayer> layers = frame_layers(config, scene);
-  std::erase_if(layers, [](const ImageLayer& layer) { return holds_light_by_its_way(layer.name); });
+  std::erase_if(layers, [](const ImageLayer& layer) { return is_light_path_layer(layer.name); });
   return layers;
 }
 
-bool holds_light_by_its_way(const std::string& layer) {
+bool is_light_path_layer(const std::string& layer) {
   return std::find(kLightPathLayers.begin(), kLightPathLayers.end(), layer) != kLightPathLayers.end();
 }
 
-bool are_alike(const ImageLayer& a, const ImageLayer& b) {
+bool have_same_format(const ImageLayer& a, const ImageLayer& b) {
   return a.name == b.name && a.channels == b.channels && a.values.index() == b.values.index();
 }
 
-std::string lacking_layer(const Image& image, const std::vector<ImageLayer>& wanted) {
+std::string missing_layer(const Image& image, const std::vector<ImageLayer>& wanted) {
   for (const ImageLayer& layer : wanted)
     if (std::none_of(image.layers.begin(), image.layers.end(),
-                     [&](const auto& present) { return are_alike(present, layer); }))
+                     [&](const auto& present) { return have_same_format(present, layer); }))
       return layer.name;
   return "";
 }

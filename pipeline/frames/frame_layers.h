@@ -17,12 +17,12 @@ std::vector<ImageLayer> relit_layers(const TraceConfig& config, const PatchSet& 
 
 /// Whether a layer holds light of one kind of path (direct, indirect, ...) from all groups. It cannot be computed from
 /// the layers of light groups.
-bool holds_light_by_its_way(const std::string& layer);
+bool is_light_path_layer(const std::string& layer);
 
 /// Whether two layers have the same name, channels and value type.
-bool are_alike(const ImageLayer& a, const ImageLayer& b);
+bool have_same_format(const ImageLayer& a, const ImageLayer& b);
 
 /// Name of the first of the `wanted` layers that is missing in an image; empty: none.
-std::string lacking_layer(const Image& image, const std::vector<ImageLayer>& wanted);
+std::string missing_layer(const Image& image, const std::vector<ImageLayer>& wanted);
 
 }  // namespace patchlight

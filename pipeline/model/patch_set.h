@@ -58,11 +58,11 @@ struct Material {
 
 /// Texture coordinates at corners 0 to 3 of a primitive, bilinear between them; shaders see them as (u,v).
 using Texcoords = std::array<Vec2f, 4>;
-inline const Texcoords kOwnTexcoords{Vec2f(0, 0), Vec2f(1, 0), Vec2f(1, 1), Vec2f(0, 1)};
+inline const Texcoords kIdentityTexcoords{Vec2f(0, 0), Vec2f(1, 0), Vec2f(1, 1), Vec2f(0, 1)};
 
 /// Linear vertex colours and alpha at corners 0 to 3 of a primitive, bilinear between them.
 using CornerColors = std::array<Vec4f, 4>;
-inline const CornerColors kUncolored{Vec4f(1.0f), Vec4f(1.0f), Vec4f(1.0f), Vec4f(1.0f)};
+inline const CornerColors kWhiteVertices{Vec4f(1.0f), Vec4f(1.0f), Vec4f(1.0f), Vec4f(1.0f)};
 
 /// A piece of a primitive on which the solution is constant.
 struct Patch {
@@ -119,11 +119,11 @@ struct PatchSet {
 inline bool is_colored(const PatchSet& scene, std::int32_t i) {
   const Primitive& primitive = scene.primitives[i];
   return primitive.texture >= 0 || primitive.metallic_roughness_texture >= 0 ||
-         (!scene.colors.empty() && scene.colors[i] != kUncolored);
+         (!scene.colors.empty() && scene.colors[i] != kWhiteVertices);
 }
 
 /// Whether textures or vertex colours vary the specular reflectance of primitive `i`.
-inline bool has_varied_metal(const PatchSet& scene, std::int32_t i) {
+inline bool has_varying_metal(const PatchSet& scene, std::int32_t i) {
   return is_colored(scene, i) && scene.materials[scene.primitives[i].material].metal != Color(0.0f);
 }
 

@@ -4,7 +4,7 @@
 namespace patchlight {
 
 /// Slurm's default limit for the size of an array job.
-constexpr int kMostShards = 1000;
+constexpr int kMaxShards = 1000;
 
 /// One of `count` tasks that share the work of a stage; by default, the only one.
 struct Shard {

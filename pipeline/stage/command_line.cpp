@@ -21,7 +21,7 @@ int take_shard_number(TextScanner& text) {
   return digits.empty() || digits.size() > 4 ? 0 : std::stoi(digits);
 }
 
-/// Reads `k/K`. Returns whether 1 <= k <= K <= kMostShards.
+/// Reads `k/K`. Returns whether 1 <= k <= K <= kMaxShards.
 bool read_shard(const std::string& value, std::optional<Shard>& shard) {
   TextScanner text(value);
   Shard read;
@@ -29,7 +29,7 @@ bool read_shard(const std::string& value, std::optional<Shard>& shard) {
   const bool parted = text.skip("/");
   read.count = take_shard_number(text);
   shard = read;
-  return parted && text.done() && read.index >= 1 && read.index <= read.count && read.count <= kMostShards;
+  return parted && text.done() && read.index >= 1 && read.index <= read.count && read.count <= kMaxShards;
 }
 
 /// Adds an option for each type of value.
@@ -51,7 +51,7 @@ struct Adder {
         ->type_name("k/K")
         ->check([value](const std::string& text) {
           return read_shard(text, *value) ? std::string()
-                                          : fmt::format("expected k/K with 1 <= k <= K <= {}", kMostShards);
+                                          : fmt::format("expected k/K with 1 <= k <= K <= {}", kMaxShards);
         });
   }
   template <class Value>

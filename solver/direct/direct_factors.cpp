@@ -52,7 +52,7 @@ class DirectFactors::EmitterSampler {
 
   std::vector<float> factors() {
     for_each_row([&](std::int32_t row, ShadowRays& rays) {
-      if (is_on_emitter(row) || is_behind(row)) return;
+      if (is_on_emitter(row) || cannot_illuminate(row)) return;
       unoccluded_[row] = float(mean_form_factor(row));
       const PatchSampler sampler = patch_sampler(row);
       for (int sample_set = 0; sample_set < 2; ++sample_set)
@@ -76,8 +76,9 @@ class DirectFactors::EmitterSampler {
         const std::size_t k = 2 * std::size_t(row) + sample_set;
         const LightSamples& samples = refined_[k].count > 0 ? refined_[k] : pilots_[k];
         if (samples.count == 0) continue;
-        values[k] = float(nearby_visibility(row, sample_set).mostly_seen() ? samples.from_hidden(unoccluded_[row])
-                                                                           : samples.from_seen());
+        values[k] =
+            float(nearby_visibility(row, sample_set).mostly_visible() ? samples.estimate_from_hidden(unoccluded_[row])
+                                                                      : samples.estimate_from_visible());
       }
     return values;
   }
@@ -102,15 +103,15 @@ class DirectFactors::EmitterSampler {
     Progress::check_interrupted();
   }
 
-  bool is_behind(std::int32_t row) const {
+  bool cannot_illuminate(std::int32_t row) const {
     const Patch& patch = parent_.receivers_[row];
     const Primitive& primitive = parent_.scene_.primitives[patch.primitive];
     if (primitive.shape != Primitive::Shape::quad) return false;
-    if (!light_.is_behind(std::array{patch.center}, patch.normal)) return false;
+    if (!light_.cannot_illuminate(std::array{patch.center}, patch.normal)) return false;
     std::array<Vec3d, 4> corners;
     for (int k = 0; k < 4; ++k)
       corners[k] = position_at(primitive.corners, k % 2 ? patch.u1 : patch.u0, k / 2 ? patch.v1 : patch.v0);
-    return light_.is_behind(corners, patch.normal);
+    return light_.cannot_illuminate(corners, patch.normal);
   }
 
   bool is_on_emitter(std::int32_t row) const { return parent_.receivers_[row].primitive == emitter_.primitive; }

@@ -38,7 +38,7 @@ class Photons::Source {
     if (surface_) {
       const Patch& first = scene.patches[emitter.first_patch];
       const Patch& last = scene.patches[emitter.first_patch + emitter.patches - 1];
-      surface_patch_ = part_of(scene, first, first.u0, first.v0, last.u1, last.v1);
+      surface_patch_ = sub_patch(scene, first, first.u0, first.v0, last.u1, last.v1);
       sampler_.emplace(scene.primitives[emitter.primitive], surface_patch_);
       return;
     }
@@ -173,7 +173,7 @@ void Photons::trace(const Source& source, const Batch& batch, std::vector<Deposi
   std::array<Color, RayPacket::kSize> flux;
   for (std::uint32_t first = batch.first; first < batch.first + batch.count; first += RayPacket::kSize) {
     start(source, batch, first, packet, flux);
-    for (int bounce = 0; bounce < kMostMirrors; ++bounce) {
+    for (int bounce = 0; bounce < kMaxMirrorBounces; ++bounce) {
       bool any_active = false;
       for (int lane = 0; lane < RayPacket::kSize; ++lane) {
         if (packet.valid[lane] == 0) continue;
@@ -185,7 +185,7 @@ void Photons::trace(const Source& source, const Batch& batch, std::vector<Deposi
         const std::int32_t metal = targets_.target_of(hit.primitive);
         if (bounce > 0 ? metal < 0 : metal != batch.target) continue;
         const std::uint64_t random = hash64(batch.random ^ hash64(std::uint64_t(first + lane) << 8 | bounce));
-        any_active = go_on(scene_, ray_scene_, hit, random, lane, packet, flux[lane]) || any_active;
+        any_active = continue_at_mirror(scene_, ray_scene_, hit, random, lane, packet, flux[lane]) || any_active;
       }
       if (!any_active) break;
       ray_scene_.intersect(packet, false);

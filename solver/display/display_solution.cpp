@@ -28,7 +28,7 @@ std::vector<Patch> receivers(const PatchSet& scene, const DisplayMesh& mesh) {
   std::vector<Patch> points;
   for (const auto& vertex : std::span(mesh.vertices).first(mesh.gathered)) {
     Patch& point =
-        points.emplace_back(part_of(scene, scene.patches[vertex.patch], vertex.u, vertex.v, vertex.u, vertex.v));
+        points.emplace_back(sub_patch(scene, scene.patches[vertex.patch], vertex.u, vertex.v, vertex.u, vertex.v));
     point.normal = normals(point.primitive, vertex.u, vertex.v, point.normal);
   }
   return points;

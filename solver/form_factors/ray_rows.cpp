@@ -211,7 +211,7 @@ void RayRows::cast_block(SampleSet& set, const DirectionTable& table, int block)
 void RayRows::trace_reflections(SampleSet& set, int first, RayPacket& packet) const {
   std::array<Color, RayPacket::kSize> throughput;
   throughput.fill(Color(1.0f));
-  for (int bounce = 0; bounce < kMostMirrors; ++bounce) {
+  for (int bounce = 0; bounce < kMaxMirrorBounces; ++bounce) {
     bool any_active = false;
     for (int lane = 0; lane < RayPacket::kSize; ++lane) {
       if (packet.valid[lane] == 0) continue;
@@ -225,7 +225,7 @@ void RayRows::trace_reflections(SampleSet& set, int first, RayPacket& packet) co
       if (!metallic_[hit.primitive]) continue;
       const std::uint64_t random =
           hash64(set.random ^ hash64(set.sample_number(first + lane) << 8 | std::uint64_t(bounce)));
-      any_active = go_on(scene_, ray_scene_, hit, random, lane, packet, throughput[lane]) || any_active;
+      any_active = continue_at_mirror(scene_, ray_scene_, hit, random, lane, packet, throughput[lane]) || any_active;
     }
     if (!any_active) return;
     ray_scene_.intersect(packet, false);

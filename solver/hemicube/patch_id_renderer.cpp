@@ -148,8 +148,8 @@ void PatchIdRenderer::upload_masks(const PatchSet& scene) const {
     const Primitive& p = scene.primitives[i];
     if (p.mask < 0 || (p.back >= 0 && p.back < std::int32_t(i))) continue;
     const Texture& mask = scene.masks[p.mask];
-    const Texcoords& t = scene.texcoords.empty() ? kOwnTexcoords : scene.texcoords[i];
-    const CornerColors& c = scene.colors.empty() ? kUncolored : scene.colors[i];
+    const Texcoords& t = scene.texcoords.empty() ? kIdentityTexcoords : scene.texcoords[i];
+    const CornerColors& c = scene.colors.empty() ? kWhiteVertices : scene.colors[i];
     const Material& material = scene.materials[p.material];
     alpha_masks.push_back({{t[0].x, t[0].y, t[1].x, t[1].y, t[2].x, t[2].y, t[3].x, t[3].y},
                            {c[0].w, c[1].w, c[2].w, c[3].w},

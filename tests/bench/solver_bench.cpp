@@ -38,7 +38,7 @@ const PatchSet& scene() {
 /// Pre-generated cosine-distributed packets from all patches, traced by Embree or by the solver's tracer, with the
 /// patch of each hit.
 void raw_rays(benchmark::State& state) {
-  const RayScene rays(scene(), state.range(0) != 0 ? 0 : RayScene::kFew);
+  const RayScene rays(scene(), state.range(0) != 0 ? 0 : RayScene::kMaxPacketPrimitives);
   const PatchLookup lookup(scene());
   std::mt19937 random(1);
   std::uniform_real_distribution<float> unit(0.0f, 1.0f);

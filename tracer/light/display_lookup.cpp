@@ -85,7 +85,7 @@ std::uint32_t DisplayLookup::cached_visible_corners(const DisplayMesh::Cell& lea
                                   [&](const CornerCache::Entry& entry) { return entry.leaf == &leaf; });
   CornerCache::Entry& entry =
       found != cache.entries_.end() ? *found : cache.entries_[cache.next_++ % CornerCache::kLeaves];
-  entry = {&leaf, seen_corners(scene_, ray_scene_, mesh_, leaf, i, std::array{Vec2f(u, v)}), 1};
+  entry = {&leaf, visible_corners(scene_, ray_scene_, mesh_, leaf, i, std::array{Vec2f(u, v)}), 1};
   return entry.corners;
 }
 

@@ -101,11 +101,12 @@ void FinalGather::trace(RayPacket& packet, std::array<GatherRay, RayPacket::kSiz
       if (hit.primitive < 0 && scene_.environment) add_sky(packet.direction(k), ray, gathered[ray.point]);
       if (!hit.front) continue;
       add_surface(hit, ray, gathered[ray.point]);
-      if (bounce >= kMostMirrors || scene_.materials[scene_.primitives[hit.primitive].material].specular == Color(0.0f))
+      if (bounce >= kMaxMirrorBounces ||
+          scene_.materials[scene_.primitives[hit.primitive].material].specular == Color(0.0f))
         continue;
       ray.mirrored = true;
       ray.random = hash64(ray.random);
-      active = go_on(scene_, ray_scene_, hit, ray.random, k, packet, ray.throughput) || active;
+      active = continue_at_mirror(scene_, ray_scene_, hit, ray.random, k, packet, ray.throughput) || active;
     }
   }
 }

@@ -109,7 +109,7 @@ bool PathTracer::shade(RayPacket& packet, int lane, Path& path, const CameraRays
     if (gather_) sums.gather.push_back({sums.points.back(), point.normal, path.sample, std::uint32_t(path.bounces)});
   }
   if (scene_.materials[scene_.primitives[hit.primitive].material].specular == Color(0.0f)) return false;
-  const MetallicRoughness metal = metallic_roughness_at(scene_, hit.primitive, hit.u, hit.v);
+  const MetalProperties metal = metal_properties_at(scene_, hit.primitive, hit.u, hit.v);
   if (metal.specular == Color(0.0f) ||
       !scatter(metal, ray_origin, features.normal, point.normal, lane, path, direction, sums) ||
       max_component(path.throughput) < kMinThroughput || ++path.bounces >= kMaxBounces)
@@ -134,7 +134,7 @@ void PathTracer::add_sky(const Vec3f& direction, Path& path, PathSums& sums) con
   if (sums.layers->has_groups()) sums.layers->add_to_group(group, path.pixel, unscaled);
 }
 
-bool PathTracer::scatter(const MetallicRoughness& metal, const Vec3d& origin, const Vec3f& smooth_normal,
+bool PathTracer::scatter(const MetalProperties& metal, const Vec3d& origin, const Vec3f& smooth_normal,
                          const Vec3f& geometric_normal, int lane, Path& path, Vec3f& direction, PathSums& sums) const {
   path.mirrored = true;
   path.pdf = 0;
@@ -156,7 +156,7 @@ bool PathTracer::scatter(const MetallicRoughness& metal, const Vec3d& origin, co
   return true;
 }
 
-void PathTracer::sample_glossy_light(const MetallicRoughness& metal, std::uint64_t seed, int lane, const Path& path,
+void PathTracer::sample_glossy_light(const MetalProperties& metal, std::uint64_t seed, int lane, const Path& path,
                                      GlossyShadowRays& rays) const {
   const Vec2f at = pixel_sample(shuffled(path.sample, std::uint32_t(hash64(seed))), seed);
   const std::uint64_t choice_seed = hash64(seed);

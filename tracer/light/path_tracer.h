@@ -78,9 +78,9 @@ class PathTracer {
   void add_layers(const SurfaceHit& hit, const SolvedSurfaces::Colors& colors, const DisplayLookup::Blend& blend,
                   const Path& path, LayerSums& layers) const;
   /// Reflects `direction` at a metal; false if nothing is reflected. `origin`: of the next ray.
-  bool scatter(const MetallicRoughness& metal, const Vec3d& origin, const Vec3f& smooth_normal,
+  bool scatter(const MetalProperties& metal, const Vec3d& origin, const Vec3f& smooth_normal,
                const Vec3f& geometric_normal, int lane, Path& path, Vec3f& direction, PathSums& sums) const;
-  void sample_glossy_light(const MetallicRoughness& metal, std::uint64_t seed, int lane, const Path& path,
+  void sample_glossy_light(const MetalProperties& metal, std::uint64_t seed, int lane, const Path& path,
                            GlossyShadowRays& rays) const;
   void add_glossy_light(std::array<Path, RayPacket::kSize>& paths, PathSums& sums) const;
   SurfacePoint surface_point(const SurfaceHit& hit) const;

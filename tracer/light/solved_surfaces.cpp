@@ -77,7 +77,7 @@ void SolvedSurfaces::evaluate_colors(const SurfaceHit& hit, Colors& colors) cons
   if (shader.reflects()) colors.reflectance = shaded_reflectance(scene_, shader, hit.primitive, hit.u, hit.v);
   if (!shader.emits()) return;
   const ExpressionInputs at = shader_inputs(scene_, hit.primitive, hit.u, hit.v);
-  colors.emission = within_range(shader.emission(at), Color(kMostEmission));
+  colors.emission = clamp_color(shader.emission(at), Color(kMaxEmission));
 }
 
 Color SolvedSurfaces::direct_part(const SurfaceHit& hit, const Color& irradiance) const {

@@ -26,7 +26,7 @@ int probe_count(float share) {
 
 /// Rays to a partly hidden lamp of this share, in proportion to the standard deviation of its visibility.
 int ray_count(float share, int samples, const Visibility& visibility) {
-  const float visible = visibility.part_seen();
+  const float visible = visibility.visible_fraction();
   return std::max(kMinRays, int(kRaysPerSample * float(samples) * share * 2 * std::sqrt(visible * (1 - visible))));
 }
 
@@ -49,8 +49,9 @@ void sample(const ExplicitLights::Lamp& lamp, const ShadingCluster& cluster, int
 /// Form factor to the visible part of a lamp, by samples or else by the local visibility. `unoccluded`: to all
 /// of it.
 float visible_factor(float unoccluded, const LightSamples& samples, const Visibility& visibility) {
-  double factor = unoccluded * visibility.part_seen();
-  if (samples.count > 0) factor = visibility.mostly_seen() ? samples.from_hidden(unoccluded) : samples.from_seen();
+  double factor = unoccluded * visibility.visible_fraction();
+  if (samples.count > 0)
+    factor = visibility.mostly_visible() ? samples.estimate_from_hidden(unoccluded) : samples.estimate_from_visible();
   return float(std::max(factor, 0.0));
 }
 

@@ -55,7 +55,7 @@ std::vector<ImageLayer> take_layers(const Frame& frame, Image& source, const Job
   std::vector<ImageLayer> layers;
   for (const ImageLayer& wanted : relit_layers(job.trace, scene)) {
     const auto found = std::find_if(source.layers.begin(), source.layers.end(),
-                                    [&](const ImageLayer& layer) { return are_alike(layer, wanted); });
+                                    [&](const ImageLayer& layer) { return have_same_format(layer, wanted); });
     if (found == source.layers.end())
       throw Error(ExitCode::bad_data, "it lacks the layer `" + wanted.name + "`", frame.exr.string(), kRemedy);
     layers.push_back(std::move(*found));
@@ -105,7 +105,7 @@ void relight_frames(const Job& job, const PatchSet& scene, bool skip_fresh, Prog
     if (frames.size() < all) progress.note(fmt::format("{} of {} frames are up to date", all - frames.size(), all));
   }
   std::vector<std::string> omitted;
-  std::copy_if(job.trace.layers.begin(), job.trace.layers.end(), std::back_inserter(omitted), holds_light_by_its_way);
+  std::copy_if(job.trace.layers.begin(), job.trace.layers.end(), std::back_inserter(omitted), is_light_path_layer);
   if (!omitted.empty())
     progress.warning(
         fmt::format("relit frames leave out the layers {}, which only a trace can make", fmt::join(omitted, ", ")));

@@ -20,7 +20,7 @@ inline std::uint32_t owen_scrambled(std::uint32_t x, std::uint32_t seed) {
 /// Shuffled index of a sample: a permutation that keeps aligned blocks of 1, 2, 4, ... indices together. It
 /// decorrelates the points that one sample takes from two sequences (Burley 2020, section 4).
 inline std::uint32_t shuffled(std::uint32_t k, std::uint32_t seed) {
-  return reversed_bits(owen_scrambled(reversed_bits(k), seed));
+  return reverse_bits(owen_scrambled(reverse_bits(k), seed));
 }
 
 /// Second Sobol dimension at k, in reversed bit order; the first dimension in reversed bit order is k itself.
@@ -42,8 +42,8 @@ inline constexpr auto kSobolSecond = [] {
 /// ... points is stratified along both axes and in squares, so samples can be added progressively.
 inline Vec2f pixel_sample(std::uint32_t k, std::uint64_t seed) {
   const std::uint32_t second = k < kSobolSecond.size() ? kSobolSecond[k] : sobol_second(k);
-  const std::uint32_t x = reversed_bits(owen_scrambled(k, std::uint32_t(seed)));
-  const std::uint32_t y = reversed_bits(owen_scrambled(second, std::uint32_t(seed >> 32)));
+  const std::uint32_t x = reverse_bits(owen_scrambled(k, std::uint32_t(seed)));
+  const std::uint32_t y = reverse_bits(owen_scrambled(second, std::uint32_t(seed >> 32)));
   return {float(x >> 8) * 0x1p-24f, float(y >> 8) * 0x1p-24f};
 }
 

@@ -94,7 +94,7 @@ Freshness picture_freshness(const Job& job, const PatchSet& scene, const Frame& 
   if (!state.fresh()) return state;
   if (header.width != job.trace.resolution[0] || header.height != job.trace.resolution[1])
     return refuse(State::damaged, "it is of another size");
-  if (const std::string layer = lacking_layer(header, layers); !layer.empty())
+  if (const std::string layer = missing_layer(header, layers); !layer.empty())
     return refuse(State::damaged, "it lacks the layer `" + layer + "`");
   if (!is_file(frame.png)) return refuse(State::missing, "its PNG is missing");
   if (header.metadata["patchlight:png"] != hash_file(frame.png)) return refuse(State::damaged, "its PNG is damaged");

@@ -89,9 +89,9 @@ bool any_has(const PatchSet& scene, std::int32_t Primitive::*index) {
                      [&](const Primitive& p) { return p.*index >= 0; });
 }
 
-bool has_varied_metals(const PatchSet& scene) {
+bool has_varying_metals(const PatchSet& scene) {
   for (std::size_t i = 0; i < scene.primitives.size(); ++i)
-    if (has_varied_metal(scene, std::int32_t(i))) return true;
+    if (has_varying_metal(scene, std::int32_t(i))) return true;
   return false;
 }
 
@@ -166,7 +166,7 @@ void write_texture_datasets(H5Writer& writer, const PatchSet& scene) {
     write_indices(writer, "/primitives/texture", scene, &Primitive::texture);
   }
   if (!scene.textures.empty() || !scene.colors.empty()) write_tints(writer, "/materials/tint", scene, &Material::tint);
-  if (has_varied_metals(scene)) write_metallic_roughness(writer, scene);
+  if (has_varying_metals(scene)) write_metallic_roughness(writer, scene);
   if (any_has(scene, &Primitive::emission_texture)) {
     write_indices(writer, "/primitives/emission_texture", scene, &Primitive::emission_texture);
     write_tints(writer, "/materials/emission_tint", scene, &Material::emission_tint);
@@ -181,7 +181,7 @@ void write_texture_datasets(H5Writer& writer, const PatchSet& scene) {
 std::vector<std::string> transport_textures(const PatchSet& scene) {
   std::vector<std::string> names;
   if (!scene.masks.empty()) names = {"/masks/", "/primitives/mask", "/primitives/alpha", "/primitives/texcoord"};
-  if (has_varied_metals(scene))
+  if (has_varying_metals(scene))
     names.insert(names.end(), {"/textures/", "/primitives/texture", "/primitives/texcoord", "/primitives/color",
                                "/primitives/finish"});
   return names;

@@ -78,7 +78,7 @@ void read_options(const Node& node, std::vector<std::string>& options) {
 
 std::vector<JobKey> slurm_keys(SlurmConfig& slurm) {
   return {
-      integer_key("slurm.shards", slurm.shards, 1, kMostShards,
+      integer_key("slurm.shards", slurm.shards, 1, kMaxShards,
                   "tasks that rows of form factors are shared by, and frames; 1: not shared"),
       integer_key("slurm.cpus", slurm.cpus, 1, 4096, "of a task, unless --threads says how many"),
       text_key("slurm.partition", slurm.partition, is_partition, "the name of a partition, or several with commas",

@@ -48,7 +48,6 @@ class RayScene {
   /// Largest number of unmasked primitives for the PacketTracer. It was measured to be faster than Embree at 20 and at
   /// 7,342 primitives, but its BVH takes longer to build.
   static constexpr std::size_t kMaxPacketPrimitives = 16384;
-  static constexpr std::size_t kFew = kMaxPacketPrimitives;
 
   explicit RayScene(const PatchSet& scene, std::size_t max_packet_primitives = kMaxPacketPrimitives);
   RayScene(const RayScene&) = delete;

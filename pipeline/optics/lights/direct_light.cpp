@@ -195,7 +195,7 @@ double DirectLight::perpendicular_factor(const Vec3d& point) const {
   return part * part / squared;
 }
 
-bool DirectLight::is_behind(std::span<const Vec3d> points, const Vec3f& normal) const {
+bool DirectLight::cannot_illuminate(std::span<const Vec3d> points, const Vec3f& normal) const {
   const Vec3d up(normal);
   if (is_infinite()) return (normal_ ^ up) >= radius_;
   if (kind_ != Kind::polygon) return ((center_ - points[0]) ^ up) <= -radius_;

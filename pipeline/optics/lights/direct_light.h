@@ -59,7 +59,7 @@ class DirectLight {
   double form_factor(const Vec3d& point, const Vec3f& normal) const;
 
   /// Whether the emitter lights no point of a planar surface with these corners, even without occluders.
-  bool is_behind(std::span<const Vec3d> corners, const Vec3f& normal) const;
+  bool cannot_illuminate(std::span<const Vec3d> corners, const Vec3f& normal) const;
 
   /// Distance from a point to the emitter's bounding sphere, m; 0 inside.
   double distance(const Vec3d& point) const {

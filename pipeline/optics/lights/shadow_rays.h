@@ -13,10 +13,10 @@ struct LightSamples {
   double seen = 0.0;    ///< Sum of the weights of visible samples.
   double missed = 0.0;  ///< Sum of the weights of occluded samples.
 
-  /// Two estimates of the form factor. from_seen() has less noise if little is visible; from_hidden(), which subtracts
-  /// from the unoccluded form factor `whole`, if little is hidden.
-  double from_seen() const { return seen / count; }
-  double from_hidden(double whole) const { return whole - missed / count; }
+  /// Two estimates of the form factor. estimate_from_visible() has less noise if little is visible;
+  /// estimate_from_hidden(), which subtracts from the unoccluded form factor `whole`, if little is hidden.
+  double estimate_from_visible() const { return seen / count; }
+  double estimate_from_hidden(double whole) const { return whole - missed / count; }
 };
 
 /// Numbers of samples from neighbouring points that reach an emitter, or are occluded.
@@ -29,8 +29,8 @@ struct Visibility {
   }
   bool partial() const { return visible > 0 && hidden > 0; }
   /// Visible fraction, in [0,1]; 1 without samples.
-  float part_seen() const { return visible + hidden > 0 ? float(visible) / float(visible + hidden) : 1.0f; }
-  bool mostly_seen() const { return visible >= hidden; }
+  float visible_fraction() const { return visible + hidden > 0 ? float(visible) / float(visible + hidden) : 1.0f; }
+  bool mostly_visible() const { return visible >= hidden; }
 };
 
 /// Collects shadow rays and casts them in full packets. The sums passed to add() must outlive the next cast().

@@ -24,7 +24,7 @@ inline Vec2f kronecker2(std::uint64_t k, std::uint64_t shift) {
 }
 
 /// The bits of x in reverse order.
-inline std::uint32_t reversed_bits(std::uint32_t x) {
+inline std::uint32_t reverse_bits(std::uint32_t x) {
   x = (x >> 16) | (x << 16);
   x = (x & 0xff00ff00u) >> 8 | (x & 0x00ff00ffu) << 8;
   x = (x & 0xf0f0f0f0u) >> 4 | (x & 0x0f0f0f0fu) << 4;
@@ -34,7 +34,7 @@ inline std::uint32_t reversed_bits(std::uint32_t x) {
 
 /// Element k of the van der Corput sequence in base 2, in [0,1).
 inline float radical_inverse(std::uint32_t k) {
-  return float(reversed_bits(k) >> 8) * 0x1p-24f;
+  return float(reverse_bits(k) >> 8) * 0x1p-24f;
 }
 
 /// (x + shift) mod 1, for x and shift in [0,1): a Cranley-Patterson rotation.

@@ -41,13 +41,13 @@ std::vector<MaterialShader> compile_shaders(const PatchSet& scene) {
   return shaders;
 }
 
-Color most_reflectance(const Material& material) {
+Color max_diffuse_reflectance(const Material& material) {
   Color highest;
-  for (int k = 0; k < 3; ++k) highest[k] = std::clamp(1.0f - material.specular[k], 0.0f, kHighestReflectance);
+  for (int k = 0; k < 3; ++k) highest[k] = std::clamp(1.0f - material.specular[k], 0.0f, kMaxReflectance);
   return highest;
 }
 
-Color within_range(const Vec3d& value, const Color& highest) {
+Color clamp_color(const Vec3d& value, const Color& highest) {
   Color result;
   for (int k = 0; k < 3; ++k)
     result[k] = std::isfinite(value[k]) ? float(std::clamp(value[k], 0.0, double(highest[k]))) : 0.0f;
@@ -55,8 +55,8 @@ Color within_range(const Vec3d& value, const Color& highest) {
 }
 
 Color shaded_reflectance(const PatchSet& scene, MaterialShader& shader, std::int32_t i, double u, double v) {
-  return within_range(shader.reflectance(shader_inputs(scene, i, u, v)),
-                      most_reflectance(scene.materials[scene.primitives[i].material]));
+  return clamp_color(shader.reflectance(shader_inputs(scene, i, u, v)),
+                     max_diffuse_reflectance(scene.materials[scene.primitives[i].material]));
 }
 
 }  // namespace patchlight

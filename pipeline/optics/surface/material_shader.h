@@ -31,18 +31,18 @@ class MaterialShader {
 
 std::vector<MaterialShader> compile_shaders(const PatchSet& scene);
 
-constexpr float kHighestReflectance = 0.99999f;
+constexpr float kMaxReflectance = 0.99999f;
 
 /// Upper limit of the diffuse reflectance: what the specular reflectance leaves.
-Color most_reflectance(const Material& material);
+Color max_diffuse_reflectance(const Material& material);
 
-constexpr float kMostEmission = 3e38f;  // W/m2
+constexpr float kMaxEmission = 3e38f;  // W/m2
 
 /// Diffuse reflectance by a shader with reflectance expressions at (u,v) of primitive `i`, limited by
-/// most_reflectance().
+/// max_diffuse_reflectance().
 Color shaded_reflectance(const PatchSet& scene, MaterialShader& shader, std::int32_t i, double u, double v);
 
 /// Clamps every channel to [0, highest]; 0 for NaN and infinities.
-Color within_range(const Vec3d& value, const Color& highest);
+Color clamp_color(const Vec3d& value, const Color& highest);
 
 }  // namespace patchlight

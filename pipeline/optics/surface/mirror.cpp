@@ -31,8 +31,7 @@ float smith_lambda(const Vec3f& direction, float alpha) {
 
 }  // namespace
 
-bool reflect(const MetallicRoughness& metal, const Vec3f& normal, const Vec2f& at, Vec3f& direction,
-             Color& throughput) {
+bool reflect(const MetalProperties& metal, const Vec3f& normal, const Vec2f& at, Vec3f& direction, Color& throughput) {
   throughput *= metal.specular;
   if (metal.roughness < kMirrorRoughness) {
     direction -= normal * (2.0f * (normal ^ direction));

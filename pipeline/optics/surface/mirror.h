@@ -9,7 +9,7 @@ constexpr float kMirrorRoughness = 0.05f;
 /// Reflects `direction` (unit vector, towards the surface) by a metal, and multiplies `throughput` by the reflected
 /// fraction. For a rough metal, the point `at` of the unit square selects one of the visible normals of its GGX
 /// distribution (alpha = roughness^2; Heitz 2018, JCGT 7-4). Returns false if nothing is reflected.
-bool reflect(const MetallicRoughness& metal, const Vec3f& normal, const Vec2f& at, Vec3f& direction, Color& throughput);
+bool reflect(const MetalProperties& metal, const Vec3f& normal, const Vec2f& at, Vec3f& direction, Color& throughput);
 
 /// The GGX lobe of a rough metal, per sr.
 struct MetalLobe {

@@ -114,16 +114,16 @@ Color colored_reflectance(const PatchSet& scene, std::int32_t i, double u, doubl
   if (primitive.metallic_roughness_texture >= 0)
     tint += material.metal * (1.0f - roughness_metalness(scene, i, u, v).y);
   const Color color = tint * base_color(scene, i, u, v);
-  Color highest(kHighestReflectance);
-  if (!has_varied_metal(scene, i)) highest = most_reflectance(material);
-  return within_range(Vec3d(color.x, color.y, color.z), highest);
+  Color highest(kMaxReflectance);
+  if (!has_varying_metal(scene, i)) highest = max_diffuse_reflectance(material);
+  return clamp_color(Vec3d(color.x, color.y, color.z), highest);
 }
 
-MetallicRoughness metallic_roughness_at(const PatchSet& scene, std::int32_t i, double u, double v) {
+MetalProperties metal_properties_at(const PatchSet& scene, std::int32_t i, double u, double v) {
   const Primitive& primitive = scene.primitives[i];
   const Material& material = scene.materials[primitive.material];
-  MetallicRoughness metal{material.specular, material.roughness};
-  if (!has_varied_metal(scene, i)) return metal;
+  MetalProperties metal{material.specular, material.roughness};
+  if (!has_varying_metal(scene, i)) return metal;
   metal.specular = material.metal * base_color(scene, i, u, v);
   if (primitive.metallic_roughness_texture < 0) return metal;
   const Vec2f texel = roughness_metalness(scene, i, u, v);

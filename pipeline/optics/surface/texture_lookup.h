@@ -11,17 +11,17 @@ Imath::V2d texcoord_at(const PatchSet& scene, std::int32_t i, double u, double v
 Color texture_color(const Texture& texture, const Imath::V2d& at);
 
 /// Diffuse reflectance at (u,v) of primitive `i`, for which is_colored() holds: the material's tint and the
-/// non-metallic part of its metal, times base colour; limited by most_reflectance().
+/// non-metallic part of its metal, times base colour; limited by max_diffuse_reflectance().
 Color colored_reflectance(const PatchSet& scene, std::int32_t i, double u, double v);
 
 /// Specular reflection of a metal at a surface point.
-struct MetallicRoughness {
+struct MetalProperties {
   Color specular{0.0f};  ///< Reflectance, each in [0,1].
   float roughness = 1.0f;
 };
 
 /// Specular reflection at (u,v) of primitive `i`: the material's, varied by textures and vertex colours.
-MetallicRoughness metallic_roughness_at(const PatchSet& scene, std::int32_t i, double u, double v);
+MetalProperties metal_properties_at(const PatchSet& scene, std::int32_t i, double u, double v);
 
 /// Radiant exitance at (u,v) of primitive `i`, which has an emission texture, W/m2.
 Color textured_emission(const PatchSet& scene, std::int32_t i, double u, double v);

@@ -47,7 +47,8 @@ Elements::Elements(const PatchSet& scene, const RayScene& ray_scene, const Displ
             (Vec2f(float((first + k) % kLeafGrid), float((first + k) / kLeafGrid)) + Vec2f(0.5f)) / float(kLeafGrid);
         places[k] = Vec2f(cell.u0 + inside[k].x * (cell.u1 - cell.u0), cell.v0 + inside[k].y * (cell.v1 - cell.v0));
       }
-      const std::uint32_t seen = seen_corners(scene, ray_scene, mesh, mesh.cells[cell.index], cell.primitive, places);
+      const std::uint32_t seen =
+          visible_corners(scene, ray_scene, mesh, mesh.cells[cell.index], cell.primitive, places);
       for (int k = 0; k < 4; ++k) {
         const float x = inside[k].x, y = inside[k].y;
         float most = -3;
@@ -63,8 +64,8 @@ Elements::Elements(const PatchSet& scene, const RayScene& ray_scene, const Displ
   });
 }
 
-std::uint32_t seen_corners(const PatchSet& scene, const RayScene& ray_scene, const DisplayMesh& mesh,
-                           const DisplayMesh::Cell& leaf, std::int32_t i, std::span<const Vec2f> places) {
+std::uint32_t visible_corners(const PatchSet& scene, const RayScene& ray_scene, const DisplayMesh& mesh,
+                              const DisplayMesh::Cell& leaf, std::int32_t i, std::span<const Vec2f> places) {
   constexpr float kLift = 0.02f;  // of the distance to a corner, to ignore small bumps
   const Primitive& primitive = scene.primitives[i];
   std::array<Vec3d, 4> corners;
@@ -93,7 +94,7 @@ std::uint32_t seen_corners(const PatchSet& scene, const RayScene& ray_scene, con
   return ~unseen & ((1u << 4 * places.size()) - 1);
 }
 
-Patch part_of(const PatchSet& scene, const Patch& patch, float u0, float v0, float u1, float v1) {
+Patch sub_patch(const PatchSet& scene, const Patch& patch, float u0, float v0, float u1, float v1) {
   const Primitive& primitive = scene.primitives[patch.primitive];
   Patch part = patch;
   part.u0 = u0;
@@ -119,8 +120,8 @@ Patch part_of(const PatchSet& scene, const Patch& patch, float u0, float v0, flo
 
 std::array<Patch, 4> quarters(const PatchSet& scene, const Patch& p) {
   const float u = 0.5f * (p.u0 + p.u1), v = 0.5f * (p.v0 + p.v1);
-  return {part_of(scene, p, p.u0, p.v0, u, v), part_of(scene, p, u, p.v0, p.u1, v), part_of(scene, p, p.u0, v, u, p.v1),
-          part_of(scene, p, u, v, p.u1, p.v1)};
+  return {sub_patch(scene, p, p.u0, p.v0, u, v), sub_patch(scene, p, u, p.v0, p.u1, v),
+          sub_patch(scene, p, p.u0, v, u, p.v1), sub_patch(scene, p, u, v, p.u1, p.v1)};
 }
 
 void for_each_leaf(const PatchSet& scene, const DisplayMesh& mesh, std::size_t patch,
@@ -135,7 +136,7 @@ void for_each_leaf(const PatchSet& scene, const DisplayMesh& mesh, std::size_t p
     } else {
       for (int k = 0; k < 4; ++k) {
         const DisplayMesh::Vertex& at = mesh.vertices[cell.corners[k]];
-        act(cell.leaf + k, part_of(scene, part, at.u, at.v, at.u, at.v));
+        act(cell.leaf + k, sub_patch(scene, part, at.u, at.v, at.u, at.v));
       }
     }
   };

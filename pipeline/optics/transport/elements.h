@@ -56,11 +56,11 @@ class Elements {
 
 /// Visibility between up to four points (u,v) of primitive `i`, in a leaf, and the leaf's corners: four bits per point,
 /// the first point lowest. Hidden corners count as invisible.
-std::uint32_t seen_corners(const PatchSet& scene, const RayScene& ray_scene, const DisplayMesh& mesh,
-                           const DisplayMesh::Cell& leaf, std::int32_t i, std::span<const Vec2f> places);
+std::uint32_t visible_corners(const PatchSet& scene, const RayScene& ray_scene, const DisplayMesh& mesh,
+                              const DisplayMesh::Cell& leaf, std::int32_t i, std::span<const Vec2f> places);
 
 /// The part of a patch in this (u,v) range of its primitive, as a patch.
-Patch part_of(const PatchSet& scene, const Patch& patch, float u0, float v0, float u1, float v1);
+Patch sub_patch(const PatchSet& scene, const Patch& patch, float u0, float v0, float u1, float v1);
 
 /// The quarters of a patch, in rows of growing u.
 std::array<Patch, 4> quarters(const PatchSet& scene, const Patch& patch);

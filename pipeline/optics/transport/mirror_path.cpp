@@ -8,14 +8,14 @@
 
 namespace patchlight {
 
-bool go_on(const PatchSet& scene, const RayScene& ray_scene, const SurfaceHit& hit, std::uint64_t random, int lane,
-           RayPacket& packet, Color& throughput) {
+bool continue_at_mirror(const PatchSet& scene, const RayScene& ray_scene, const SurfaceHit& hit, std::uint64_t random,
+                        int lane, RayPacket& packet, Color& throughput) {
   constexpr float kRouletteThreshold = 0.25f;  // throughput below which Russian roulette is played
   const Primitive& primitive = scene.primitives[hit.primitive];
   const SurfacePoint point = point_at(primitive, hit.u, hit.v);
   Vec3f direction = packet.direction(lane);
   const Vec2f at(uniform01(random), uniform01(hash64(random)));
-  const MetallicRoughness metal = metallic_roughness_at(scene, hit.primitive, hit.u, hit.v);
+  const MetalProperties metal = metal_properties_at(scene, hit.primitive, hit.u, hit.v);
   if (!reflect(metal, point.normal, at, direction, throughput)) return false;
   const float max_channel = std::max({throughput.x, throughput.y, throughput.z});
   if (max_channel < kRouletteThreshold) {

@@ -5,11 +5,11 @@
 
 namespace patchlight {
 
-constexpr int kMostMirrors = 256;  ///< Largest number of mirror reflections of a ray.
+constexpr int kMaxMirrorBounces = 256;  ///< Largest number of mirror reflections of a ray.
 
 /// Reflects a lane's ray at the metal that it hit, with Russian roulette; `random` seeds both. Multiplies `throughput`
 /// by the reflected fraction. Returns false if the ray ends.
-bool go_on(const PatchSet& scene, const RayScene& ray_scene, const SurfaceHit& hit, std::uint64_t random, int lane,
-           RayPacket& packet, Color& throughput);
+bool continue_at_mirror(const PatchSet& scene, const RayScene& ray_scene, const SurfaceHit& hit, std::uint64_t random,
+                        int lane, RayPacket& packet, Color& throughput);
 
 }  // namespace patchlight

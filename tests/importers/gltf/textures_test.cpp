@@ -65,9 +65,9 @@ TEST(Textures, MetallicRoughnessAndBaseColourMultiplyPerTexel) {
   const PatchSet scene = importer.import(gltf);
   expect_near(patch_at(scene, 0.25).reflectance, {0.25, 0, 0}, 1e-3);
   expect_near(patch_at(scene, 0.75).reflectance, {0.2, 0.2, 0.2}, 1e-3);
-  const std::array<MetallicRoughness, 4> samples{
-      at(metallic_roughness_at, scene, 0.1, 0.5), at(metallic_roughness_at, scene, 0.3, 0.5),
-      at(metallic_roughness_at, scene, 0.6, 0.5), at(metallic_roughness_at, scene, 0.9, 0.5)};
+  const std::array<MetalProperties, 4> samples{
+      at(metal_properties_at, scene, 0.1, 0.5), at(metal_properties_at, scene, 0.3, 0.5),
+      at(metal_properties_at, scene, 0.6, 0.5), at(metal_properties_at, scene, 0.9, 0.5)};
   expect_near(samples[0].specular, {0.5, 0.5, 0.5});
   expect_near(samples[1].specular, {0, 0, 0});
   expect_near(samples[2].specular, {0.1, 0.1, 0.1});
@@ -79,7 +79,7 @@ TEST(Textures, MetallicRoughnessAndBaseColourMultiplyPerTexel) {
   importer.job.materials = {{"plate"}};
   importer.job.materials[0].mirror = Color(0.25f);
   const PatchSet mirror = importer.import(gltf);
-  expect_near(at(metallic_roughness_at, mirror, 0.3, 0.5).specular, {0.25, 0.25, 0.25});
+  expect_near(at(metal_properties_at, mirror, 0.3, 0.5).specular, {0.25, 0.25, 0.25});
 }
 
 TEST(Textures, EachUsesItsOwnCoordinateSetAndTransform) {
@@ -103,9 +103,9 @@ TEST(Textures, EachUsesItsOwnCoordinateSetAndTransform) {
   for (const std::int32_t side : {0, 1}) {
     expect_near(at(textured_emission, scene, 0.25, 0.5, side), Vec3d(0, 1, 1) * kPi);
     expect_near(at(textured_emission, scene, 0.75, 0.5, side), Vec3d(1, 1, 0) * kPi);
-    expect_near(at(metallic_roughness_at, scene, 0.25, 0.25, side).specular, {0, 0, 0});
-    expect_near(at(metallic_roughness_at, scene, 0.25, 0.75, side).specular, {1, 1, 0});
-    expect_near(at(metallic_roughness_at, scene, 0.75, 0.75, side).specular, {0, 1, 1});
+    expect_near(at(metal_properties_at, scene, 0.25, 0.25, side).specular, {0, 0, 0});
+    expect_near(at(metal_properties_at, scene, 0.25, 0.75, side).specular, {1, 1, 0});
+    expect_near(at(metal_properties_at, scene, 0.75, 0.75, side).specular, {0, 1, 1});
   }
 }
 

@@ -16,7 +16,7 @@ PatchSet textured_sample() {
                     {1, 1, {}, false, {7}}};
   scene.primitives[1].texture = 1;
   scene.materials[0].tint = Color(0.5f, 0.25f, 1.0f);
-  scene.texcoords.assign(3, kOwnTexcoords);
+  scene.texcoords.assign(3, kIdentityTexcoords);
   return scene;
 }
 
@@ -59,7 +59,7 @@ PatchSet masked_sample() {
   scene.materials[0].alpha = 0.75f;
   scene.materials[0].alpha_cutoff = 0.5f;
   scene.patches[0].coverage = 0.25f;
-  scene.colors.assign(3, kUncolored);
+  scene.colors.assign(3, kWhiteVertices);
   scene.colors[1][2] = Vec4f(0.25f, 0.5f, 0.75f, 0.125f);
   return scene;
 }
@@ -116,7 +116,7 @@ PatchSet finished_sample() {
   scene.materials[std::size_t(scene.primitives[1].material)].metal = Color(0.5f, 0.25f, 0.125f);
   scene.materials[0].roughness_factor = 0.375f;
   scene.materials[0].emission_tint = Color(7.0f, 8.0f, 9.0f);
-  scene.metallic_roughness_texcoords.assign(3, kOwnTexcoords);
+  scene.metallic_roughness_texcoords.assign(3, kIdentityTexcoords);
   scene.emission_texcoords.assign(3, {Vec2f(1, 2), Vec2f(3, 4), Vec2f(5, 6), Vec2f(7, 8)});
   return scene;
 }
@@ -156,7 +156,7 @@ PatchSet shaded_sample() {
   scene.shaders = {{"wall", {"u", "v", "1"}, {}}, {"lamp", {}, {"2", "2", "2*x"}}};
   scene.primitives[0].shader = 1;
   scene.primitives[2].shader = 0;
-  scene.texcoords.assign(3, kOwnTexcoords);
+  scene.texcoords.assign(3, kIdentityTexcoords);
   scene.texcoords[1] = {Vec2f(0, 0), Vec2f(0.5f, 0), Vec2f(0.5f, 7), Vec2f(0, 7)};
   return scene;
 }

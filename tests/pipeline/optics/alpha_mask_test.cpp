@@ -75,7 +75,7 @@ TEST(AlphaMasks, BothSidesHaveTheSameHoles) {
                   scene.primitives[0].corners[2]};
   scene.primitives.push_back(back);
   test::make_sides(scene, 0, 1);
-  scene.texcoords = {kOwnTexcoords, {Vec2f(1, 0), Vec2f(0, 0), Vec2f(0, 1), Vec2f(1, 1)}};
+  scene.texcoords = {kIdentityTexcoords, {Vec2f(1, 0), Vec2f(0, 0), Vec2f(0, 1), Vec2f(1, 1)}};
   for (const int side : {0, 1}) test::alpha_masked(scene, side, right_half(), 0.5f);
   const RayScene rays(scene);
   for (const bool down : {true, false}) {

@@ -147,8 +147,8 @@ TEST(DirectLight, OfAPointFollowsTheInverseSquareLaw) {
   EXPECT_NEAR(sample.weight, 0.8 / 25, 1e-7);
   EXPECT_LT(sample.distance, 5);
   EXPECT_GT(sample.distance, 4.999);
-  EXPECT_TRUE(light.is_behind(std::array{Vec3d(0, 5, 0)}, {0, 1, 0}));
-  EXPECT_FALSE(light.is_behind(std::array{Vec3d(0, 3, 0)}, {0, 1, 0}));
+  EXPECT_TRUE(light.cannot_illuminate(std::array{Vec3d(0, 5, 0)}, {0, 1, 0}));
+  EXPECT_FALSE(light.cannot_illuminate(std::array{Vec3d(0, 3, 0)}, {0, 1, 0}));
 }
 
 TEST(DirectLight, OfASpotFallsOffBetweenItsCones) {

@@ -64,7 +64,7 @@ TEST(Mirror, LobeIsTheDensityOfReflect) {
   for (const float roughness : {0.3f, 0.8f})
     for (const float mu : {0.95f, 0.3f}) {
       const Vec3f in = incoming(mu);
-      const MetallicRoughness metal{Color(1.0f), roughness};
+      const MetalProperties metal{Color(1.0f), roughness};
       Vec3f tangent, bitangent;
       orthonormal_frame(kNormal, tangent, bitangent);
       // Integrals over the hemisphere, and over a part of it.

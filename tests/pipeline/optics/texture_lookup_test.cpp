@@ -62,7 +62,7 @@ TEST(TextureLookup, ReflectanceIsTintedAndLimitedByTheSpecularPart) {
   PatchSet& scene = builder.get();
   scene.textures = {{1, 1, {}, false, {0xffffff}}};
   scene.primitives[0].texture = 0;
-  scene.texcoords = {kOwnTexcoords};
+  scene.texcoords = {kIdentityTexcoords};
   scene.materials[0].tint = Color(0.5f, 0.25f, 1.0f);
   scene.materials[0].specular = Color(0.4f);
   const Color color = colored_reflectance(scene, 0, 0.3, 0.3);

@@ -51,7 +51,7 @@ PatchSet screened(int count) {
   PatchSet scene = builder.get();
   for (const int side : {2, 3}) test::alpha_masked(scene, side, test::checkers(count), 0.5f);
   test::make_sides(scene, 2, 3);
-  scene.texcoords.assign(4, kOwnTexcoords);
+  scene.texcoords.assign(4, kIdentityTexcoords);
   scene.texcoords[3] = {Vec2f(0, 1), Vec2f(1, 1), Vec2f(1, 0), Vec2f(0, 0)};
   return scene;
 }
@@ -93,7 +93,7 @@ PatchSet furnace(float reflectance) {
   PatchSet scene = builder.get();
   for (const int side : {1, 2}) test::alpha_masked(scene, side, test::checkers(16), 0.5f);
   test::make_sides(scene, 1, 2);
-  scene.texcoords.assign(3, kOwnTexcoords);
+  scene.texcoords.assign(3, kIdentityTexcoords);
   scene.texcoords[2] = {Vec2f(1, 0), Vec2f(0, 0), Vec2f(0, 1), Vec2f(1, 1)};
   return scene;
 }

@@ -44,7 +44,7 @@ TEST(SurfaceColors, ShowsTexturesAtThePixelNotThePatch) {
   builder.get().primitives[0].shader = -1;
   builder.get().primitives[0].texture = 0;
   builder.get().textures = {{2, 1, {}, true, {0x00ff00, 0xff0000}}};
-  builder.get().texcoords = {kOwnTexcoords};
+  builder.get().texcoords = {kIdentityTexcoords};
   const Image image = before_wall(builder).render();
   for (int x = 0; x < 8; ++x) {
     EXPECT_NEAR(image.pixels[std::size_t(x)].x, 1 + (x < 4 ? 0 : 0.99999), 1e-5);
@@ -68,7 +68,7 @@ TEST(SurfaceColors, ShowsEmissionTexturesAtThePixel) {
   scene.primitives[0].emission_texture = 0;
   scene.materials[0].emission_tint = Color(2 * float(kPi));
   scene.textures = {{4, 1, {}, true, {0x00ff00, 0xff0000, 0, 0xffffff}}};
-  scene.emission_texcoords = {kOwnTexcoords};
+  scene.emission_texcoords = {kIdentityTexcoords};
   const Image image = before_wall(builder).render();
   for (int x = 0; x < 8; ++x) {
     EXPECT_NEAR(image.pixels[std::size_t(x)].x, 0.5 + (x / 2 == 1 || x / 2 == 3 ? 2 : 0), 1e-4) << x;
@@ -86,7 +86,7 @@ TEST(SurfaceColors, MetallicRoughnessTexturesVaryTheMirror) {
   scene.materials[0] = {"plate", Color(0.4f), 0.25f, Color(0.0f)};
   scene.materials[0].metal = Color(0.8f);
   scene.textures = {{2, 1, {}, true, {0x0000ff, 0x000000}}};  // a mirror on the left, no metal on the right
-  scene.metallic_roughness_texcoords = {kOwnTexcoords};
+  scene.metallic_roughness_texcoords = {kIdentityTexcoords};
   builder.quad({{{-9, -9, 1}, {-9, 9, 1}, {9, 9, 1}, {9, -9, 1}}}, 1, 1, {0.0f, 5 * float(kPi)});  // behind the camera
   const Image image = before_wall(builder).render();
   for (int x = 0; x < 8; ++x) EXPECT_NEAR(image.pixels[std::size_t(x)].x, x < 4 ? 0.8 * 5 : 0.8, 1e-4) << x;
