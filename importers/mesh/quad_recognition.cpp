@@ -14,7 +14,7 @@ namespace patchlight {
 namespace {
 
 constexpr double kPlaneTolerance = 1e-4;     // distance of a corner from the other triangle's plane / longest edge
-constexpr double kMaxFoldSine = 1e-2;        // needed for slivers, whose corners lie near every plane through them
+constexpr double kMaxSliverFoldSine = 1e-2;  // needed for slivers, whose corners lie near every plane through them
 constexpr double kQuantizedFoldSine = 2e-2;  // where rounding of positions exceeds kPlaneTolerance
 constexpr double kMinCornerSine = 1e-3;
 constexpr double kScoreStep = 1e-5;  // rectangles score equally in spite of rounding
@@ -44,7 +44,7 @@ bool coplanar(const Triangle& a, const Triangle& b, const std::array<Vec3d, 4>& 
   const double apex_of_a = std::abs(b.normal.dot(quad[3] - quad[0]));
   const double farthest = std::max(apex_of_a, apex_of_b);
   const double fold = a.normal.cross(b.normal).length();
-  if (fold <= kMaxFoldSine && farthest <= kPlaneTolerance * longest) return true;
+  if (fold <= kMaxSliverFoldSine && farthest <= kPlaneTolerance * longest) return true;
   return farthest <= 2.0 * rounding && (flat || fold <= kQuantizedFoldSine);
 }
 

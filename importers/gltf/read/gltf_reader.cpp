@@ -193,7 +193,7 @@ void remove_invisible(const GltfModel& model, GltfScene& scene, Progress& progre
 /// Names the nodes of surfaces that have no material, unless the job says what these reflect.
 void warn_of_missing_materials(const GltfScene& scene, std::size_t default_material, Progress& progress) {
   constexpr std::size_t kMaxNames = 5;
-  if (default_material >= scene.materials.size() || scene.materials[default_material].overridden) return;
+  if (default_material >= scene.materials.size() || scene.materials[default_material].reflectance_overridden) return;
   std::vector<std::string> names;
   std::set<int> nodes;
   for (const Surface& surface : scene.surfaces) {
