@@ -62,7 +62,8 @@ int run_jobs(const BatchCommand& command, Progress& progress) {
       const JobVariant& variant = variants[k];
       progress.set_job(job_file, variant.options.output);
       if (command.job_files.size() + variants.size() > 2) progress.note("job " + variant.label());
-      const RunCommand run{job_file, command.force, variant.options, "trace", command.explain, variant.cache};
+      const RunCommand run{job_file,        command.force, variant.options,     "trace",
+                           command.explain, variant.cache, variant.job_template};
       attempt(variant.label(), [&](std::string& account) { return run_job(run, progress, &account); });
     }
   }

@@ -64,7 +64,8 @@ int make_solution(const RunCommand& command, const Job& job, const OutputCache& 
 
 int run_job(const RunCommand& command, Progress& progress, std::string* summary) {
   Progress::catch_signals();
-  const Job job = read_job(command.job_file, command.common.sets, command.common.output);
+  const Job job = command.job_template ? command.job_template->job(command.common.sets, command.common.output)
+                                       : read_job(command.job_file, command.common.sets, command.common.output);
   check_available(job.solve);
   const OutputCache cache(command.cache.empty() ? cache_folder(job) : command.cache, job.cache);
   StageAccount account(command, progress, summary);

@@ -6,7 +6,6 @@
 #include "pipeline/driver/stages/job_variants.h"
 #include "pipeline/frames/light_settings.h"
 #include "pipeline/job/job_check.h"
-#include "pipeline/job/reader/job_reader.h"
 #include "pipeline/job/view_config.h"
 #include "pipeline/system/standard_streams.h"
 
@@ -28,7 +27,7 @@ bool report(const char* stage, const std::string& file, const Freshness& freshne
 
 /// Returns whether all that a run makes is fresh; relit frames are of a command of their own.
 bool report_job(const JobVariant& variant) {
-  const Job job = read_job(variant.job_file, variant.options.sets, variant.options.output);
+  const Job job = variant.job();
   check_available(job.solve);
   PatchSet scene;
   if (!report("import", "patches.h5", patches_freshness(job, scene))) {

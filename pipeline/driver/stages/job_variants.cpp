@@ -7,7 +7,6 @@
 #include <set>
 
 #include "pipeline/driver/cache/output_cache.h"
-#include "pipeline/job/reader/job_reader.h"
 #include "pipeline/model/error.h"
 
 namespace patchlight {
@@ -31,15 +30,17 @@ std::string folder_name(const std::string& name, std::set<std::string>& taken) {
 
 std::vector<JobVariant> job_variants(const std::string& job_file, const CommonOptions& options,
                                      const std::string& pattern) {
-  const Job job = read_job(job_file, options.sets, options.output);
+  const auto job_template = std::make_shared<JobTemplate>(job_file);
+  const Job job = job_template->job(options.sets, options.output);
+  job_template->drop_matrix();  // else each variant would copy what all have
   const std::string cache = cache_folder(job).string();
-  if (job.matrix.empty() && pattern.empty()) return {{job_file, "", options, cache}};
+  if (job.matrix.empty() && pattern.empty()) return {{job_file, "", options, cache, job_template}};
   std::vector<JobVariant> variants;
   std::vector<std::string> names;
   std::set<std::string> taken;
   std::vector<std::size_t> at(job.matrix.size(), 0);
   for (bool more = !job.matrix.empty(); more;) {
-    JobVariant variant{job_file, "", options, cache};
+    JobVariant variant{job_file, "", options, cache, job_template};
     variant.options.sets.clear();
     for (std::size_t k = 0; k < at.size(); ++k) {
       const MatrixAxis::Choice& choice = job.matrix[k].choices[at[k]];

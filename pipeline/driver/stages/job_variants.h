@@ -1,7 +1,9 @@
 #pragma once
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "pipeline/job/reader/job_reader.h"
 #include "pipeline/stage/stage.h"
 
 namespace patchlight {
@@ -13,6 +15,10 @@ struct JobVariant {
   CommonOptions options;  ///< Those of the command line, over the variant's own settings, with its output folder.
   std::string cache;      ///< The folder that all variants of the job share for outputs of earlier settings.
 
+  std::shared_ptr<const JobTemplate> job_template{};  ///< All variants share it.
+
+  /// Its job, without a matrix. Throws: what read_job throws.
+  Job job() const { return job_template->job(options.sets, options.output); }
   std::string label() const { return name.empty() ? job_file : job_file + " " + name; }
 };
 

@@ -1,7 +1,9 @@
 #pragma once
 #include <filesystem>
+#include <memory>
 #include <string>
 
+#include "pipeline/job/reader/job_reader.h"
 #include "pipeline/stage/stage.h"
 
 namespace patchlight {
@@ -13,6 +15,7 @@ struct RunCommand {
   std::string last_stage = "trace";
   bool explain = false;           ///< Say all reasons, also those not to run.
   std::filesystem::path cache{};  ///< Where outputs of earlier settings are kept; empty: in the job's own output.
+  std::shared_ptr<const JobTemplate> job_template{};  ///< Of the job file; null: it is read.
 };
 
 }  // namespace patchlight

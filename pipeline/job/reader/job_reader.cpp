@@ -73,7 +73,10 @@ YAML::Node load_yaml(const fs::path& file) {
 /// Reads a job from its file and then from one override after the other, so that each fault has a place of its own.
 class JobReader {
  public:
-  JobReader(const fs::path& file, Job& job) : file_(file), job_(job), keys_(job_keys(job)) {}
+  JobReader(const fs::path& file, Job& job, bool merges = false)
+      : file_(file), job_(job), keys_(job_keys(job)), merges_(merges) {}
+
+  bool merges() const { return merges_; }
 
   /// Reads the files that this one includes, and then this one over them.
   void read_file(int& budget, int levels = kIncludeLevels) {
@@ -169,7 +172,7 @@ class JobReader {
   const fs::path& file_;
   Job& job_;
   std::vector<JobKey> keys_;
-  bool merges_ = false;               ///< Entries of maps of names go to those that are there.
+  bool merges_;                       ///< Entries of maps of names go to those that are there.
   const std::string* set_ = nullptr;  ///< The override that is being read; null: the file.
 };
 
@@ -206,12 +209,24 @@ bool is_scene_file(const fs::path& file) {
 }
 
 Job read_job(const fs::path& file, const std::vector<std::string>& sets, const fs::path& output) {
+  return JobTemplate(file).job(sets, output);
+}
+
+JobTemplate::JobTemplate(const fs::path& file) {
   const bool is_scene = is_scene_file(file);
-  Job job = is_scene ? scene_job(file) : Job();
-  job.file = file;
-  JobReader reader(file, job);
+  if (is_scene) job_ = scene_job(file);
+  job_.file = file;
+  if (is_scene) return;
+  JobReader reader(file, job_);
   int budget = kMostIncludes;
-  if (!is_scene) reader.read_file(budget);
+  reader.read_file(budget);
+  merges_ = reader.merges();
+}
+
+Job JobTemplate::job(const std::vector<std::string>& sets, const fs::path& output) const {
+  Job job = job_;
+  const fs::path& file = job_.file;
+  JobReader reader(file, job, merges_);
   for (const auto& set : sets) reader.apply(set);
   if (job.scene.empty()) throw Error(ExitCode::bad_config, "no `scene`", file.string(), "add `scene: FILE.glb`");
   refuse_blender_file(job.scene, file.string() + ", scene");

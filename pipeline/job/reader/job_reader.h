@@ -21,6 +21,23 @@ bool is_scene_file(const std::filesystem::path& file);
 Job read_job(const std::filesystem::path& file, const std::vector<std::string>& sets = {},
              const std::filesystem::path& output = {});
 
+/// A job file that is read once, for many jobs that differ in overrides.
+class JobTemplate {
+ public:
+  /// Throws: what read_job throws of the file.
+  explicit JobTemplate(const std::filesystem::path& file);
+
+  /// What read_job returns. Throws: what read_job throws.
+  Job job(const std::vector<std::string>& sets, const std::filesystem::path& output) const;
+
+  /// From now on jobs lack the matrix of the file, which takes time to copy where it has many choices.
+  void drop_matrix() { job_.matrix.clear(); }
+
+ private:
+  Job job_;
+  bool merges_ = false;  ///< Whether the file includes others.
+};
+
 /// The whole effective job as YAML, every default filled in; its paths relative to the job file's folder where the job
 /// has them so, and absent if empty; `bench` only if it sweeps something, `slurm` only if it executes.
 std::string effective_job(const Job& job);

@@ -124,16 +124,15 @@ std::string flow_text(const YAML::Node& value) {
 }
 
 void check_setting(const std::string& text, const YAML::Node& value, const YAML::Mark& mark) {
-  Job scratch;
-  const std::vector<JobKey> keys = job_keys(scratch);
+  thread_local Job scratch;  // a matrix may have thousands of settings
+  thread_local const std::vector<JobKey> keys = job_keys(scratch);
+  scratch = Job();
   const std::vector<std::string> path = split_key(text);
   for (const char* other : {"bench", "output", "matrix", "cache", "include", "executor", "slurm"})
     if (path.empty() || path[0] == other)
       throw EntryFault{"`" + text + "` cannot vary", "name a key of a stage, as in `solve.rays`", mark};
   const std::string joined = fmt::format("{}", fmt::join(path, "."));
-  std::vector<std::string> known;
   for (const JobKey& key : keys) {
-    known.push_back(key.path);
     const bool inside = path.size() > 1 && key.path == path[0];  // a map of names
     if (key.path != joined && !inside) continue;
     YAML::Node node = value;
@@ -150,6 +149,8 @@ void check_setting(const std::string& text, const YAML::Node& value, const YAML:
       throw EntryFault{fault.what, fault.mend, mark};
     }
   }
+  std::vector<std::string> known;
+  for (const JobKey& key : keys) known.push_back(key.path);
   throw EntryFault{"unknown key `" + text + "`", "did you mean `" + nearest_word(known, joined) + "`?", mark};
 }
 

@@ -21,6 +21,22 @@ TEST_F(JobFile, ReadsAMatrixOfVariants) {
   EXPECT_ERROR(read(many + "}\n"), ExitCode::bad_config, "at most 10000 combinations");
 }
 
+TEST_F(JobFile, MakesTheJobsThatItIsReadAs) {
+  folder_.write("base.yaml", "materials: {red: {reflectance: [0.5, 0, 0]}}\n");
+  const std::string text = std::string(kMinimal) + "matrix: {solve.rays: [64, 128]}\n";
+  for (const std::string include : {"", "include: base.yaml\n"}) {
+    const auto file = folder_.write("job.yaml", include + text);
+    JobTemplate once(file);
+    const std::vector<std::vector<std::string>> overrides{
+        {}, {"solve.rays=9", "scene=other.glb"}, {"materials={blue: {patch_area: 1}}"}};
+    for (const auto& sets : overrides)
+      EXPECT_EQ(effective_job(once.job(sets, "out")), effective_job(read_job(file, sets, "out")));
+    EXPECT_ERROR(once.job({"solve.rais=9"}, ""), ExitCode::bad_config, "solve.rays");
+    once.drop_matrix();
+    EXPECT_TRUE(once.job({}, "").matrix.empty());
+  }
+}
+
 TEST_F(JobFile, ReadsASweepOfAnyKeys) {
   const Job job = read(std::string(kMinimal) + R"(
 bench:
