@@ -88,7 +88,7 @@ Freshness picture_freshness(const Job& job, const PatchSet& scene, const Frame& 
   for (const auto& [what, attribute, now] : {std::tuple("the patches", "patchlight:patches_key", scene.key),
                                              {"textures and shaders", "patchlight:frames_key", scene.frames_key},
                                              {"the camera", "patchlight:camera_key", camera_key(frame.camera)},
-                                             {"the OpenColorIO config", "patchlight:view_config", view_config}})
+                                             {"the OpenColorIO files", "patchlight:view_config", view_config}})
     if (header.metadata[attribute] != now) inputs.push_back(change(what, header.metadata[attribute], now));
   compare_keys(state, job, header.metadata["patchlight:key"], header.metadata["patchlight:job"], key_of, inputs);
   if (!state.fresh()) return state;
