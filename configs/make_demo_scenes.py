@@ -24,6 +24,7 @@ CORNELL_LIGHT = ((0.213, 0.343), (0.227, 0.332))
 SHORT_BLOCK = ((0.130, 0.065), (0.082, 0.225), (0.240, 0.272), (0.290, 0.114))
 TALL_BLOCK = ((0.423, 0.247), (0.265, 0.296), (0.314, 0.456), (0.472, 0.406))
 
+
 # --- Blender data -----------------------------------------------------------------------------------------------------
 
 
@@ -162,8 +163,7 @@ def uv_sphere(radius, segments=32, rings=16):
         for azimuth in azimuths
     ]
     vertices = [radius * vertex for vertex in (*ring_vertices, Vector((0, 0, 1)), Vector((0, 0, -1)))]
-    count = len(ring_vertices)
-    north, south, last_ring = count, count + 1, count - segments
+    north, south, last_ring = len(ring_vertices), len(ring_vertices) + 1, len(ring_vertices) - segments
     faces = []
     for i in range(segments):
         j = (i + 1) % segments

@@ -6,13 +6,13 @@
 
 namespace patchlight {
 
-/// What is in a scene, for people: counts, areas, materials, light groups, cameras.
+/// Human-readable summary of a scene: counts, areas, materials, light groups, cameras.
 std::string describe(const PatchSet& scene);
 
-/// Who sees whom, in numbers.
+/// Human-readable summary of a transport.
 std::string describe(const Transport& transport);
 
-/// What is in a solution.
+/// Human-readable summary of a solution.
 std::string describe(const EnergyField& energy);
 
 }  // namespace patchlight

@@ -24,7 +24,8 @@ FileKind kind_of(const std::filesystem::path& file) {
   if (format == kTransportFormat) return FileKind::transport;
   if (format == kTransportShardFormat) return FileKind::transport_shard;
   if (format == kEnergyFormat) return FileKind::energy;
-  throw Error(ExitCode::bad_data, "an HDF5 file of another kind", file.string(), "name a file that Patchlight wrote");
+  throw Error(ExitCode::bad_data, "an HDF5 file of an unknown format", file.string(),
+              "give a file that Patchlight wrote");
 }
 
 }  // namespace patchlight

@@ -6,7 +6,7 @@
 
 namespace patchlight {
 
-/// Owns one HDF5 identifier; private to the file layer.
+/// Owns one HDF5 identifier. Internal to pipeline/hdf5.
 class H5Handle {
  public:
   using Close = herr_t (*)(hid_t);
@@ -21,7 +21,7 @@ class H5Handle {
   }
   ~H5Handle() { reset(); }
 
-  /// Closes now; false if the library could not (a write that fails may show only here).
+  /// Closes the identifier. False on failure; a failed write may be reported only here.
   bool reset() {
     const hid_t id = std::exchange(id_, -1);
     return id < 0 || close_(id) >= 0;

@@ -9,17 +9,19 @@
 
 namespace patchlight {
 
-// What H5Writer and H5Reader agree on.
+// The file layout shared by H5Writer and H5Reader.
 
 constexpr const char* kH5HashAttribute = "xxh3";
 constexpr const char* kH5DigestAttribute = "digest";
 constexpr std::size_t kH5MaxString = 1024;
 constexpr std::size_t kH5MaxText = std::size_t(1) << 24;
 
-/// Behind the HDF5 file, which ends by its own account, stand this word and a hash of all bytes before it. HDF5 keeps
-/// text attributes in a heap without checksums that its library reads with trust, so the hash is checked before.
+/// After the HDF5 data, whose end HDF5 itself records, follow this word and a hash of all bytes before it. HDF5 stores
+/// variable-length text in a heap without checksums, which its library does not validate; so the hash is checked first.
 constexpr std::string_view kH5TrailerWord = "patchlight-xxh3:";
 constexpr std::size_t kH5TrailerSize = kH5TrailerWord.size() + 32;
+
+// Shapes are [rows], [rows, columns] or [rows, planes, columns]; columns = 0: flat.
 
 inline std::size_t h5_values_per_row(int columns, int planes) {
   return columns > 0 ? std::size_t(columns) * planes : 1;
@@ -38,11 +40,11 @@ inline hsize_t h5_row_length(const std::vector<hsize_t>& shape) {
   return length;
 }
 
-/// The exact text that an attribute's value adds to the digest.
+/// Exact text of an attribute's value, for the digest.
 std::string h5_attribute_text(std::int64_t value);
 std::string h5_attribute_text(double value);
 
-/// One hash over every root attribute and every dataset's name and hash.
+/// Hash of all root attributes and of all datasets' names and hashes.
 std::string h5_digest(const std::map<std::string, std::string>& attributes,
                       const std::map<std::string, std::string>& hashes);
 

@@ -9,7 +9,7 @@
 
 namespace patchlight {
 
-/// Writes one HDF5 file under a temporary name and renames it when it is whole.
+/// Writes one HDF5 file under a temporary name; commit() renames it.
 ///
 /// Each dataset carries the XXH3 hash of its bytes as attribute `xxh3`. The root attribute `digest` covers all names,
 /// hashes and other root attributes. A hash of the whole file follows the HDF5 data. Throws everywhere: Error
@@ -17,21 +17,21 @@ namespace patchlight {
 class H5Writer {
  public:
   explicit H5Writer(const std::filesystem::path& file);
-  ~H5Writer();  ///< Without commit(), nothing is left behind.
+  ~H5Writer();  ///< Without commit(), no file is left.
 
   void attribute(const std::string& name, const std::string& value);
   void attribute(const std::string& name, std::int64_t value);
   void attribute(const std::string& name, double value);
 
-  /// `name` is absolute; groups on the way are made. Shape: [values.size() / columns, columns], or the flat array for
-  /// columns = 0; `planes` > 1 makes it [.., planes, columns]. T: double, float, int32_t, int64_t.
+  /// `name` is an absolute path; missing groups are created. Shape: [values.size() / columns, columns], or the flat
+  /// array for columns = 0; `planes` > 1 makes it [.., planes, columns]. T: double, float, int32_t, int64_t.
   template <class T>
   void dataset(const std::string& name, std::span<const T> values, int columns = 0, int planes = 1);
 
-  /// Fixed-length UTF-8 strings, [values.size()]. At most 1,024 bytes of each are kept.
+  /// Fixed-length UTF-8 strings, [values.size()]. Each is truncated to 1,024 bytes.
   void strings(const std::string& name, const std::vector<std::string>& values);
 
-  /// A key of the datasets written so far whose names begin with one of `prefixes`.
+  /// Hash of the datasets written so far whose names begin with one of `prefixes`.
   std::string key_of(const std::vector<std::string>& prefixes) const;
 
   void commit();
@@ -41,9 +41,8 @@ class H5Writer {
   std::unique_ptr<State> state_;
 };
 
-/// Reads a file that H5Writer wrote, trusting nothing in it.
-/// Throws everywhere: Error (missing_input) without the file; (bad_data) for anything damaged, absent or of another
-/// shape.
+/// Reads a file written by H5Writer and validates everything in it. Throws everywhere: Error (missing_input) if the
+/// file does not exist; (bad_data) for anything damaged, missing, or of another type or shape.
 class H5Reader {
  public:
   /// Checks the root attributes `format` and `version` and the digest.
@@ -55,30 +54,31 @@ class H5Reader {
   std::int64_t integer(const std::string& name) const;
   double real(const std::string& name) const;
 
-  /// All values of a dataset of `rows` rows (-1: any number), its bytes checked against their hash.
+  /// All values of a dataset of `rows` rows (-1: any number), checked against their hash.
   template <class T>
   std::vector<T> dataset(const std::string& name, std::int64_t rows, int columns = 0, int planes = 1) const;
 
   std::vector<std::string> strings(const std::string& name, std::int64_t rows) const;
 
+  /// Whether a dataset exists.
   bool has(const std::string& name) const;
 
-  /// Any dataset, for those who only look.
+  /// A dataset of any type and shape, for inspection.
   struct Values {
-    std::string shape;  ///< As in `4 x 3`.
-    int row = 1;        ///< Values of one row.
+    std::string shape;  ///< Such as `4 x 3`.
+    int row = 1;        ///< Number of values in a row.
     std::vector<double> numbers;
-    std::vector<std::string> texts;  ///< Instead of numbers.
+    std::vector<std::string> texts;  ///< Of a dataset of strings; `numbers` is then empty.
   };
   Values values(const std::string& name) const;
 
   /// Names of all datasets, in order.
   std::vector<std::string> datasets() const;
 
-  /// Names right below a group, in order; none without the group.
+  /// Names of a group's direct children, in order; empty if there is no such group.
   std::vector<std::string> children(const std::string& group) const;
 
-  /// Refuses the file: what is wrong, in which dataset.
+  /// Throws: Error (bad_data) with the fault and the dataset.
   [[noreturn]] void refuse(const std::string& what, const std::string& dataset) const;
 
  private:

@@ -36,8 +36,7 @@ struct H5Writer::State {
   template <class T>
   T check(T status, const std::string& what) const {
     if (status < 0)
-      throw Error(ExitCode::io_error, "cannot write " + what, file_name.target().string(),
-                  "check the space left on the disk");
+      throw Error(ExitCode::io_error, "cannot write " + what, file_name.target().string(), "check the free disk space");
     return status;
   }
 
@@ -47,7 +46,7 @@ struct H5Writer::State {
     check(attribute.valid() ? H5Awrite(attribute, type, value) : -1, "attribute " + name);
   }
 
-  /// Of variable length, which readers in other languages take as text and not as bytes.
+  /// Variable-length text, which readers in other languages return as text instead of bytes.
   void write_text(const std::string& name, const std::string& value) const {
     const H5Handle type = text_type(H5T_VARIABLE);
     const char* text = value.c_str();
@@ -87,7 +86,7 @@ struct H5Writer::State {
 };
 
 H5Writer::H5Writer(const std::filesystem::path& file) : state_(std::make_unique<State>(file)) {
-  H5dont_atexit();  // after a failed write the library's own clean-up at exit crashes
+  H5dont_atexit();  // the library's clean-up at exit crashes after a failed write
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   H5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_libver_bounds(access, H5F_LIBVER_LATEST, H5F_LIBVER_LATEST);

@@ -4,10 +4,10 @@
 
 namespace patchlight {
 
-/// As root attributes; nothing where no job stands in it. Throws: Error (cannot_create, io_error).
+/// Writes root attributes; none if `made.job` is empty. Throws: Error (cannot_create, io_error).
 void write_provenance(H5Writer& writer, const Provenance& made);
 
-/// Empty where a file has none. Throws: Error (bad_data).
+/// Empty if the file has no provenance. Throws: Error (bad_data).
 Provenance read_provenance(const H5Reader& reader);
 
 }  // namespace patchlight

@@ -25,13 +25,14 @@ bool index_of(std::int64_t index, std::size_t size) {
   return index >= 0 && index < std::int64_t(size);
 }
 
-constexpr double kFarthest = 1e12;  // m; what is farther has no useful digits left and overflows areas
+constexpr double kMaxDistance = 1e12;  // m; beyond, positions lose precision and areas overflow
 
 bool near(const Vec3d& v) {
-  return std::abs(v.x) <= kFarthest && std::abs(v.y) <= kFarthest && std::abs(v.z) <= kFarthest;  // NaN is not
+  return std::abs(v.x) <= kMaxDistance && std::abs(v.y) <= kMaxDistance &&
+         std::abs(v.z) <= kMaxDistance;  // false for NaN
 }
 
-/// Only a triangle's last edge may have no length, and no surface may have no area.
+/// Only a triangle's last edge may have length 0, and every surface must have an area.
 bool has_extent(const Primitive& quad) {
   const auto& c = quad.corners;
   const double area = ((c[2] - c[0]) % (c[3] - c[1])).length();
@@ -51,7 +52,7 @@ PatchFault primitive_fault(const PatchSet& scene, std::size_t i) {
   for (const auto& corner : p.corners)
     if (!near(corner)) return {"a corner that is not finite or too far away", "/primitives/corners"};
   const bool sphere = p.shape == Primitive::Shape::sphere;
-  if (!near(p.sphere_center) || !(std::abs(p.sphere_radius) <= kFarthest) || sphere != (p.sphere_radius != 0))
+  if (!near(p.sphere_center) || !(std::abs(p.sphere_radius) <= kMaxDistance) || sphere != (p.sphere_radius != 0))
     return {"a sphere without a centre or radius", "/primitives/sphere"};
   if (!sphere && !has_extent(p)) return {"a quad without extent", "/primitives/corners"};
   if (!index_of(p.material, scene.materials.size())) return {"an index out of range", "/primitives/material"};
@@ -160,14 +161,14 @@ PatchFault patch_fault(const PatchSet& scene, const Patch& patch) {
   return {};
 }
 
-/// Whether a float is boundary `i` of `count` equal parts of [0,1], but for rounding.
+/// Whether a float is boundary `i` of `count` equal parts of [0,1], up to rounding.
 bool is_boundary(float x, std::size_t i, std::size_t count) {
   constexpr double kRounding = 1.0 / (1 << 24);
   return std::abs(double(x) - double(i) / double(count)) <= kRounding;
 }
 
-/// Numbers of patches in the rows that tile primitive `index`, from patch `next` on, which is set behind them; none if
-/// they do not tile it.
+/// Numbers of patches in the rows that tile primitive `index`, from patch `next` on; empty if they do not tile it.
+/// Advances `next` to the first patch after them.
 std::vector<std::size_t> rows_of(const PatchSet& scene, std::size_t index, std::size_t& next) {
   std::vector<std::size_t> rows;
   for (float v = 0; v != 1;) {
@@ -187,7 +188,7 @@ std::vector<std::size_t> rows_of(const PatchSet& scene, std::size_t index, std::
   return rows;
 }
 
-/// Rows are of equal height, the patches of a row of equal width, and all rows of a quad have as many.
+/// Whether rows have equal heights, patches of a row equal widths, and rows of a quad equal numbers of patches.
 bool is_even(const PatchSet& scene, const Primitive& primitive, const std::vector<std::size_t>& rows,
              std::size_t patch) {
   for (std::size_t row = 0; row < rows.size(); ++row) {
@@ -200,7 +201,7 @@ bool is_even(const PatchSet& scene, const Primitive& primitive, const std::vecto
   return true;
 }
 
-/// Patches of a primitive are rows that tile the unit square evenly.
+/// Checks that the patches of each primitive are rows that tile the unit square evenly.
 PatchFault order_fault(const PatchSet& scene) {
   std::size_t next = 0;
   for (std::size_t i = 0; i < scene.primitives.size(); ++i) {

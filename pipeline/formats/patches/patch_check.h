@@ -5,7 +5,7 @@
 
 namespace patchlight {
 
-/// The first thing that breaks PatchSet's promises, and the dataset it is in; empty if all hold.
+/// The first violation of PatchSet's invariants, and its dataset; empty if all hold.
 struct PatchFault {
   std::string what;
   std::string where;

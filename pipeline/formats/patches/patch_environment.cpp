@@ -6,7 +6,7 @@ namespace patchlight {
 
 namespace {
 
-constexpr std::int32_t kMostRows = 512;
+constexpr std::int32_t kMaxRows = 512;
 
 void write_colors(H5Writer& writer, const std::string& name, const std::vector<Color>& colors) {
   std::vector<float> values;
@@ -44,7 +44,7 @@ void read_environment_datasets(const H5Reader& reader, PatchSet& scene) {
   if (!reader.has("/environment/rows")) return;
   Environment& sky = scene.environment.emplace();
   sky.rows = reader.dataset<std::int32_t>("/environment/rows", 1)[0];
-  if (sky.rows < 1 || sky.rows > kMostRows) reader.refuse("a number out of bounds", "/environment/rows");
+  if (sky.rows < 1 || sky.rows > kMaxRows) reader.refuse("a number out of bounds", "/environment/rows");
   sky.light_group = reader.dataset<std::int32_t>("/environment/light_group", 1)[0];
   if (sky.light_group < 0 || std::size_t(sky.light_group) >= scene.light_groups.size())
     reader.refuse("an index out of range", "/environment/light_group");

@@ -4,12 +4,12 @@
 
 namespace patchlight {
 
-/// Writes the scene's environment, nothing without one: `/environment/rows` and `cells`, `light_group`, and for frames
+/// Writes the scene's environment, if it has one: `/environment/rows`, `cells` and `light_group`, and for frames
 /// `size` (width, height), `texels` and `view` (turn, clip).
 void write_environment_datasets(H5Writer& writer, const PatchSet& scene);
 
-/// Reads that into the scene, whose light groups are there already. Throws: Error (bad_data), also for what is out of
-/// range.
+/// Reads the environment into the scene, whose light groups must be read before. Throws: Error (bad_data), also for
+/// values out of range.
 void read_environment_datasets(const H5Reader& reader, PatchSet& scene);
 
 }  // namespace patchlight

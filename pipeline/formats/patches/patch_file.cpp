@@ -185,13 +185,13 @@ void read_cameras(const H5Reader& reader, std::vector<Camera>& cameras) {
   });
 }
 
-/// Of what each primitive reflects as a metal and where its cut-outs are, whatever its material's place: rays go on
-/// there.
+/// Key of every primitive's specular material and alpha mask, on which transport depends; independent of the order of
+/// materials.
 std::string metallic_roughness_key(const PatchSet& scene) {
   KeyHasher hasher;
   for (std::size_t i = 0; i < scene.primitives.size(); ++i) {
     const auto material = std::size_t(scene.primitives[i].material);
-    if (material >= scene.materials.size()) continue;  // a broken scene, refused when it is read
+    if (material >= scene.materials.size()) continue;  // an invalid scene, which read_patches refuses
     const Material& m = scene.materials[material];
     if (m.specular == Color(0.0f) && m.metal == Color(0.0f) && scene.primitives[i].mask < 0) continue;
     hasher.add(std::int64_t(i));

@@ -13,7 +13,7 @@ constexpr int kPatchVersion = 2;
 /// Throws: Error (cannot_create, io_error).
 void write_patches(const std::filesystem::path& file, PatchSet& scene);
 
-/// Reads and checks patches.h5: every index in range, every number finite, patches in the order that PatchSet states.
+/// Reads patches.h5 and checks that indices are in range, numbers finite, and patches in the order of PatchSet.
 /// Throws: Error (missing_input, bad_data).
 PatchSet read_patches(const std::filesystem::path& file);
 

@@ -6,8 +6,8 @@ namespace patchlight {
 
 namespace {
 
-constexpr double kFarthest = 1e12;  // m, as of surfaces
-constexpr int kShape = 8;           // position, direction, inner and outer angle
+constexpr double kMaxDistance = 1e12;  // m, as for surfaces
+constexpr int kShape = 8;              // position, direction, inner and outer angle
 
 void check_light(const H5Reader& reader, const PatchSet& scene, const Light& light) {
   if (light.light_group < 0 || std::size_t(light.light_group) >= scene.light_groups.size())
@@ -15,8 +15,8 @@ void check_light(const H5Reader& reader, const PatchSet& scene, const Light& lig
   for (int k = 0; k < 3; ++k) {
     if (!(light.strength[k] >= 0 && light.strength[k] <= 3.4e38f))
       reader.refuse("a negative or non-finite value", "/lights/strength");
-    if (!(std::abs(light.position[k]) <= kFarthest))
-      reader.refuse("a place that is not finite or too far away", "/lights/shape");
+    if (!(std::abs(light.position[k]) <= kMaxDistance))
+      reader.refuse("a position that is not finite or too far away", "/lights/shape");
   }
   if (!(std::abs(light.direction.length() - 1) <= 1e-6))
     reader.refuse("a direction that is not a unit vector", "/lights/shape");

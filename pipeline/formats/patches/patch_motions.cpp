@@ -7,10 +7,10 @@ namespace patchlight {
 
 namespace {
 
-/// Takes `count` numbers off the front of `values`.
+/// Removes and returns the first `count` values.
 std::vector<double> take(std::span<const double>& values, std::int64_t count, const H5Reader& reader,
                          const std::string& name) {
-  if (count > std::int64_t(values.size())) reader.refuse("fewer numbers than keyframes need", name);
+  if (count > std::int64_t(values.size())) reader.refuse("too few values for the keyframes", name);
   const auto taken = values.first(std::size_t(count));
   values = values.subspan(std::size_t(count));
   if (!std::all_of(taken.begin(), taken.end(), [](double x) { return std::isfinite(x); }))
@@ -63,11 +63,11 @@ void read_motion_datasets(const H5Reader& reader, PatchSet& scene) {
     factor.kind = Motion::Kind(kinds[i]);
     factor.interpolation = Motion::Interpolation(interpolations[i]);
     if ((factor.kind == Motion::Kind::fixed) != (keys[i] == 0))
-      reader.refuse("keyframes of what is fixed, or none of what moves", "/motions/keys");
+      reader.refuse("keyframes of a constant factor, or none of an animated one", "/motions/keys");
     factor.times = take(time_left, keys[i], reader, "/motions/time");
     factor.values = take(value_left, std::max<std::int64_t>(1, keys[i]) * factor.stride(), reader, "/motions/value");
     if (!std::is_sorted(factor.times.begin(), factor.times.end()))
-      reader.refuse("keyframes that go back in time", "/motions/time");
+      reader.refuse("keyframe times that are not ascending", "/motions/time");
     scene.cameras[cameras[i]].motion.push_back(std::move(factor));
   }
 }

@@ -4,11 +4,11 @@
 
 namespace patchlight {
 
-/// Writes how the scene's cameras move, nothing where none does: one row of `/motions/camera`, `kind`, `interpolation`
-/// and `keys` for each factor, and behind each other their `/motions/time` and `/motions/value`.
+/// Writes the motions of the scene's cameras, if there are any. One row per factor of `/motions/camera`, `kind`,
+/// `interpolation` and `keys`; `/motions/time` and `/motions/value` hold the keyframes of all factors in this order.
 void write_motion_datasets(H5Writer& writer, const PatchSet& scene);
 
-/// Reads that into the scene's cameras, which are there already. Throws: Error (bad_data).
+/// Reads the motions into the scene's cameras, which must be read before. Throws: Error (bad_data).
 void read_motion_datasets(const H5Reader& reader, PatchSet& scene);
 
 }  // namespace patchlight

@@ -32,7 +32,7 @@ void read_images(const H5Reader& reader, const std::string& group, std::vector<T
   for (std::size_t k = 0; k < shapes.size(); k += kColumns) {
     const std::int64_t width = shapes[k], height = shapes[k + 1];
     if (width < 1 || height < 1 || width * height > std::int64_t(texels.size() - next))
-      reader.refuse("a size that does not fit the texels", name);
+      reader.refuse("a size that does not match the number of texels", name);
     const auto first = texels.begin() + std::ptrdiff_t(next);
     textures.push_back({shapes[k],
                         shapes[k + 1],
@@ -83,7 +83,7 @@ void read_texcoords(const H5Reader& reader, const std::string& name, std::size_t
                    Vec2f(values[i + 4], values[i + 5]), Vec2f(values[i + 6], values[i + 7])});
 }
 
-/// Whether any primitive has this.
+/// Whether any primitive has an index in this member.
 bool any_has(const PatchSet& scene, std::int32_t Primitive::*index) {
   return std::any_of(scene.primitives.begin(), scene.primitives.end(),
                      [&](const Primitive& p) { return p.*index >= 0; });

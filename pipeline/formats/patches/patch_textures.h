@@ -4,15 +4,15 @@
 
 namespace patchlight {
 
-/// Textures, masks and vertices' colours, which primitives have them, and texture coordinates; a scene without them has
-/// no such datasets.
+/// Writes textures, masks, vertex colours and texture coordinates, and the primitives' indices of these. Datasets are
+/// omitted if the scene has none.
 void write_texture_datasets(H5Writer& writer, const PatchSet& scene);
 
-/// The datasets that say what masks cut out and how metals vary, both of which transport depends on, by the beginnings
-/// of their names; none for a scene without.
+/// Name prefixes of the datasets of alpha masks and metallic-roughness textures, on which transport depends; empty for
+/// a scene without these.
 std::vector<std::string> transport_textures(const PatchSet& scene);
 
-/// Expects the patches, primitives and materials of `scene` to be there. Throws: Error (bad_data).
+/// The scene's patches, primitives and materials must be read before. Throws: Error (bad_data).
 void read_texture_datasets(const H5Reader& reader, PatchSet& scene);
 
 }  // namespace patchlight

@@ -6,10 +6,10 @@
 
 namespace patchlight {
 
-/// Puts a display mesh into the group `/display/mesh` of a file.
+/// Writes a display mesh to the group `/display/mesh` of a file.
 void write_display_mesh(H5Writer& writer, const DisplayMesh& mesh);
 
-/// `patches`: how many the scene has; -1: any number. Throws: Error (bad_data) for anything that is not a mesh of it.
+/// Reads and checks a display mesh. `patches`: number of the scene's patches; -1: any. Throws: Error (bad_data).
 DisplayMesh read_display_mesh(const H5Reader& reader, std::int64_t patches);
 
 }  // namespace patchlight

@@ -32,7 +32,7 @@ std::vector<Color> read_colors(const H5Reader& reader, const std::string& name, 
   return colors;
 }
 
-/// A line for each: its residuals, then its group.
+/// One line per light group: comma-separated residuals, a space, the group's name.
 std::string convergence_text(const std::vector<EnergyField::Convergence>& convergence) {
   std::string text;
   for (const auto& [group, residuals] : convergence) text += fmt::format("{} {}\n", fmt::join(residuals, ","), group);
@@ -44,11 +44,11 @@ std::vector<EnergyField::Convergence> parse_convergence(const std::string& text)
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) {
     const std::size_t end = std::min(line.find(' '), line.size());
-    auto& one = convergence.emplace_back();
-    one.group = line.substr(std::min(end + 1, line.size()));
+    auto& entry = convergence.emplace_back();
+    entry.group = line.substr(std::min(end + 1, line.size()));
     std::istringstream values(line.substr(0, end));
     for (std::string value; std::getline(values, value, ',');)
-      one.residuals.push_back(std::strtod(value.c_str(), nullptr));
+      entry.residuals.push_back(std::strtod(value.c_str(), nullptr));
   }
   return convergence;
 }

@@ -16,7 +16,7 @@ void write_energy(const std::filesystem::path& file, const PatchSet& scene, cons
 /// Throws: Error (missing_input, bad_data).
 EnergyField read_energy(const std::filesystem::path& file, const PatchSet& scene);
 
-/// Reads energy.h5 whatever scene it belongs to: its own groups, in the order of their names.
+/// Reads energy.h5 of any scene, with its light groups in the order of their names.
 /// Throws: Error (missing_input, bad_data).
 EnergyField read_energy(const std::filesystem::path& file);
 

@@ -11,10 +11,10 @@ namespace patchlight {
 
 namespace {
 
-constexpr std::int64_t kMostCells = 1 << 20;
+constexpr std::int64_t kMaxCells = 1 << 20;
 const char* const kLights = "/emitters/light";
 
-/// What an emitter sends by way of mirrors; empty where it says nothing of it.
+/// Light of an emitter that reaches patches by specular reflections; empty if the file has none.
 std::vector<Color> read_photons(const H5Reader& reader, const std::string& emitter, std::int64_t patches) {
   const std::string name = "/emitters/mirrored/" + emitter;
   std::vector<Color> photons;
@@ -25,7 +25,7 @@ std::vector<Color> read_photons(const H5Reader& reader, const std::string& emitt
   return photons;
 }
 
-/// The `number`th emitter of the file as its datasets are named.
+/// Name of an emitter's datasets. `number`: its index in the file.
 std::string emitter_name(const Transport::Emitter& emitter, std::size_t number) {
   return emitter.light == 0 ? std::to_string(emitter.first_patch) : "light_" + std::to_string(number);
 }
@@ -56,7 +56,7 @@ void read_emitters(const H5Reader& reader, std::int64_t patches, Transport& tran
     if (transport.display) emitter.display = factors("/display/factor", transport.display->mesh.elements);
     emitter.mirrored = read_photons(reader, own, patches);
     if (emitter.mirrored.empty() != transport.emitters.front().mirrored.empty())
-      reader.refuse("photons of some emitters alone", "/emitters/patches");
+      reader.refuse("photons of some emitters only", "/emitters/patches");
   }
 }
 
@@ -67,7 +67,7 @@ void read_display(const H5Reader& reader, std::int64_t patches, Transport& trans
   read_rows(reader, "/display", patches + display.mesh.elements + transport.sky, false, reader.integer("display_rays"),
             display.rows);
   if (display.rows.rows() != display.mesh.gathered)
-    reader.refuse("another number of rows than of vertices", "/display/rows/start");
+    reader.refuse("unequal numbers of rows and vertices", "/display/rows/start");
 }
 
 Transport read_all(const H5Reader& reader) {
@@ -75,7 +75,7 @@ Transport read_all(const H5Reader& reader) {
   transport.key = reader.text("key");
   if (reader.has_attribute("sky")) {
     const std::int64_t sky = reader.integer("sky");
-    if (sky < 1 || sky > kMostCells) reader.refuse("a number of cells out of bounds", "sky");
+    if (sky < 1 || sky > kMaxCells) reader.refuse("a number of cells out of bounds", "sky");
     transport.sky = int(sky);
   }
   read_rows(reader, "", transport.sky, true, reader.integer("rays"), transport);

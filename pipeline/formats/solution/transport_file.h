@@ -13,14 +13,14 @@ constexpr int kTransportVersion = 3;
 /// Writes transport.h5. Throws: Error (cannot_create, io_error).
 void write_transport(const std::filesystem::path& file, const Transport& transport);
 
-/// Reads transport.h5 and checks that all in it is within the bounds of its own number of patches.
+/// Reads transport.h5 and checks every index against its number of patches.
 /// Throws: Error (missing_input, bad_data).
 Transport read_transport(const std::filesystem::path& file);
 
-/// The same, or nothing if the file has another key.
+/// As above; nothing if the file has another key.
 std::optional<Transport> read_transport(const std::filesystem::path& file, const std::string& key);
 
-/// Key of a transport.h5, the file's hash checked. Throws: Error (missing_input, bad_data).
+/// Key of a transport.h5. Checks the file's hash. Throws: Error (missing_input, bad_data).
 std::string read_transport_key(const std::filesystem::path& file);
 
 }  // namespace patchlight

@@ -7,20 +7,20 @@ namespace patchlight {
 
 namespace {
 
-constexpr std::int64_t kMostRays = 1 << 24;
+constexpr std::int64_t kMaxRays = 1 << 24;
 
 void read_mirrored(const H5Reader& reader, const std::string& folder, std::int64_t elements, TransportRows& rows) {
   if (!reader.has(folder + "/mirrored/place")) return;
-  const std::vector<std::int32_t> places = reader.dataset<std::int32_t>(folder + "/mirrored/place", -1, 3);
+  const std::vector<std::int32_t> entries = reader.dataset<std::int32_t>(folder + "/mirrored/place", -1, 3);
   const std::vector<float> weights =
-      reader.dataset<float>(folder + "/mirrored/weight", std::int64_t(places.size() / 3), 3);
+      reader.dataset<float>(folder + "/mirrored/weight", std::int64_t(entries.size() / 3), 3);
   check_all(reader, folder + "/mirrored/weight", weights, is_factor);
   std::int64_t last = 0;
-  for (std::size_t k = 0; k < places.size(); k += 3) {
-    const std::int32_t row = places[k], sample_set = places[k + 1], patch = places[k + 2];
+  for (std::size_t k = 0; k < entries.size(); k += 3) {
+    const std::int32_t row = entries[k], sample_set = entries[k + 1], patch = entries[k + 2];
     if (row < 0 || row >= rows.rows() || sample_set < 0 || sample_set > 1 || patch < 0 || patch >= elements ||
         2 * std::int64_t(row) + sample_set < last)
-      reader.refuse("a place out of bounds or order", folder + "/mirrored/place");
+      reader.refuse("an entry out of bounds or order", folder + "/mirrored/place");
     last = 2 * std::int64_t(row) + sample_set;
     rows.mirrored.push_back({row, sample_set, patch, Color(weights[k], weights[k + 1], weights[k + 2])});
   }
@@ -37,24 +37,24 @@ void write_rows(H5Writer& writer, const std::string& folder, const TransportRows
   else
     writer.dataset<float>(folder + "/rows/share", rows.hit_weights);
   if (rows.mirrored.empty()) return;
-  std::vector<std::int32_t> places;
+  std::vector<std::int32_t> entries;
   std::vector<float> weights;
   for (const auto& m : rows.mirrored) {
-    places.insert(places.end(), {m.row, m.sample_set, m.patch});
+    entries.insert(entries.end(), {m.row, m.sample_set, m.patch});
     weights.insert(weights.end(), {m.weight.x, m.weight.y, m.weight.z});
   }
-  writer.dataset<std::int32_t>(folder + "/mirrored/place", places, 3);
+  writer.dataset<std::int32_t>(folder + "/mirrored/place", entries, 3);
   writer.dataset<float>(folder + "/mirrored/weight", weights, 3);
 }
 
 void read_rows(const H5Reader& reader, const std::string& folder, std::int64_t elements, bool own, std::int64_t rays,
                TransportRows& rows) {
-  if (rays < 0 || rays > kMostRays) reader.refuse("a number of rays out of bounds", folder + "/rows/share");
+  if (rays < 0 || rays > kMaxRays) reader.refuse("a number of rays out of bounds", folder + "/rows/share");
   const std::vector<std::int64_t> starts = reader.dataset<std::int64_t>(folder + "/rows/start", -1);
   rows.columns = reader.dataset<std::int32_t>(folder + "/rows/patch", -1);
   if (starts.size() % 2 == 0 || starts.front() != 0 || starts.back() != std::int64_t(rows.columns.size()) ||
       !std::is_sorted(starts.begin(), starts.end()))
-    reader.refuse("rows that do not follow each other", folder + "/rows/start");
+    reader.refuse("row starts that are not ascending", folder + "/rows/start");
   rows.starts.assign(starts.begin(), starts.end());
   if (own) elements += rows.rows();
   const auto count = std::uint32_t(std::min<std::int64_t>(elements, std::numeric_limits<std::int32_t>::max()));
@@ -65,7 +65,8 @@ void read_rows(const H5Reader& reader, const std::string& folder, std::int64_t e
   } else {
     rows.rays = int(rays);
     rows.hit_weights = reader.dataset<float>(folder + "/rows/share", std::int64_t(starts.size() - 1));
-    check_all(reader, folder + "/rows/share", rows.hit_weights, [](float share) { return share >= 0 && share <= 1; });
+    check_all(reader, folder + "/rows/share", rows.hit_weights,
+              [](float weight) { return weight >= 0 && weight <= 1; });
   }
   read_mirrored(reader, folder, elements, rows);
 }
@@ -73,7 +74,7 @@ void read_rows(const H5Reader& reader, const std::string& folder, std::int64_t e
 std::vector<float> read_visible_fractions(const H5Reader& reader, std::int64_t rows) {
   if (!reader.has("/exposed")) return {};
   std::vector<float> visible_fractions = reader.dataset<float>("/exposed", rows, 2);
-  check_all(reader, "/exposed", visible_fractions, [](float part) { return part > 0 && part <= 1; });
+  check_all(reader, "/exposed", visible_fractions, [](float fraction) { return fraction > 0 && fraction <= 1; });
   return visible_fractions;
 }
 

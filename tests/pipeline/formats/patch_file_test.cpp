@@ -95,7 +95,7 @@ TEST(PatchFile, KeepsTheKeysOfWhatDidNotChange) {
   EXPECT_EQ(scene.frames_key, repainted.frames_key);
 }
 
-TEST(PatchFile, RefusesBrokenPromises) {
+TEST(PatchFile, RefusesInvalidPatches) {
   expect_refused(sample(), {
                                {"/patches/primitive", [](PatchSet& s) { s.patches[0].primitive = 9; }},
                                {"/patches/uv", [](PatchSet& s) { s.patches[0].u1 = 0.9f; }},
@@ -106,11 +106,6 @@ TEST(PatchFile, RefusesBrokenPromises) {
                                {"/patches/normal", [](PatchSet& s) { s.patches[0].normal = Vec3f(2, 0, 0); }},
                                {"/patches/reflectance", [](PatchSet& s) { s.patches[0].reflectance.y = 1.0f; }},
                                {"/patches/emission", [](PatchSet& s) { s.patches[0].emission.x = -1.0f; }},
-                               {"/primitives/light_group", [](PatchSet& s) { s.primitives[0].light_group = 7; }},
-                               {"/primitives/light_group", [](PatchSet& s) { s.primitives[0].light_group = -1; }},
-                               {"/primitives/back", [](PatchSet& s) { s.primitives[0].back = 1; }},
-                               {"/primitives/material", [](PatchSet& s) { s.primitives[0].material = -1; }},
-                               {"/primitives/sphere", [](PatchSet& s) { s.primitives[2].sphere_radius = 0; }},
                                {"/patches/uv", [](PatchSet& s) { s.patches[0].u1 = s.patches[1].u0 = 0.4f; }},
                                {"/patches/uv",
                                 [](PatchSet& s) {
@@ -123,6 +118,17 @@ TEST(PatchFile, RefusesBrokenPromises) {
                                   s.patches.erase(s.patches.begin() + 4);
                                 }},
                                {"/patches/uv", [](PatchSet& s) { s.patches[10].u1 = s.patches[11].u0 = 0.2f; }},
+                               {"/patches/area", [](PatchSet& s) { s.patches.clear(); }},
+                           });
+}
+
+TEST(PatchFile, RefusesInvalidPrimitives) {
+  expect_refused(sample(), {
+                               {"/primitives/light_group", [](PatchSet& s) { s.primitives[0].light_group = 7; }},
+                               {"/primitives/light_group", [](PatchSet& s) { s.primitives[0].light_group = -1; }},
+                               {"/primitives/back", [](PatchSet& s) { s.primitives[0].back = 1; }},
+                               {"/primitives/material", [](PatchSet& s) { s.primitives[0].material = -1; }},
+                               {"/primitives/sphere", [](PatchSet& s) { s.primitives[2].sphere_radius = 0; }},
                                {"/primitives/corners",
                                 [](PatchSet& s) { s.primitives[0].corners[1] = s.primitives[0].corners[0]; }},
                                {"/primitives/corners",
@@ -144,6 +150,11 @@ TEST(PatchFile, RefusesBrokenPromises) {
                                 [](PatchSet& s) {
                                   s.primitives[2].smooth_vertices = {0, 1, 2, 3};
                                 }},
+                           });
+}
+
+TEST(PatchFile, RefusesInvalidCamerasAndMotions) {
+  expect_refused(sample(), {
                                {"/cameras", [](PatchSet& s) { s.cameras[0].vertical = 0; }},
                                {"/motions/time",
                                 [](PatchSet& s) {
@@ -170,7 +181,6 @@ TEST(PatchFile, RefusesBrokenPromises) {
                                   s.cameras[0].motion = sample_motion();
                                   s.cameras[0].motion[1].kind = Motion::Kind(9);
                                 }},
-                               {"/patches/area", [](PatchSet& s) { s.patches.clear(); }},
                            });
 }
 

@@ -22,7 +22,7 @@ void write_sample(const std::filesystem::path& file) {
   writer.commit();
 }
 
-TEST(H5Store, ReadsBackWhatWasWritten) {
+TEST(H5Store, ReadsBackWrittenValues) {
   const TemporaryFolder folder;
   write_sample(folder / "a.h5");
   const H5Reader reader(folder / "a.h5", "sample", 1);
@@ -45,7 +45,7 @@ TEST(H5Store, RefusesOtherShapesTypesAndFormats) {
   EXPECT_ERROR(H5Reader(folder / "none.h5", "sample", 1), ExitCode::missing_input, "none.h5");
 }
 
-TEST(H5Store, RefusesEveryDamagedByteThatItReads) {
+TEST(H5Store, NoDamagedByteChangesValues) {
   const TemporaryFolder folder;
   write_sample(folder / "a.h5");
   const std::string whole = test::read_text(folder / "a.h5");
@@ -56,7 +56,7 @@ TEST(H5Store, RefusesEveryDamagedByteThatItReads) {
     folder.write("b.h5", damaged);
     try {
       const H5Reader reader(folder / "b.h5", "sample", 1);
-      // What is not refused must read the same.
+      // If the damage is not detected, it must not affect the values.
       EXPECT_EQ(reader.dataset<double>("/group/rows", 2, 3), (std::vector<double>{1, 2, 3, 4, 5, 6})) << "byte " << i;
       EXPECT_EQ(reader.strings("/names", 3), (std::vector<std::string>{"one", "", "three"})) << "byte " << i;
       ++harmless;
@@ -68,7 +68,7 @@ TEST(H5Store, RefusesEveryDamagedByteThatItReads) {
   EXPECT_GT(refused, 100);
 }
 
-TEST(H5Store, WritesAttributesAsTextThatOtherLanguagesReadAsText) {
+TEST(H5Store, WritesTextAttributesAsVariableLengthUtf8) {
   const TemporaryFolder folder;
   write_sample(folder / "a.h5");
   const hid_t file = H5Fopen((folder / "a.h5").c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
@@ -95,7 +95,7 @@ TEST(H5Store, RefusesTruncatedFiles) {
   }
 }
 
-TEST(H5Store, LeavesNothingBehindWithoutCommit) {
+TEST(H5Store, LeavesNoFileWithoutCommit) {
   const TemporaryFolder folder;
   folder.write("a.h5", "previous");
   {
@@ -106,7 +106,7 @@ TEST(H5Store, LeavesNothingBehindWithoutCommit) {
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
 }
 
-TEST(H5Store, SaysWhenTheOutputCannotBeMade) {
+TEST(H5Store, ReportsThatTheOutputCannotBeCreated) {
   const TemporaryFolder folder;
   folder.write("file", "");
   EXPECT_ERROR(H5Writer(folder / "file/sub/a.h5"), ExitCode::cannot_create, "--output");
