@@ -95,7 +95,7 @@ std::string summary(const GltfScene& scene, const PrimitiveList& list, const Pat
       set.lights.empty() ? "" : fmt::format(", {} point lights, spots and suns", set.lights.size()),
       set.environment ? ", an environment" : "",
       set.textures.empty() ? "" : fmt::format(", {} textures", set.textures.size()),
-      set.masks.empty() ? "" : fmt::format(", cut-outs of {} surfaces", masked_primitives(set)),
+      set.masks.empty() ? "" : fmt::format(", alpha masks on {} surfaces", masked_primitives(set)),
       set.shaders.empty() ? "" : fmt::format(", {} shaders", set.shaders.size()));
 }
 

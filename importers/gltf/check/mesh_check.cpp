@@ -81,8 +81,8 @@ void check_indices(const GltfLists& gltf, const Json& primitive, const GltfPlace
   if (!known || string_member(*place.item, "type") != "SCALAR") {
     refuse_gltf("indices must be SCALAR of unsigned integers", place);
   }
-  const bool packed = find_extension(primitive, "KHR_draco_mesh_compression", mesh) != nullptr;
-  if (!packed && !place.item->contains("bufferView")) refuse_gltf("indices have no bufferView", place);
+  const bool compressed = find_extension(primitive, "KHR_draco_mesh_compression", mesh) != nullptr;
+  if (!compressed && !place.item->contains("bufferView")) refuse_gltf("indices have no bufferView", place);
 }
 
 void check_primitive(GltfLists& gltf, const Json& primitive, const std::set<int>& texcoord_sets, bool quantized,

@@ -48,8 +48,8 @@ AccessorReader::AccessorReader(const GltfModel& model, int accessor) {
   stride_ = size;
   const bool quantized = component_type_ != TINYGLTF_COMPONENT_TYPE_FLOAT;
   if (quantized) rounding = normalized_ ? 0.5 / max_of(component_type_) : 0.5;
-  const auto packed = model.roundings.find(accessor);
-  if (packed != model.roundings.end()) rounding = packed->second;
+  const auto quantized_by_draco = model.roundings.find(accessor);
+  if (quantized_by_draco != model.roundings.end()) rounding = quantized_by_draco->second;
   if (source.bufferView >= 0 && count > 0) {
     const tinygltf::BufferView& view = model.gltf.bufferViews[source.bufferView];
     data = view_bytes(model, source.bufferView).data() + source.byteOffset;
