@@ -48,6 +48,6 @@ set(CPACK_STRIP_FILES ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION graphics)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PACKAGE_DEPENDS "libegl1, libgl1-mesa-dri")  # opened by name, where hemicubes are drawn
+set(CPACK_DEBIAN_PACKAGE_DEPENDS "libegl1, libopengl0, libgl1-mesa-dri")  # opened by name, where hemicubes are drawn
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS gnuplot-nox)
 include(CPack)
