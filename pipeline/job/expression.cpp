@@ -10,7 +10,7 @@ namespace patchlight {
 
 namespace {
 
-/// muParser also takes assignments, strings and lists of values.
+/// muParser also accepts assignments, strings and lists of values, which are refused.
 void refuse_more_than_a_formula(const std::string& text) {
   if (text.size() > kLongestExpression)
     throw ExpressionFault{fmt::format("more than {} characters", kLongestExpression), kLongestExpression + 1};
@@ -30,7 +30,7 @@ void refuse_more_than_a_formula(const std::string& text) {
   }
 }
 
-/// muParser's message without its own account of the place, which counts from 0.
+/// muParser's message without its position, which counts from 0.
 ExpressionFault fault_of(const mu::ParserError& error, const std::string& text) {
   std::string reason = error.GetCode() == mu::ecINTERNAL_ERROR ? "Not a formula" : error.GetMsg();
   for (const char* place : {" found at position", " at position", " at expression position"})
@@ -61,7 +61,7 @@ struct Expression::Compiled {
     parser.Eval();  // compiles
     const mu::varmap_type& used = parser.GetUsedVar();
     reads_uv = used.contains("u") || used.contains("v");
-    parser.Eval();  // GetUsedVar forgets what was compiled
+    parser.Eval();  // GetUsedVar discards the compiled formula
   }
 };
 

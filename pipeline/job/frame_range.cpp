@@ -37,7 +37,7 @@ bool read_range(const std::string& part, Range& range) {
   return text.done() || (text.skip_any({"x", ":"}) && take_number(text, range.step) && text.done());
 }
 
-/// `part` has no spaces.
+/// `part` contains no spaces.
 Range parse_range(const std::string& part) {
   Range range;
   if (part.size() > kLongestPart || !read_range(part, range))
@@ -52,7 +52,7 @@ Range parse_range(const std::string& part) {
 std::vector<int> frame_numbers(const std::string& list) {
   std::vector<int> numbers;
   std::set<int> seen;
-  std::size_t count = 0;  // with those that stand there twice, which take their time too
+  std::size_t count = 0;  // including duplicates, which also take time to process
   std::string plain = list + ',';
   std::erase_if(plain, [](unsigned char c) { return std::isspace(c); });
   std::istringstream parts(plain);

@@ -4,12 +4,12 @@
 
 namespace patchlight {
 
-/// Most frames that a job may have.
+/// Maximum number of frames of a job.
 constexpr std::size_t kMostFrames = 100'000;
 
-/// The numbers of a list of frames and ranges of them, in its order, each once: `7`, `1-120`, `1,5..9`,
+/// Frame numbers of a list of frames and ranges, in its order without duplicates: `7`, `1-120`, `1,5..9`,
 /// `3, 5-10, 47-327`, and with a step `1-120x10` or `1..120:10`. Numbers have up to seven digits.
-/// Throws: std::string, what was expected instead.
+/// Throws: std::string, the expected format.
 std::vector<int> frame_numbers(const std::string& list);
 
 }  // namespace patchlight

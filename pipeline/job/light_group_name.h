@@ -5,8 +5,8 @@ namespace patchlight {
 
 constexpr std::size_t kLongestLightGroup = 1024;  ///< Bytes.
 
-/// A light group's name as files hold it: `/` and the zero byte become `_`, and so does a name that is a single dot,
-/// which HDF5 takes for the group around it.
+/// The name of a light group in files: `/` and the zero byte are replaced by `_`, and so is the name `.`, which in HDF5
+/// means the enclosing group.
 std::string light_group_name(std::string name);
 
 }  // namespace patchlight

@@ -6,7 +6,7 @@ namespace patchlight {
 
 namespace {
 
-constexpr double kUsualAngle = 40;  // degrees
+constexpr double kDefaultAngle = 40;  // degrees
 
 }  // namespace
 
@@ -14,7 +14,7 @@ std::optional<Camera> own_camera(const std::string& name, const CameraConfig& co
   Camera camera;
   camera.name = name;
   camera.projection = config.height ? Camera::Projection::orthographic : Camera::Projection::perspective;
-  camera.vertical = config.height ? *config.height / 2 : config.angle.value_or(kUsualAngle) * kPi / 180;
+  camera.vertical = config.height ? *config.height / 2 : config.angle.value_or(kDefaultAngle) * kPi / 180;
   const double turns = config.turntable == 0 ? 0 : (frame - 1) / config.turntable;
   Matrix4 turn;
   turn.setAxisAngle(config.up, 2 * kPi * (turns - std::floor(turns)));

@@ -7,7 +7,7 @@
 
 namespace patchlight {
 
-/// A camera of the job's own as it stands at a frame; nothing where it looks nowhere.
+/// A camera defined by the job, at a frame; nothing if its view direction is undefined.
 std::optional<Camera> own_camera(const std::string& name, const CameraConfig& config, int frame);
 
 }  // namespace patchlight

@@ -6,7 +6,7 @@ namespace patchlight {
 
 namespace {
 
-// Raised whenever a stage computes something else from the same inputs.
+// Raised whenever a stage computes different results from the same inputs.
 constexpr int kImportVersion = 4;
 constexpr int kTransportKeyVersion = 16;
 constexpr int kSolveVersion = 17;
@@ -30,7 +30,7 @@ std::string path_beside_scene(const std::filesystem::path& file, const Job& job)
 std::string import_inputs_key(const std::vector<SourceFile>& sources, const Job& job) {
   KeyHasher hasher;
   hasher.add("import").add(kImportVersion);
-  // The scene itself comes first and may be spelled or placed anywhere: its content counts.
+  // The first source is the scene file. Only its content matters, not its path.
   for (std::size_t i = 0; i < sources.size(); ++i) hasher.add(i == 0 ? "" : sources[i].path).add(sources[i].hash);
   hasher.add(job.import.patch_area.value_or(0.0)).add(job.import.time.value_or(-1.0)).add(job.import.punctual_units);
   for (const auto* overrides : {&job.materials, &job.nodes}) {

@@ -59,7 +59,7 @@ Node sweep_node(const std::vector<SweepGrid>& sweep) {
   return list;
 }
 
-/// A path, or a radiance that is the same everywhere.
+/// A path, or a uniform radiance.
 void read_reference(const Node& node, BenchConfig& bench) {
   const std::string expected = "expected the path of an EXR, or {radiance: [red, green, blue]}";
   bench.reference.clear();

@@ -8,7 +8,7 @@
 
 namespace patchlight {
 
-/// Reads the section `cameras` into those that are there. Throws: std::string; EntryFault.
+/// Reads the section `cameras` and adds or changes cameras. Throws: std::string; EntryFault.
 void read_cameras(const YAML::Node& map, std::map<std::string, CameraConfig>& cameras);
 
 YAML::Node cameras_node(const std::map<std::string, CameraConfig>& cameras);

@@ -15,7 +15,7 @@ bool escapes(const std::string& text, std::size_t i) {
   return text[i] == '\\' && i + 1 < text.size() && (text[i + 1] == '"' || text[i + 1] == '\\');
 }
 
-/// The end of the key that `text` begins with: the first `=` outside of quotes, or npos.
+/// End of the key at the beginning of `text`: the first `=` outside of quotes, or npos.
 std::size_t key_end(const std::string& text) {
   bool quoted = false;
   for (std::size_t i = 0; i < text.size(); ++i) {

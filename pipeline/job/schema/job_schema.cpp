@@ -82,7 +82,7 @@ JobKey cameras_key(std::map<std::string, CameraConfig>& cameras) {
           [&cameras] { return cameras_node(cameras); }, [&cameras](const Node& n) { read_cameras(n, cameras); }};
 }
 
-/// Read before all others, by the reader of job files.
+/// The reader of job files reads this key before all others.
 JobKey include_key() {
   return {"include", "job files, relative to this one, whose keys this one overrides", [](const Node&) {},
           [] { return Node(""); }};

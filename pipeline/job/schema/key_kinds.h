@@ -8,7 +8,7 @@
 
 namespace patchlight {
 
-// What keys that hold one value of a kind take. `help` stands in the list of keys.
+// Keys with a single value of some type. `help`: text in the list of keys.
 
 JobKey path_key(const std::string& path, std::filesystem::path& value, const std::string& help);
 JobKey number_key(const std::string& path, double& value, double low, double high, const std::string& help);

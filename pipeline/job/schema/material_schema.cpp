@@ -9,7 +9,7 @@ namespace {
 
 using Node = YAML::Node;
 
-/// `section` is materials or nodes.
+/// `section`: materials or nodes.
 void read_overrides(const std::string& section, const Node& map, std::vector<MaterialOverride>& overrides) {
   read_entries(section, map, [&](const std::string& name) -> EntryReader {
     std::size_t at = 0;

@@ -15,7 +15,7 @@ std::string word(const Node& node) {
   return node.Scalar();
 }
 
-/// `key: [value, ...]`: one setting, whose values name themselves.
+/// `key: [value, ...]`: one setting; its values are also their names.
 MatrixAxis read_values(const Node& name, const Node& values) {
   MatrixAxis axis{word(name), {}};
   for (const Node& value : values) {

@@ -14,7 +14,7 @@ std::string parse_expression(const Node& node) {
   return node.Scalar();
 }
 
-/// One expression stands for all three channels.
+/// A single expression applies to all three channels.
 ColorExpressions parse_expressions(const Node& node) {
   ColorExpressions color;
   if (node.IsSequence() && node.size() != 3) throw std::string("expected three expressions [red, green, blue]");

@@ -58,7 +58,7 @@ std::string_view long_option_name(const std::string& option) {
   return text.done() ? name : std::string_view();
 }
 
-/// Long options that do not undo what the driver itself tells sbatch.
+/// Checks that options are long ones that do not conflict with those the driver passes to sbatch.
 void read_options(const Node& node, std::vector<std::string>& options) {
   static constexpr std::array<const char*, 15> kOwn{"requeue", "no-requeue", "array",     "chdir", "dependency",
                                                     "error",   "input",      "job-name",  "help",  "output",

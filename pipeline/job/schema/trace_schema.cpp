@@ -66,7 +66,7 @@ JobKey layers_key(std::vector<std::string>& layers) {
             if (n.IsScalar()) chosen.insert(parse_choice(n, known));
             for (const Node& name : n) chosen.insert(parse_choice(name, known));
             layers.clear();
-            for (const std::string& name : known)  // their order means nothing
+            for (const std::string& name : known)  // in canonical order
               if (chosen.contains(name)) layers.push_back(name);
           },
           [&layers] { return Node(layers); }};

@@ -12,7 +12,7 @@
 
 namespace patchlight {
 
-// Each throws std::string, which values are allowed, for any other.
+// Each throws std::string, the allowed values, for any other value.
 
 template <class T>
 T parse(const YAML::Node& node, const std::string& expected) {
@@ -36,10 +36,10 @@ Color parse_color(const YAML::Node& node, double high);
 
 std::string parse_choice(const YAML::Node& node, const std::vector<std::string>& choices);
 
-/// A light group, as files name it.
+/// A light group's name, as in files.
 std::string parse_group(const YAML::Node& node);
 
-/// In the fewest digits that read as the same value.
+/// With the fewest digits that read back as the same value.
 template <class Number>
 YAML::Node number_node(Number value) {
   return YAML::Node(fmt::format("{}", value));
@@ -54,14 +54,14 @@ YAML::Node vector_node(const Vector& vector) {
   return node;
 }
 
-/// As `--set` takes it.
+/// In the notation of `--set`.
 std::string quoted_if_dotted(const std::string& name);
 
-/// Settings of one name below a section that is a map of names, each with its reader.
+/// The settings of one name in a map of names, each with its reader.
 using EntryReader = std::map<std::string, std::function<void(const YAML::Node&)>>;
 
-/// Reads a map of names with the settings of each. `entry_reader` makes or finds what a name stands for; `check`
-/// throws std::string, how to mend it, for settings that do not go together.
+/// Reads a map of names with the settings of each. `entry_reader` creates or finds the entry of a name; `check` throws
+/// std::string, the remedy, for incompatible settings.
 /// Throws: std::string; EntryFault.
 void read_entries(const std::string& section, const YAML::Node& map,
                   const std::function<EntryReader(const std::string&)>& entry_reader,
