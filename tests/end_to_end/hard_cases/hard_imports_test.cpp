@@ -100,7 +100,7 @@ TEST_F(HardCases, ReflectanceOne) {
   const TemporaryFolder folder;
   const Outcome outcome = import_in(folder, gltf, "import: {patch_area: 0.25}\n");
   ASSERT_EQ(outcome.code, 0);
-  EXPECT_THAT(outcome.err, HasSubstr("'snow' lowered to 0.99999"));
+  EXPECT_THAT(outcome.err, HasSubstr("'snow' is lowered to 0.99999"));
   expect_exact("furnace, reflectance 1, lowered to 0.99999 with a warning", read_patches(folder / "out/patches.h5"),
                [](const Patch&) { return 1 / (1 - 0.99999f); }, {1e-3, 5e-3, 0.02, 0.6});
 }
