@@ -72,7 +72,8 @@ EnergyField solve(const PatchSet& scene, const SolveConfig& config, Transport& t
   const auto start = std::chrono::steady_clock::now();
   if (scene.light_groups.empty())
     progress.warning(
-        "nothing in the scene emits light, so the result is black: add a light or an emissive material to the scene, or "
+        "nothing in the scene emits light, so the result is black: add a light or an emissive material to the scene, "
+        "or "
         "set `materials.NAME.emission` or `environment.color` in the job");
   check_memory(scene, config);
   EnergyField energy = config.method == "matrix"

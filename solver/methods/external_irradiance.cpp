@@ -26,8 +26,8 @@ std::vector<Vec3d> ExternalIrradiance::of_environment(std::int64_t& cast, Progre
   const FormFactorRows::Field field{&radiosity, {&gathered, &deviation}};
   FormFactorRows(rows).gather({&field, 1}, nullptr, FormFactorRows::Precision::full);
   for (const Patch& patch : scene_.patches) reflectance.emplace_back(patch.reflectance);
-  gathered = IrradianceFilter(lookup_, scene_.primitives.size(), gathered, deviation, reflectance, gathered)
-                 .apply(gathered);
+  gathered =
+      IrradianceFilter(lookup_, scene_.primitives.size(), gathered, deviation, reflectance, gathered).apply(gathered);
   std::vector<Vec3d> irradiance;
   irradiance.reserve(n);
   for (const Spectrum& h : gathered) irradiance.push_back(positive(Vec3d(h.c[0], h.c[1], h.c[2])));

@@ -28,8 +28,9 @@ TEST(FrameList, MakesNamesUnique) {
 TEST(FrameList, TruncatesLongNames) {
   EXPECT_EQ(files({std::string(243, 'x')})[0].size(), 252u);
   const std::vector<std::string> cut = files({std::string(244, 'x'), std::string(300, 'x')});
-  EXPECT_EQ(cut[0], std::string(243, 'x') + ".0001.exr");
-  EXPECT_EQ(cut[1], std::string(241, 'x') + "_2.0001.exr");
+  const std::string first(243, 'x'), second(241, 'x');
+  EXPECT_EQ(cut[0], first + ".0001.exr");
+  EXPECT_EQ(cut[1], second + "_2.0001.exr");
 }
 
 /// A scene with a camera `still` and one `walk`, which moves along X at 1 m/s from 0 to 10 s.

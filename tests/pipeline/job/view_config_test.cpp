@@ -70,7 +70,8 @@ TEST_F(ViewConfig, KeyCoversTheFilesOfItsTransforms) {
 TEST_F(ViewConfig, KeyCoversFilesBesideAConfigWithoutASearchPath) {
   use_config(kTransforms);
   EXPECT_TRUE(covers("a.spi1d"));
-  use_config(std::string("search_path: [\"\", luts]\n") + kTransforms);
+  const std::string search_path = "search_path: [\"\", luts]\n";
+  use_config(search_path + kTransforms);
   EXPECT_TRUE(covers("a.spi1d"));
   EXPECT_TRUE(covers("luts/deep/b.cube"));
 }

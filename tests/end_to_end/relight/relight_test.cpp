@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "pipeline/system/content_hash.h"
-#include "tests/end_to_end/driver/relight_job.h"
+#include "tests/end_to_end/relight/relight_job.h"
 
 namespace patchlight::test {
 namespace {

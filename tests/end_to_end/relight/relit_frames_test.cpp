@@ -1,4 +1,4 @@
-#include "tests/end_to_end/driver/relight_job.h"
+#include "tests/end_to_end/relight/relight_job.h"
 
 namespace patchlight::test {
 namespace {
