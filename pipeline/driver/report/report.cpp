@@ -15,6 +15,7 @@
 #include "pipeline/formats/patches/patch_file.h"
 #include "pipeline/formats/solution/energy_file.h"
 #include "pipeline/frames/frame_list.h"
+#include "pipeline/frames/frame_warnings.h"
 #include "pipeline/image/image_file.h"
 #include "pipeline/job/reader/job_reader.h"
 #include "pipeline/job/view_config.h"
@@ -146,7 +147,7 @@ std::string error_budget(const EnergyField& energy) {
   std::vector<std::vector<std::string>> rows{{"source", "size", "of what"}};
   if (const auto& e = energy.estimate) {
     rows.push_back({"sampling", percent(e->error), "reflected radiosity, relative L2 over the patches; expected"});
-    rows.push_back({"sampling, bound", percent(e->error_bound), "upper bound of the error in 19 of 20 solves"});
+    rows.push_back({"sampling, bound", percent(e->error_bound), "95% upper bound of the error"});
   } else {
     rows.push_back({"sampling", "not stated", "only `matrix` states its error"});
   }
@@ -176,7 +177,7 @@ std::string irradiances(const JobVariant& variant, const Job& job, const std::ve
       html += html_picture(picture, cameras[i] + ", irradiance, sum of the three channels, W/m2");
     else
       warnings.push_back(
-          fmt::format("the irradiance picture of camera {} could not be drawn (exit code {})", cameras[i], code));
+          fmt::format("the irradiance picture of `{}` could not be drawn (exit code {})", cameras[i], code));
   }
   return "<div class=\"pictures\">\n" + html + "</div>\n";
 }
@@ -195,6 +196,7 @@ std::string section(const JobVariant& variant, const Job& job) {
   const std::vector<FrameRecord> frames = read_frames(job, scene);
   std::vector<std::string> warnings = scene.made.warnings;
   warnings.insert(warnings.end(), energy.made.warnings.begin(), energy.made.warnings.end());
+  for (const std::string& warning : frame_warnings(job, scene, job_frames(job, scene))) warnings.push_back(warning);
   const std::string pictures = irradiances(variant, job, frames, warnings);
   std::string html = "<h2>" + html_text(variant.label()) + "</h2>\n";
   html += "<p>Scene " + html_text(job.scene.filename().string()) + "</p>\n";

@@ -70,7 +70,7 @@ TEST_F(ReportPage, ShowsTheFramesAndTheIrradianceWithItsScale) {
   EXPECT_EQ(pictures_.size(), 2u);
   EXPECT_TRUE(shows("out/frames/camera.0001.png"));
   EXPECT_TRUE(shows("out/preview/irradiance.camera.png"));
-  EXPECT_THAT(page_, HasSubstr("camera, irradiance of the three channels together, W/m2"));
+  EXPECT_THAT(page_, HasSubstr("camera, irradiance, sum of the three channels, W/m2"));
 }
 
 TEST_F(ReportPage, AgreesWithTheFiles) {
@@ -125,7 +125,7 @@ TEST_F(ReportPage, KeepsTheWarningsOfEarlierStages) {
 
 TEST_F(ReportPage, IsWrittenWithoutOpenGl) {
   report("", "__EGL_VENDOR_LIBRARY_FILENAMES=/none");
-  EXPECT_THAT(page_, HasSubstr("irradiance as camera sees it could not be drawn (exit code 69)"));
+  EXPECT_THAT(page_, HasSubstr("the irradiance picture of `camera` could not be drawn (exit code 69)"));
   EXPECT_TRUE(shows("out/frames/camera.0001.png"));
 }
 

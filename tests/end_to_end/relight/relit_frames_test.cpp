@@ -95,7 +95,7 @@ TEST_F(Relight, IsListedByStatusAndShownInTheReport) {
 
   ASSERT_EQ(patchlight("report", kTwoFrames).code, 0);
   const std::string page = read_text(folder_ / "out/report.html");
-  EXPECT_THAT(page, HasSubstr("<h3>Relit frames</h3>\n<p class=\"warning\">Not as the job makes them now: "
+  EXPECT_THAT(page, HasSubstr("<h3>Relit frames</h3>\n<p class=\"warning\">Stale: "
                               "spin.0001.exr: missing</p>"));
   EXPECT_THAT(page, HasSubstr("spin.0001, missing</figcaption>")) << "its PNG exists";
   EXPECT_THAT(page, HasSubstr("spin.0002, damaged</figcaption>"));

@@ -59,7 +59,7 @@ TEST(Materials, SurfacesWithoutMaterialAreDiffuseGreyWithAWarning) {
   ASSERT_EQ(scene.materials.size(), 1u);
   EXPECT_EQ(scene.materials[0].name, "default");
   expect_color(scene.materials[0].specular, {0, 0, 0});
-  EXPECT_THAT(importer.messages(), ::testing::HasSubstr("no material"));
+  EXPECT_THAT(importer.messages(), ::testing::HasSubstr("without a material"));
 }
 
 TEST(Materials, EmissionIsPiTimesFactorTimesStrength) {
