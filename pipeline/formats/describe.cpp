@@ -66,8 +66,8 @@ double end_of_motion(const Camera& camera) {
   return end;
 }
 
-template <class Items, class Name>
-std::string describe_names(const std::string& title, const Items& items, Name name) {
+template <class Entries, class Name>
+std::string describe_names(const std::string& title, const Entries& items, Name name) {
   std::string text = title + "\n";
   for (const auto& item : items) text += "  " + name(item) + "\n";
   return text;

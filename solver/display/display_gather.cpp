@@ -136,7 +136,7 @@ class Gather {
     }
   }
 
-  void finish() { group_.display = to_colors(at_vertices_, group_.name); }
+  void store_result() { group_.display = to_colors(at_vertices_, group_.name); }
 
  private:
   /// Sets direct light of explicitly sampled emitters at leaves, and the emission that rays gather from other emitters.
@@ -249,7 +249,7 @@ void gather_display(const PatchSet& scene, const Transport& transport, std::vect
       rows.gather(radiosity, outputs);
       for (Gather& gather : gathers) gather.end_pass(rows);
     }
-    for (Gather& gather : gathers) gather.finish();
+    for (Gather& gather : gathers) gather.store_result();
   }
 }
 

@@ -136,17 +136,17 @@ Image draw_preview(const Job& job, const PatchSet& scene, const PreviewOptions& 
   renderer.begin(width, height);
   renderer.draw(camera_view(camera, renderer, scene, width, height), 0, 0, width, height);
   const std::vector<std::uint32_t>& ids = renderer.read();
-  const auto finish = [&](const std::vector<Color>& pixels) { return shrink(pixels, width, height, kSupersampling); };
+  const auto downsample = [&](const std::vector<Color>& pixels) { return shrink(pixels, width, height, kSupersampling); };
 
   if (options.kind == "patches")
-    return finish(paint(ids, width, true, [&](std::uint32_t i) {
+    return downsample(paint(ids, width, true, [&](std::uint32_t i) {
       return options.patch && std::int64_t(i) == *options.patch ? kHighlight : patch_color(i);
     }));
   const std::vector<Color> received =
       irradiance(read_energy(job.energy_file(), scene), light_settings(job, scene), scene.patches.size());
   if (options.kind == "radiosity") {
     const float gain = float(std::exp2(job.trace.exposure) / kPi);
-    return finish(paint(ids, width, false, [&](std::uint32_t i) {
+    return downsample(paint(ids, width, false, [&](std::uint32_t i) {
       const Color radiance = (scene.patches[i].emission + scene.patches[i].reflectance * received[i]) * gain;
       return Color(encode_srgb(radiance.x), encode_srgb(radiance.y), encode_srgb(radiance.z));
     }));
@@ -157,7 +157,7 @@ Image draw_preview(const Job& job, const PatchSet& scene, const PreviewOptions& 
   const auto high = sorted.begin() + std::ptrdiff_t(double(sorted.size() - 1) * 0.995);
   std::nth_element(sorted.begin(), high, sorted.end());
   const float largest = std::max(*high, 1e-30f);
-  Image image = finish(paint(ids, width, false, [&](std::uint32_t i) { return false_color(sums[i] / largest); }));
+  Image image = downsample(paint(ids, width, false, [&](std::uint32_t i) { return false_color(sums[i] / largest); }));
   draw_scale(image, largest, "W/m2");
   return image;
 }

@@ -14,6 +14,7 @@
 #include "solver/form_factors/ray_rows.h"
 #include "solver/hemicube/hemicube.h"
 #include "solver/solve.h"
+#include "tests/bench/plain_embree.h"
 
 namespace patchlight {
 namespace {
@@ -35,15 +36,13 @@ const PatchSet& scene() {
   return patches;
 }
 
-/// Pre-generated cosine-distributed packets from all patches, traced by Embree or by the solver's tracer, with the
-/// patch of each hit.
-void raw_rays(benchmark::State& state) {
-  const RayScene rays(scene(), state.range(0) != 0 ? 0 : RayScene::kMaxPacketPrimitives);
-  const PatchLookup lookup(scene());
+constexpr std::size_t kPackets = 1 << 14;
+
+/// Cosine-distributed rays from random points of all patches, in the coordinates of `rays`.
+std::unique_ptr<RayPacket[]> random_packets(const RayScene& rays) {
   std::mt19937 random(1);
   std::uniform_real_distribution<float> unit(0.0f, 1.0f);
-  constexpr std::size_t kPackets = 1 << 14;
-  const auto packets = std::make_unique<RayPacket[]>(kPackets);
+  auto packets = std::make_unique<RayPacket[]>(kPackets);
   for (std::size_t k = 0; k < kPackets; ++k) {
     const Patch& patch = scene().patches[k * scene().patches.size() / kPackets];
     const PatchSampler sample(scene().primitives[patch.primitive], patch);
@@ -56,6 +55,14 @@ void raw_rays(benchmark::State& state) {
                      tangent * d.x + bitangent * d.y + point.normal * d.z);
     }
   }
+  return packets;
+}
+
+/// Random packets traced by Embree or by the PacketTracer, with the patch of each hit.
+void raw_rays(benchmark::State& state) {
+  const RayScene rays(scene(), state.range(0) != 0 ? 0 : RayScene::kMaxPacketPrimitives);
+  const PatchLookup lookup(scene());
+  const auto packets = random_packets(rays);
   std::int64_t sum = 0;
   for (auto _ : state) {
     for (std::size_t k = 0; k < kPackets; ++k) {
@@ -77,6 +84,21 @@ BENCHMARK(raw_rays)
     ->Unit(benchmark::kMillisecond)
     ->Repetitions(5)
     ->ReportAggregatesOnly();
+
+/// The same rays traced by plain Embree: triangles, packets of the processor's native width, no patch lookup.
+void plain_embree(benchmark::State& state) {
+  const RayScene rays(scene());
+  const auto packets = random_packets(rays);
+  PlainEmbree embree(triangles_of(scene(), rays));
+  std::vector<EmbreeRay> list;
+  for (std::size_t k = 0; k < kPackets; ++k)
+    for (int lane = 0; lane < RayPacket::kSize; ++lane)
+      list.push_back({packets[k].origin(lane), packets[k].direction(lane)});
+  for (auto _ : state) benchmark::DoNotOptimize(embree.count_hits(list));
+  state.counters["width"] = double(embree.width());
+  state.SetItemsProcessed(std::int64_t(state.iterations() * list.size()));
+}
+BENCHMARK(plain_embree)->Unit(benchmark::kMillisecond)->Repetitions(5)->ReportAggregatesOnly();
 
 void solver_cast(benchmark::State& state) {
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
