@@ -1,5 +1,5 @@
 #include "pipeline/driver/bench/bench.h"
-#include "pipeline/driver/clean.h"
+#include "pipeline/driver/clean/clean.h"
 #include "pipeline/driver/commands/batch.h"
 #include "pipeline/driver/commands/diff.h"
 #include "pipeline/driver/commands/info.h"

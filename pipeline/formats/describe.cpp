@@ -97,8 +97,7 @@ std::string describe(const PatchSet& scene) {
   text += describe_names("light groups", scene.light_groups, [](const std::string& name) { return name; });
   if (!scene.lights.empty())
     text += describe_names("lights", scene.lights, [&](const Light& light) {
-      const char* const kinds[] = {"point", "spot", "sun"};
-      return fmt::format("{:<24}{}, {} {}, light group {}", light.name, kinds[int(light.kind)],
+      return fmt::format("{:<24}{}, {} {}, light group {}", light.name, Light::kKindNames[std::size_t(light.kind)],
                          triple(Vec3d(light.strength)), light.kind == Light::Kind::sun ? "W/m2" : "W/sr",
                          scene.light_groups[light.light_group]);
     });

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <string>
 
@@ -10,6 +11,7 @@ namespace patchlight {
 /// suns of radius 0 cast sharp shadows.
 struct Light {
   enum class Kind : std::int32_t { point = 0, spot = 1, sun = 2 };
+  static constexpr std::array kKindNames{"point", "spot", "sun"};  ///< By Kind.
 
   std::string name;  ///< Name of the glTF node.
   Kind kind = Kind::point;

@@ -5,7 +5,7 @@
 
 namespace patchlight {
 
-/// The script with which a shell, `bash` or `zsh`, completes a program's command line; empty for other shells.
+/// The completion script of a program for `bash` or `zsh`; empty for other shells.
 std::string completion_script(const Command& program, const std::string& shell);
 
 }  // namespace patchlight

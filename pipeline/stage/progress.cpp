@@ -21,7 +21,7 @@ namespace patchlight {
 
 namespace {
 
-volatile std::sig_atomic_t stop_requested = 0;  ///< The signal that did.
+volatile std::sig_atomic_t stop_requested = 0;  ///< Number of the received signal.
 volatile std::sig_atomic_t informed_process = 0;
 
 extern "C" void request_stop(int signal) {
@@ -64,8 +64,7 @@ spdlog::level::level_enum level_named(const std::string& name) {
   return name == "error" ? spdlog::level::err : spdlog::level::off;
 }
 
-/// Whether a log may be appended to a file: a new or empty one, one that begins with a line of such a log, or a pipe
-/// or device.
+/// Whether a log may be appended to a file: a new or empty file, a log of Patchlight, a pipe or a device.
 bool takes_log(const std::string& file) {
   std::error_code fault;
   if (!std::filesystem::is_regular_file(file, fault) || std::filesystem::file_size(file, fault) == 0) return true;
@@ -155,7 +154,7 @@ double Progress::seconds() const {
 
 void Progress::update(double fraction, const std::string& detail, std::int64_t rays) {
   check_interrupted();
-  fraction = fraction >= 0 ? std::min(fraction, 1.0) : 0.0;  // NaN is not at least zero
+  fraction = fraction >= 0 ? std::min(fraction, 1.0) : 0.0;  // NaN becomes 0
   fraction = (part_ + fraction) / parts_;
   const Clock::time_point now = Clock::now();
   if (fraction < last_fraction_) part_start_ = last_update_;
@@ -173,7 +172,7 @@ void Progress::update(double fraction, const std::string& detail, std::int64_t r
   if (fraction > 0.01) line += "  " + duration_text(spent * (1 / fraction - 1)) + " left";
   if (!terminal_) return terminal_log_->info(line);
   line = "patchlight-" + options_.stage + ": " + line;
-  winsize size{};  // a longer line would wrap and stay
+  winsize size{};  // a line that wraps could not be cleared
   if (ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 && line.size() >= size.ws_col)
     line.resize(std::size_t(size.ws_col - 1));
   print_error("\r\033[K" + line);

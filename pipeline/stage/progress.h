@@ -13,8 +13,8 @@ class logger;
 
 namespace patchlight {
 
-/// What a stage tells its user while it runs: notes, warnings and how far it is, on stderr and in the JSON log.
-/// Safe to call from the stage's main thread only. Where stderr cannot be written it goes on without.
+/// Messages of a stage to its user: notes, warnings, errors and progress, on stderr and in the JSON log. For the main
+/// thread only. Failures to write to stderr are ignored.
 class Progress {
  public:
   struct Options {
@@ -23,7 +23,7 @@ class Progress {
     std::string log_json_file;  ///< Empty: none.
   };
 
-  /// Throws: Error (cannot_create) if the log file cannot be opened, or holds something else than such a log.
+  /// Throws: Error (cannot_create) if the log file cannot be opened or is not a log of Patchlight.
   explicit Progress(Options options);
   ~Progress();
   Progress(const Progress&) = delete;
@@ -31,24 +31,24 @@ class Progress {
 
   void note(const std::string& message);
   void warning(const std::string& message);
-  /// About this run, not about its output: warnings() leaves it out.
+  /// A warning about this run, not about its output: it is not in warnings().
   void transient_warning(const std::string& message);
   void error(const std::string& message, int exit_code);
 
-  /// All that warning() was given so far.
+  /// All messages of warning() so far.
   const std::vector<std::string>& warnings() const { return warnings_; }
-  /// Wall time since this began, s.
+  /// Wall time since construction, s.
   double seconds() const;
 
-  /// Reports how much of a part of the stage is done, clamped to [0,1], in the user's words what part, and how many
-  /// rays it took so far, if that is known. A smaller fraction than the last begins another part. Cheap: call it often.
+  /// Reports progress. `fraction`: of the present part, clamped to [0,1]; a smaller fraction than the last begins
+  /// another part. `detail`: name of the part, for the user. `rays`: cast so far in this part; 0: unknown. Cheap.
   /// Throws: Error (interrupted) after SIGINT or SIGTERM.
   void update(double fraction, const std::string& detail, std::int64_t rays = 0);
 
-  /// Further lines of the JSON log name this job and where its output goes.
+  /// Adds job and output folder to the following lines of the JSON log.
   void set_job(const std::string& job, const std::string& output);
 
-  /// How a stage of a job came out, for the JSON log alone.
+  /// Result of a stage, for the JSON log only.
   struct StageResult {
     std::string stage;
     std::string state;  ///< fresh, restored, done or failed.
@@ -58,23 +58,23 @@ class Progress {
   };
   void result(const StageResult& result);
 
-  /// Tells what another program told in its JSON log, in that program's name: notes, warnings and errors.
+  /// Forwards a line of another program's JSON log, under its name: notes, warnings and errors.
   void pass_on(const nlohmann::json& line);
 
-  /// Gives a warning again that `stage` gave when it made an output that is still up to date. The JSON log marks it
-  /// with `"repeated": true`.
+  /// Repeats a warning that `stage` gave when it wrote an output that is still fresh. The JSON log marks it with
+  /// `"repeated": true`.
   void repeat_warning(const std::string& stage, const std::string& message);
 
-  /// From now on update() is about part `part` of `count` alike.
+  /// update() now reports part `part` of `count` equal parts.
   void set_part(std::size_t part, std::size_t count);
 
   /// Throws: Error (interrupted) after SIGINT or SIGTERM.
   static void check_interrupted();
 
-  /// From now on SIGINT and SIGTERM only ask the stage to stop.
+  /// SIGINT and SIGTERM now only request the stage to stop.
   static void catch_signals();
 
-  /// From now on passes them on to a process as well, and at once what came before; 0: to none.
+  /// Forwards SIGINT and SIGTERM to a process as well, also one received before; 0: to none.
   static void pass_signals_to(int process);
 
  private:

@@ -83,7 +83,7 @@ int with_progress(const std::string& stage, const CommonOptions& options, const 
 
 Provenance provenance(const Job& job, const Progress& progress) {
   Job kept = job;
-  kept.output.clear();  // the same wherever it is put
+  kept.output.clear();  // outputs are equal in every folder
   kept.bench = {};
   kept.matrix.clear();
   kept.executor = Job().executor;

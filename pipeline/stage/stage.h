@@ -11,12 +11,12 @@
 
 namespace patchlight {
 
-/// What every program takes besides its job.
+/// Options of every program.
 struct CommonOptions {
   std::vector<std::string> sets;
   std::string output;
   int threads = 0;           ///< 0: all.
-  std::uint64_t memory = 0;  ///< Most bytes that a stage may take; 0: what the machine has.
+  std::uint64_t memory = 0;  ///< Memory limit of a stage, bytes; 0: the memory of the machine.
   bool quiet = false;
   std::string log_json;
 };
@@ -24,20 +24,20 @@ struct CommonOptions {
 Option job_argument(std::string& file);
 Option job_argument(std::vector<std::string>& files);
 
-/// Options for them.
+/// Their command-line options.
 std::vector<Option> common_options(CommonOptions& values);
 
-/// Runs `body` and turns whatever it throws into a message and an exit code of the contract.
+/// Runs `body`; reports an exception as a message and returns its exit code, else 0.
 int report_errors(const std::string& stage, Progress& progress, const std::function<void()>& body);
 
-/// The same with a Progress made from the options.
+/// Runs `body` with a Progress made from the options; reports errors like report_errors().
 int with_progress(const std::string& stage, const CommonOptions& options, const std::function<void(Progress&)>& body);
 
-/// What a stage's output is to say of how it came to be, as far as it has come.
+/// The provenance to store in an output: effective job, warnings, time and memory so far.
 Provenance provenance(const Job& job, const Progress& progress);
 
-/// The body of a stage program's main(): parses the options, reads the job, sets the number of threads, runs `body`
-/// and reports its errors. `more`: options of the stage's own.
+/// The main function of a stage program: parses the options, reads the job, sets the number of threads, runs `body` and
+/// reports its errors. `more`: additional options of the stage.
 int run_stage(const std::string& stage, int argc, char** argv, const std::function<void(const Job&, Progress&)>& body,
               const std::vector<Option>& more = {});
 

@@ -6,7 +6,7 @@
 #include "tracer/light/final_gather.h"
 #include "tracer/light/glossy_lights.h"
 #include "tracer/light/solved_surfaces.h"
-#include "tracer/output/layers.h"
+#include "tracer/output/layer_sums.h"
 #include "tracer/sampling/camera_rays.h"
 #include "tracer/sampling/outlines.h"
 #include "tracer/sampling/pixel_detail.h"

@@ -3,7 +3,7 @@
 
 #include "pipeline/optics/lights/shadow_rays.h"
 #include "tracer/light/shading_cluster.h"
-#include "tracer/output/layers.h"
+#include "tracer/output/layer_sums.h"
 
 namespace patchlight {
 

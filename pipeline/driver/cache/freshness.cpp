@@ -28,7 +28,7 @@ bool is_file(const fs::path& file) {
   return fs::is_regular_file(file, fault);
 }
 
-/// Reads through `read`; what cannot be read is missing or damaged. A fault of the job itself passes through.
+/// Calls `read`; an error marks the output as missing or damaged. Errors of the job itself are thrown on.
 template <class Read>
 Freshness try_reading(const fs::path& file, Read read) {
   if (std::error_code fault; !fs::exists(file, fault))
@@ -42,12 +42,12 @@ Freshness try_reading(const fs::path& file, Read read) {
   }
 }
 
-/// The scene itself comes first, wherever it stands now.
+/// Source files at their present paths; the scene file is the first.
 fs::path source_file(const Job& job, const std::vector<SourceFile>& sources, std::size_t i) {
   return i == 0 ? job.scene : job.scene.parent_path() / sources[i].path;
 }
 
-/// `what` and the old and new value; keys by their first digits.
+/// `what` with old and new value; keys are shortened to their first digits.
 std::string change(const std::string& what, const std::string& old, const std::string& now) {
   const auto shortened = [](const std::string& key) { return key.empty() ? std::string("none") : key.substr(0, 8); };
   return what + " " + shortened(old) + " -> " + shortened(now);
@@ -55,8 +55,8 @@ std::string change(const std::string& what, const std::string& old, const std::s
 
 using KeyOf = std::function<std::string(const Job&)>;
 
-/// Compares the key that an output has with that which the job wants. `inputs`: what else changed. Where neither
-/// settings nor inputs explain it, the program is another.
+/// Compares the key of an output with the required key. `inputs`: changed inputs other than settings. If neither
+/// settings nor inputs explain the difference, the reason is another version of the program.
 void compare_keys(Freshness& state, const Job& job, const std::string& key, const std::string& made_for,
                   const KeyOf& key_of, const std::vector<std::string>& inputs) {
   if (key == state.key) return;
@@ -67,7 +67,7 @@ void compare_keys(Freshness& state, const Job& job, const std::string& key, cons
   if (state.reasons.empty()) state.reasons.push_back("made by another version of Patchlight, or from something else");
 }
 
-/// Of a frame's files, whose key is made by `key_of_frame` of that which a traced frame would have.
+/// Freshness of a frame's files. `key_of_frame` makes their key from the key of the traced frame.
 Freshness picture_freshness(const Job& job, const PatchSet& scene, const Frame& frame, const std::string& view_config,
                             std::string (*key_of_frame)(const std::string&), const std::vector<ImageLayer>& layers) {
   const auto key_of = [&](const Job& other) {

@@ -14,22 +14,22 @@ struct Freshness {
   enum class State { fresh, stale, missing, damaged };
 
   State state = State::fresh;
-  /// For people: what changed and how, as in `solve.rays 64 -> 256`; what is missing or damaged. Empty if fresh.
+  /// Messages: changed settings, as in `solve.rays 64 -> 256`; missing or damaged files. Empty if fresh.
   std::vector<std::string> reasons;
-  std::string key;                      ///< That the job wants of it; empty where it cannot be told yet.
-  std::vector<std::string> warnings{};  ///< That its stage gave when it made it.
+  std::string key;                      ///< Key that the job requires; empty if it is not known yet.
+  std::vector<std::string> warnings{};  ///< Warnings that the stage gave when it wrote the output.
 
   bool fresh() const { return state == State::fresh; }
-  const char* name() const;  ///< Of the state.
-  /// The reasons in a line: all, or the first and how many more.
+  const char* name() const;  ///< Name of the state.
+  /// The reasons in one line: all of them, or the first and the number of the others.
   std::string reason(bool all) const;
 };
 
-/// Several outputs as one; those with the same reasons in one line.
+/// Combines the freshness of several outputs; outputs with equal reasons share a line.
 class JointFreshness {
  public:
   void add(const std::string& name, const Freshness& one);
-  /// Damaged if any of them is, else stale if any is not fresh. Its key is made of theirs.
+  /// Damaged if any output is damaged, else stale if any is not fresh. Its key is a hash of all keys.
   Freshness all() const;
 
  private:
@@ -38,25 +38,26 @@ class JointFreshness {
   std::vector<std::pair<std::string, std::vector<std::string>>> names_;  ///< By reason.
 };
 
-/// The key that a job wants of a patches.h5 that is made from these files as they are now; empty if one is gone.
+/// The key that a job requires of a patches.h5 made from the present content of these files; empty if a file is
+/// missing.
 std::string import_key(const Job& job, const std::vector<SourceFile>& sources);
 
-/// Whether a solve leaves a transport.h5.
+/// Whether a solve writes transport.h5.
 bool keeps_transport(const Job& job, const PatchSet& scene);
 
-/// Whether transport.h5 is there and has what the job wants of rows.
+/// Freshness of the rows in transport.h5.
 Freshness transport_freshness(const Job& job, const PatchSet& scene);
 
-/// Of patches.h5. Reads it into `scene` if it is whole.
+/// Freshness of patches.h5. Reads the file into `scene` if it is intact.
 Freshness patches_freshness(const Job& job, PatchSet& scene);
 
-/// Of energy.h5, and transport.h5 where the method keeps one, for the patches in `scene`.
+/// Freshness of energy.h5 and, if the method writes one, transport.h5, for the patches in `scene`.
 Freshness energy_freshness(const Job& job, const PatchSet& scene);
 
-/// Of one frame's EXR and PNG, by a solution of `scene` as the job wants it. `view_config`: the view_config_key().
+/// Freshness of one frame's EXR and PNG for a fresh solution of `scene`. `view_config`: the view_config_key().
 Freshness frame_freshness(const Job& job, const PatchSet& scene, const Frame& frame, const std::string& view_config);
 
-/// Of what `patchlight relight` makes of a frame.
+/// Freshness of a relit frame.
 Freshness relit_freshness(const Job& job, const PatchSet& scene, const Frame& frame, const std::string& view_config);
 
 }  // namespace patchlight

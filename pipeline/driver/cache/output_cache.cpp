@@ -21,13 +21,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The times of access order what is kept by its last use.
+/// Sets the access time, which orders entries by their last use.
 void touch(const fs::path& file) {
   const timespec times[2]{{0, UTIME_NOW}, {0, UTIME_OMIT}};
   utimensat(AT_FDCWD, file.c_str(), times, 0);
 }
 
-/// Makes `to` another name of `from`, whatever stood there. Returns whether it could.
+/// Replaces `to` by a hard link to `from`. Returns whether this succeeded.
 bool link_over(const fs::path& from, const fs::path& to) {
   std::error_code fault;
   if (!fs::is_regular_file(from, fault)) return false;
@@ -43,21 +43,21 @@ bool link_over(const fs::path& from, const fs::path& to) {
   }
 }
 
-/// Whether the text continues with a hyphen and a key.
+/// Skips a hyphen and a key. Returns whether they follow.
 bool skip_key(TextScanner& text) {
   constexpr std::size_t kDigits = 32;
   return text.skip("-") &&
          text.take([](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); }).size() == kDigits;
 }
 
-/// patches-HASH-KEY.EXTENSION, or another output's name in place of patches-HASH.
+/// Whether a name has the form patches-HASH-KEY.EXTENSION, or OUTPUT-KEY.EXTENSION for other outputs.
 bool is_kept_name(const std::string& name) {
   TextScanner text(name);
   const bool named = text.skip("patches") ? skip_key(text) : text.skip_any({"energy", "transport", "frame"});
   return named && skip_key(text) && text.skip_any({".h5", ".exr", ".png"}) && text.done();
 }
 
-/// Files that are kept here, by their names: what others put there is not ours.
+/// Entries of the cache, recognized by their names; other files are left alone.
 std::vector<fs::path> kept_files(const fs::path& folder) {
   std::vector<fs::path> files;
   std::error_code fault;
@@ -133,7 +133,7 @@ bool OutputCache::restore_patches(const Job& job) const {
     try {
       const std::string key = import_key(job, read_patches(file).sources);
       return !key.empty() && restore(prefix + key + ".h5", job.patch_file());
-    } catch (const Error&) {  // damaged: another may tell
+    } catch (const Error&) {  // damaged: try the next
     }
   }
   return false;

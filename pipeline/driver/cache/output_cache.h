@@ -9,24 +9,24 @@
 
 namespace patchlight {
 
-/// Outputs of earlier settings, each a hard link named by its key, so that what stands in the output folder too takes
-/// no space, and nothing is half there whenever a run is killed. What is taken from here is checked as any output is:
-/// its key and hashes stand in it. Where links cannot be made nothing is kept.
+/// Keeps outputs of earlier settings as hard links named by their keys. A file that is also in the output folder takes
+/// no extra space, and a killed run leaves no partial file. Restored files are checked like any output, by their key
+/// and hashes. On file systems without hard links nothing is kept.
 class OutputCache {
  public:
-  /// `limit`: most bytes that files which stand nowhere else may take; 0: nothing is kept or restored.
+  /// `limit`: maximum bytes of files that exist only here; 0: nothing is kept or restored.
   OutputCache(std::filesystem::path folder, std::uint64_t limit);
 
   void keep(const std::filesystem::path& file, const std::string& name) const;
-  /// Puts what is kept under a name in the place of `file`. Returns whether there was something.
+  /// Replaces `file` by the entry of a name. Returns whether there was one.
   bool restore(const std::string& name, const std::filesystem::path& file) const;
-  /// Removes what was used longest ago until the limit is kept.
+  /// Removes the least recently used entries down to the limit.
   void trim() const;
-  /// Removes all that is kept, and the folder if nothing else is in it. Returns how many bytes that frees.
+  /// Removes all entries, and the folder if it is then empty. Returns the bytes freed.
   std::uint64_t clear() const;
 
   void keep_patches(const Job& job, const PatchSet& scene) const;
-  /// With the key of the files that an earlier import of the same scene file read.
+  /// Restores patches.h5 by the source files of an earlier import of the same scene file.
   bool restore_patches(const Job& job) const;
   void keep_energy(const Job& job, const PatchSet& scene) const;
   bool restore_energy(const Job& job, const PatchSet& scene) const;
@@ -40,7 +40,7 @@ class OutputCache {
   std::uint64_t limit_ = 0;
 };
 
-/// Where a job keeps outputs of earlier settings.
+/// The folder where a job keeps outputs of earlier settings.
 std::filesystem::path cache_folder(const Job& job);
 
 }  // namespace patchlight

@@ -15,7 +15,7 @@ namespace patchlight {
 OutputLock::OutputLock(const Job& job, Progress& progress) : progress_(progress), name_(job.output.string()) {
   std::error_code fault;
   std::filesystem::create_directories(job.output, fault);
-  folder_ = ::open(job.output.c_str(), O_RDONLY | O_DIRECTORY);  // which started programs inherit
+  folder_ = ::open(job.output.c_str(), O_RDONLY | O_DIRECTORY);  // inherited by started programs
   if (folder_ < 0)
     throw Error(ExitCode::cannot_create, "cannot make the output folder", name_, "choose another with --output");
   for_tracing();

@@ -6,16 +6,17 @@
 
 namespace patchlight {
 
-/// Holds an output folder, which it makes: for tracing, which several runs may do at once, or for one run that makes
-/// the solution, which others wait for. The stages that a run starts hold it too: if the run is killed, the next waits
-/// for its last stage and then finds what that made. Where a file system has no locks it does nothing.
+/// Locks an output folder, which it creates: shared for tracing, exclusive for import and solve. The stages that a run
+/// starts inherit the lock: after a killed run, the next run waits for its last stage. On file systems without locks it
+/// does nothing.
 class OutputLock {
  public:
-  /// For tracing. Throws: Error (cannot_create), (interrupted) while it waits.
+  /// Takes the shared lock. Throws: Error (cannot_create); (interrupted) while waiting.
   OutputLock(const Job& job, Progress& progress);
   ~OutputLock();
 
-  /// What stood before the change may be another's by now. Throws: Error (interrupted) while it waits.
+  /// Change the lock to exclusive or shared. Another run may have changed the outputs meanwhile.
+  /// Throws: Error (interrupted) while waiting.
   void for_one();
   void for_tracing();
 

@@ -39,7 +39,7 @@ int run_jobs(const BatchCommand& command, Progress& progress) {
                 "leave it out, or run them one by one");
   std::vector<Result> results;
   bool interrupted = false;
-  /// Returns whether `body` did well; what it throws or returns is one more result.
+  /// Returns whether `body` succeeded; records its error or exit code as a result.
   const auto attempt = [&](const std::string& label, const std::function<int(std::string&)>& body) {
     Result result{label, 0, ""};
     int code = 0;
@@ -57,7 +57,7 @@ int run_jobs(const BatchCommand& command, Progress& progress) {
           return 0;
         }))
       continue;
-    results.pop_back();  // its variants are what counts
+    results.pop_back();  // its variants are counted instead
     for (std::size_t k = 0; k < variants.size() && !interrupted; ++k) {
       const JobVariant& variant = variants[k];
       progress.set_job(job_file, variant.options.output);

@@ -14,8 +14,8 @@ struct BatchCommand {
   CommonOptions common;
 };
 
-/// Runs all variants of all jobs, on past those that fail, and sums up. Returns the exit code of the first failure,
-/// else 0. Throws: Error (usage) for one output folder of several jobs, (interrupted).
+/// Runs all variants of all jobs, also after failures, and prints a summary. Returns the exit code of the first
+/// failure, else 0. Throws: Error (usage) for one output folder of several jobs, (interrupted).
 int run_jobs(const BatchCommand& command, Progress& progress);
 
 }  // namespace patchlight

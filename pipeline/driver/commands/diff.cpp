@@ -23,13 +23,13 @@ namespace patchlight {
 
 namespace {
 
-/// The values of a file that have one name.
+/// A dataset or layer.
 struct Column {
   H5Reader::Values values;
-  int width = 0;          ///< Of a frame, pixels; 0: its rows are rows.
-  std::string letters{};  ///< Of a frame's channels.
+  int width = 0;          ///< Of a frame, pixels; 0: a dataset of rows.
+  std::string letters{};  ///< Channel names of a frame.
 
-  /// Where value `i` stands, for people.
+  /// The place of value `i`, for display.
   std::string place(std::size_t i) const {
     const std::size_t each = std::size_t(values.row), row = i / each, k = i % each;
     if (width > 0)
@@ -45,7 +45,7 @@ Columns h5_columns(const std::string& file, const char* format, int version) {
   const H5Reader reader(file, format, version);
   Columns columns;
   for (const auto& name : reader.datasets())
-    // Where a scene came from is not in it, nor what a solution believes of itself.
+    // Provenance and error estimates are not compared.
     if (!name.starts_with("/sources/") && name != "/deviation") columns[name] = {reader.values(name)};
   return columns;
 }
@@ -88,7 +88,7 @@ bool texts_equal(const std::string& name, const std::vector<std::string>& a, con
   return false;
 }
 
-/// What an option allows by the names of columns, from `0.1` for all and `/groups/*=0.1`; the last that fits counts.
+/// Limits of an option by column name: `0.1` for all, `/groups/*=0.1` for some; the last match counts.
 class Limits {
  public:
   Limits(const std::string& option, const std::vector<std::string>& texts) {
@@ -113,14 +113,14 @@ class Limits {
   std::vector<std::pair<std::string, double>> limits_;  ///< By glob.
 };
 
-/// NaN differs from numbers alone.
+/// NaN equals NaN and differs from every number.
 double distance(double a, double b) {
   if (a == b || (std::isnan(a) && std::isnan(b))) return 0;
   const double d = std::abs(a - b);
   return std::isnan(d) ? INFINITY : d;
 }
 
-/// Prints a line on one column. Returns whether the difference is allowed; without a limit none is.
+/// Prints the line of one column. Returns whether the difference is allowed; without a limit none is.
 bool compare(const std::string& name, const Column& in_a, const Column& in_b, std::optional<double> tolerance,
              std::optional<double> max) {
   const std::vector<double>&a = in_a.values.numbers, &b = in_b.values.numbers;

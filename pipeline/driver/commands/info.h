@@ -9,7 +9,7 @@ struct InfoCommand {
   std::string file;
 };
 
-/// Prints what is in a file. Returns an exit code. Throws: Error (missing_input, bad_data).
+/// Describes a file. Returns an exit code. Throws: Error (missing_input, bad_data).
 int show_info(const InfoCommand& command);
 
 }  // namespace patchlight

@@ -15,7 +15,7 @@ namespace patchlight {
 
 namespace {
 
-/// Throws unless the patches are those of the job's scene as it is now.
+/// Throws unless patches.h5 is fresh.
 PatchSet fresh_patches(const Job& job) {
   PatchSet scene;
   const Freshness patches = patches_freshness(job, scene);

@@ -13,9 +13,8 @@ struct RelightCommand {
   CommonOptions common;
 };
 
-/// Makes those frames under other lights in <output>/relit/ that are not as the job makes them now, from the layers of
-/// traced ones that are there, and says why; nothing else is run.
-/// Goes on past a variant that fails. Returns the exit code of the first failure, else 0.
+/// Makes the relit frames in <output>/relit/ that are not fresh, from the layers of existing traced frames, and prints
+/// the reasons. Runs no stage. Continues after a failed variant. Returns the exit code of the first failure, else 0.
 /// Throws: Error (bad_config, missing_input) for the job.
 int relight_jobs(const RelightCommand& command, Progress& progress);
 

@@ -16,9 +16,9 @@ namespace patchlight {
 
 namespace {
 
-constexpr int kMostRounds = 20;  // as often as other runs may come between
+constexpr int kMaxRounds = 20;  // of interference by other runs
 
-/// Brings a job's stages up to date one after another.
+/// Updates a job's stages one after another.
 class JobRun {
  public:
   JobRun(const RunCommand& command, StageAccount& account) : command_(command), account_(account) {}
@@ -32,7 +32,7 @@ class JobRun {
     const ProgramRun run = run_stage_program(stage, arguments);
     account_.tell({stage, run.exit_code == 0 ? "done" : "failed", run.exit_code, run.wall_seconds, run.cpu_seconds,
                    run.peak_bytes});
-    if (run.exit_code == 0) Progress::check_interrupted();  // a stage that was just ending does not tell
+    if (run.exit_code == 0) Progress::check_interrupted();  // a stage that was ending may not have seen the signal
     return run.exit_code;
   }
 
@@ -41,7 +41,7 @@ class JobRun {
   StageAccount& account_;
 };
 
-/// Brings the solution up to date. Returns the exit code of the stage that fails, else 0.
+/// Updates the solution. Returns the exit code of the failed stage, else 0.
 int make_solution(const RunCommand& command, const Job& job, const OutputCache& cache, JobRun& run, PatchSet& scene) {
   const auto import = [&] { return patches_freshness(job, scene); };
   if (const int code = run.bring_up_to_date(
@@ -85,14 +85,14 @@ int run_job(const RunCommand& command, Progress& progress, std::string* summary)
   bool fresh = !command.force && is_fresh();
   int rounds = 0;
   do {
-    if (rounds++ == kMostRounds)
+    if (rounds++ == kMaxRounds)
       throw Error(ExitCode::internal, "the stages do not make what the job asks for, however often they run",
                   job.output.string(), "build all programs from one version; run jobs with other settings elsewhere");
     if (!fresh) lock.for_one();
     if (const int code = make_solution(command, job, cache, run, scene)) return code;
     if (command.last_stage != "trace") return 0;
     lock.for_tracing();
-  } while (!fresh && !(fresh = is_fresh()));  // else a run with other settings came between
+  } while (!fresh && !(fresh = is_fresh()));  // a run with other settings may interfere
 
   if (const int code = run.bring_up_to_date("trace", frames_state(job, scene, command.force ? nullptr : &cache)))
     return code;

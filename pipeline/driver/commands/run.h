@@ -5,9 +5,9 @@
 
 namespace patchlight {
 
-/// Starts the stages whose outputs do not match the job, in order, and says why; what was made before with the same
-/// settings is put back instead. Returns the exit code of the first stage that fails, else 0. `account`, unless null:
-/// is told what each stage did, in a few words.
+/// Runs the stages whose outputs are not fresh, in order, and prints the reasons; outputs in the cache are restored
+/// instead. Returns the exit code of the first failed stage, else 0. `account`: receives a short text on each stage;
+/// may be null.
 int run_job(const RunCommand& command, Progress& progress, std::string* account = nullptr);
 
 }  // namespace patchlight

@@ -18,7 +18,7 @@ constexpr const char* kHeader =
     "## To change a setting, take away the `# ` before it. Paths are relative to this file's folder.\n";
 constexpr int kMostFramesNamed = 10'000;
 
-/// A name as YAML reads it back: plain where it is a simple word, else in double quotes.
+/// A name in YAML: plain if it is a simple word, else in double quotes.
 std::string yaml_text(const std::string& name) {
   const auto is_plain = [](char c) {
     return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '.' || c == '-' || c == '/';
@@ -31,7 +31,7 @@ std::string yaml_text(const std::string& name) {
   return nlohmann::json(name).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
-/// A name as a glob that matches nothing else.
+/// A name escaped as a glob that matches only itself.
 std::string as_pattern(const std::string& name) {
   std::string pattern;
   for (const char c : name) {
@@ -121,7 +121,7 @@ std::string light_lines(const PatchSet& scene) {
   return text;
 }
 
-/// The last frame in which one of the cameras moves; 0 if all stand still.
+/// The last frame at which a camera moves; 0 if all are still.
 int last_frame(const PatchSet& scene, double fps) {
   double end = 0;
   for (const Camera& camera : scene.cameras)

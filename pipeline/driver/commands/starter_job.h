@@ -5,9 +5,9 @@
 
 namespace patchlight {
 
-/// A job file with the cameras, light groups and materials of `scene`, as it was imported with all defaults. It makes
-/// the frames that the scene alone makes. Settings that stand in comments have their present values; explanations begin
-/// with `##`, so that the job stays valid when every `# ` is taken away. `scene_path`, `output`: as the job names them.
+/// A job file with the cameras, light groups and materials of `scene`, which was imported with all defaults. It renders
+/// the same frames as the scene without a job. Settings in comments have their present values; explanations begin with
+/// `##`, so that the job stays valid without its `# `. `scene_path`, `output`: paths to write into the job.
 std::string starter_job(const std::string& scene_path, const std::string& output, const PatchSet& scene);
 
 }  // namespace patchlight

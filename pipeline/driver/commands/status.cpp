@@ -17,15 +17,16 @@ void print_line(const char* stage, const std::string& state, const std::string& 
   print(fmt::format("{:<8}{:<9}{}{}{}\n", stage, state, file, reason.empty() ? "" : "  ", reason));
 }
 
-/// Prints a line on one output. Returns whether it is fresh.
+/// Prints the line of one output. Returns whether it is fresh.
 bool report(const char* stage, const std::string& file, const Freshness& freshness) {
   std::string reason = fmt::format("{}", fmt::join(freshness.reasons, ", "));
-  if (freshness.state == Freshness::State::missing && !reason.starts_with("its ")) reason.clear();  // it says no more
+  if (freshness.state == Freshness::State::missing && !reason.starts_with("its "))
+    reason.clear();  // it would repeat the state
   print_line(stage, freshness.name(), file, reason);
   return freshness.fresh();
 }
 
-/// Returns whether all that a run makes is fresh; relit frames are of a command of their own.
+/// Returns whether all outputs of `patchlight run` are fresh; relit frames do not count.
 bool report_job(const JobVariant& variant) {
   const Job job = variant.job();
   check_available(job.solve);
@@ -41,7 +42,7 @@ bool report_job(const JobVariant& variant) {
   for (const Frame& frame : job_frames(job, scene))
     fresh &=
         report("trace", "frames/" + frame.exr.filename().string(), frame_freshness(job, scene, frame, view_config));
-  if (std::error_code fault; std::filesystem::exists(job.relit_folder(), fault))  // else nobody asked for them
+  if (std::error_code fault; std::filesystem::exists(job.relit_folder(), fault))  // otherwise `relight` never ran
     for (const Frame& frame : job_frames(job, scene))
       report("relight", "relit/" + frame.exr.filename().string(), relit_freshness(job, scene, frame, view_config));
   return fresh;

@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t kLongestName = 200;
 
 std::string folder_name(const std::string& name, std::set<std::string>& taken) {
-  // What would hide a folder of the job's own.
+  // Names that would collide with folders of the job.
   if (taken.empty()) taken = {"frames", "relit", "cache", "preview", "bench", "slurm", ".", ".."};
   std::string plain = name.substr(0, kLongestName);
   for (char& c : plain)
@@ -32,7 +32,7 @@ std::vector<JobVariant> job_variants(const std::string& job_file, const CommonOp
                                      const std::string& pattern) {
   const auto job_template = std::make_shared<JobTemplate>(job_file);
   const Job job = job_template->job(options.sets, options.output);
-  job_template->drop_matrix();  // else each variant would copy what all have
+  job_template->drop_matrix();  // each variant would copy it
   const std::string cache = cache_folder(job).string();
   if (job.matrix.empty() && pattern.empty()) return {{job_file, "", options, cache, job_template}};
   std::vector<JobVariant> variants;

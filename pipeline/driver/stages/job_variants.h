@@ -8,23 +8,23 @@
 
 namespace patchlight {
 
-/// One job to run: a job file with overrides.
+/// One variant of a job: a job file with overrides.
 struct JobVariant {
   std::string job_file;
   std::string name;       ///< Its choices, joined by commas; empty for a job without a matrix.
-  CommonOptions options;  ///< Those of the command line, over the variant's own settings, with its output folder.
-  std::string cache;      ///< The folder that all variants of the job share for outputs of earlier settings.
+  CommonOptions options;  ///< Options of the command line, with the variant's settings and output folder.
+  std::string cache;      ///< Cache folder shared by all variants of the job.
 
-  std::shared_ptr<const JobTemplate> job_template{};  ///< All variants share it.
+  std::shared_ptr<const JobTemplate> job_template{};  ///< Shared by all variants.
 
-  /// Its job, without a matrix. Throws: what read_job throws.
+  /// The job of this variant, without a matrix. Throws: errors of read_job().
   Job job() const { return job_template->job(options.sets, options.output); }
   std::string label() const { return name.empty() ? job_file : job_file + " " + name; }
 };
 
-/// The variants of a job's matrix, the last axis running fastest, each with a folder of its own in the job's output;
-/// or the job itself. `pattern`: a glob that names must match; empty: all.
-/// Throws: what read_job throws; Error (bad_config) if no name matches.
+/// The variants of a job's matrix, the last axis fastest, each with its own folder in the job's output; without a
+/// matrix, the job itself. `pattern`: glob that names must match; empty: all. Throws: errors of read_job(); Error
+/// (bad_config) if no name matches.
 std::vector<JobVariant> job_variants(const std::string& job_file, const CommonOptions& options,
                                      const std::string& pattern = "");
 

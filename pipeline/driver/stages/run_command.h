@@ -13,9 +13,9 @@ struct RunCommand {
   bool force = false;
   CommonOptions common;
   std::string last_stage = "trace";
-  bool explain = false;           ///< Say all reasons, also those not to run.
-  std::filesystem::path cache{};  ///< Where outputs of earlier settings are kept; empty: in the job's own output.
-  std::shared_ptr<const JobTemplate> job_template{};  ///< Of the job file; null: it is read.
+  bool explain = false;                               ///< Print all reasons, also for skipped stages.
+  std::filesystem::path cache{};                      ///< Cache folder; empty: in the job's output.
+  std::shared_ptr<const JobTemplate> job_template{};  ///< The read job file; null: read it.
 };
 
 }  // namespace patchlight

@@ -6,14 +6,14 @@
 
 namespace patchlight {
 
-/// Says which stages of a job run and why, and what became of them.
+/// Reports which stages of a job run, why, and with which result.
 class StageAccount {
  public:
-  /// `summary`, unless null: is told what each stage did, in a few words.
+  /// `summary`: receives a short text on each stage; may be null.
   StageAccount(const RunCommand& command, Progress& progress, std::string* summary)
       : command_(command), progress_(progress), summary_(summary) {}
 
-  /// Whether a stage has to run; says why or why not.
+  /// Whether a stage has to run; prints the reason.
   bool needs(const std::string& stage, const StageState& state);
 
   void tell(const Progress::StageResult& result);

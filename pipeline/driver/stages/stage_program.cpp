@@ -36,8 +36,8 @@ std::int64_t peak_so_far(pid_t process) {
   return 0;
 }
 
-/// Waits for a child. What the kernel reports as its peak is no less than its parent's at the start, so where that
-/// may have hidden the child's own, the peak that was seen while it ran stands in.
+/// Waits for a child. The peak that the kernel reports includes the parent's memory at the fork; if that may exceed the
+/// child's own, the peak polled while it ran is used.
 int wait_for(pid_t child, rusage& usage, std::int64_t& peak) {
   rusage own{};
   getrusage(RUSAGE_SELF, &own);
@@ -45,7 +45,7 @@ int wait_for(pid_t child, rusage& usage, std::int64_t& peak) {
   constexpr int kInterval = 5;  // ms
   while (ended.fd >= 0 && poll(&ended, 1, kInterval) <= 0) peak = std::max(peak, peak_so_far(child));
   close(ended.fd);
-  siginfo_t gone{};  // until it is reaped below, its number is its own
+  siginfo_t gone{};  // its process id is not reused until it is reaped below
   while (waitid(P_PID, id_t(child), &gone, WEXITED | WNOWAIT) < 0 && errno == EINTR) {
   }
   Progress::pass_signals_to(0);

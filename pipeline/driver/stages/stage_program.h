@@ -7,7 +7,7 @@
 
 namespace patchlight {
 
-/// How a program ended and what the whole process took.
+/// Exit code and resource use of a process.
 struct ProgramRun {
   int exit_code = 0;       ///< 75 if SIGINT or SIGTERM killed it, 70 after any other signal.
   double cpu_seconds = 0;  ///< User and system.
@@ -20,24 +20,24 @@ struct ProgramRun {
 /// Throws: Error (unavailable) if it cannot be started.
 ProgramRun run_program(const std::string& program, const std::vector<std::string>& arguments);
 
-/// What a program wrote and how it ended.
+/// Output and exit code of a program.
 struct ProgramOutput {
   int exit_code = 0;  ///< As in ProgramRun.
   std::string out, err;
 };
 
-/// Runs a program that ends soon, without input, and waits for it. Throws: Error (unavailable) if it cannot be started,
-/// with `mend`, how to mend that.
+/// Runs a short program without input and waits for it. Throws: Error (unavailable), with the remedy `mend`, if it
+/// cannot be started.
 ProgramOutput capture_program(const std::string& program, const std::vector<std::string>& arguments,
                               const std::string& mend);
 
-/// The command line that hands a job and these options on to a stage.
+/// The arguments that pass a job and these options to a stage program.
 std::vector<std::string> stage_arguments(const std::string& job_file, const CommonOptions& options);
 
-/// Where `patchlight-STAGE` stands: in this program's own folder.
+/// Path of `patchlight-STAGE`, beside this program.
 std::string stage_program(const std::string& stage);
 
-/// Runs `patchlight-STAGE` of this program's own folder. Throws: as run_program.
+/// Runs `patchlight-STAGE`. Throws: errors of run_program().
 ProgramRun run_stage_program(const std::string& stage, const std::vector<std::string>& arguments);
 
 }  // namespace patchlight

@@ -6,14 +6,14 @@
 
 namespace patchlight {
 
-/// A stage's output as it is, and as it was before what was made earlier with the same settings was put back.
+/// Freshness of a stage's output now, and before it was restored from the cache.
 struct StageState {
   Freshness now;
   Freshness before;
   bool restored = false;
 };
 
-/// Where `freshness` says that the output is not fresh, tries to `restore` it.
+/// Calls `restore` if `freshness` says that the output is not fresh.
 template <class FreshnessOf, class Restore>
 StageState stage_state(FreshnessOf freshness, Restore restore) {
   const Freshness before = freshness();
@@ -22,12 +22,12 @@ StageState stage_state(FreshnessOf freshness, Restore restore) {
   return {now, before, now.fresh()};
 }
 
-/// Of all frames of a job together; those that `cache` has, unless it is null, are put back. `fresh`, unless null: is
-/// told for each frame whether it is.
+/// The combined state of all frames of a job. Frames that are not fresh are restored from `cache`, unless it is null.
+/// `fresh`: receives a value for each frame; may be null.
 StageState frames_state(const Job& job, const PatchSet& scene, const OutputCache* cache,
                         std::vector<bool>* fresh = nullptr);
 
-/// Keeps all frames of a job under their keys.
+/// Adds all frames of a job to the cache.
 void keep_frames(const Job& job, const PatchSet& scene, const OutputCache& cache);
 
 }  // namespace patchlight

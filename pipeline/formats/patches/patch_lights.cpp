@@ -56,7 +56,8 @@ void read_light_datasets(const H5Reader& reader, PatchSet& scene) {
   const std::vector<float> strengths = reader.dataset<float>("/lights/strength", count, 3);
   const std::vector<double> shapes = reader.dataset<double>("/lights/shape", count, kShape);
   for (std::size_t i = 0; i < names.size(); ++i) {
-    if (kinds[i] < 0 || kinds[i] > 2) reader.refuse("an unknown kind", "/lights/kind");
+    if (kinds[i] < 0 || std::size_t(kinds[i]) >= Light::kKindNames.size())
+      reader.refuse("an unknown kind", "/lights/kind");
     const double* shape = shapes.data() + kShape * i;
     const Light& light = scene.lights.emplace_back(Light{
         names[i], Light::Kind(kinds[i]), groups[i], Color(strengths[3 * i], strengths[3 * i + 1], strengths[3 * i + 2]),

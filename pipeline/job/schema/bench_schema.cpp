@@ -112,14 +112,15 @@ void read_repeats(const Node& node, int& repeats) {
 
 std::vector<JobKey> bench_keys(BenchConfig& bench) {
   return {
-      {"bench.sweep", "what `patchlight bench` tries: a list of maps from keys of the job to lists of values",
+      {"bench.sweep",
+       "settings that `patchlight bench` measures: a list of maps from keys of the job to lists of values",
        [&bench](const Node& n) { read_sweep(n, bench.sweep); }, [&bench] { return sweep_node(bench.sweep); }},
-      {"bench.reference", "an EXR, or {radiance: [r,g,b]} for a scene that looks the same everywhere; absent: a run",
+      {"bench.reference", "an EXR, or {radiance: [r,g,b]} for a uniform frame; absent: a reference run",
        [&bench](const Node& n) { read_reference(n, bench); }, [&bench] { return reference_node(bench); }},
-      {"bench.reference_settings", "keys of the job for that run; those not named keep these values",
+      {"bench.reference_settings", "keys of the job for the reference run, added to these",
        [&bench](const Node& n) { read_reference_settings(n, bench.reference_settings); },
        [&bench] { return reference_settings_node(bench.reference_settings); }},
-      {"bench.camera", "whose frame is compared; absent: the first",
+      {"bench.camera", "camera of the compared frame; absent: the first",
        [&bench](const Node& n) {
          if (!n.IsScalar() || n.Scalar().empty()) throw std::string("expected the name of a camera");
          bench.camera = n.Scalar();

@@ -26,7 +26,7 @@ JobKey patch_area_key(std::optional<double>& value) {
 }
 
 JobKey time_key(std::optional<double>& value) {
-  return {"import.time", "when animated nodes stand where they do, in seconds; absent: in their rest state",
+  return {"import.time", "time at which animated nodes are posed, in seconds; absent: their rest pose",
           [&value](const Node& n) { value = parse_number(n, 0, 1e9); },
           [&value] { return value ? Node(*value) : Node(); }};
 }
@@ -36,8 +36,9 @@ std::vector<JobKey> import_keys(ImportConfig& config) {
       patch_area_key(config.patch_area),
       integer_key("import.max_patches", config.max_patches, 1, 1'000'000'000, "more patches than this are refused"),
       time_key(config.time),
-      choice_key("import.punctual_units", config.punctual_units, {"blender", "si", "raw"},
-                 "of point lights, spots and suns: as Blender exports watts; candela and lux; or W/sr and W/m2"),
+      choice_key(
+          "import.punctual_units", config.punctual_units, {"blender", "si", "raw"},
+          "unit of point lights, spots and suns: watts as Blender exports them; candela and lux; or W/sr and W/m2"),
   };
 }
 
@@ -46,7 +47,7 @@ std::vector<JobKey> scene_keys(Job& job) {
       overrides_key("materials", job.materials,
                     "by name (globs): reflectance [r,g,b]; emission [r,g,b], radiant exitance in W/m2; mirror [r,g,b], "
                     "reflectance of a perfect mirror; light_group; patch_area in m2; exclude from the scene"),
-      overrides_key("nodes", job.nodes, "the same by the name of a node (globs), after those of materials"),
+      overrides_key("nodes", job.nodes, "the same overrides by node name (globs); they take precedence over materials"),
       {"shaders",
        "by material or node name (globs): reflectance and emission as expressions [r,g,b] of u, v, x, y, z, nx, ny, nz",
        [&job](const Node& n) { read_shaders(n, job.shaders); }, [&job] { return shaders_node(job.shaders); }},
@@ -57,17 +58,16 @@ std::vector<JobKey> solve_keys(SolveConfig& solve) {
   const std::int64_t most = std::numeric_limits<std::int64_t>::max();
   return {
       choice_key("solve.method", solve.method, {"matrix", "progressive"}, "how the linear system is solved"),
-      choice_key("solve.form_factors", solve.form_factors, {"rays", "hemicube"}, "how form factors are found"),
-      integer_key("solve.rays", solve.rays, 1, 1 << 24,
-                  "rays for each patch and each time that the light is passed on"),
+      choice_key("solve.form_factors", solve.form_factors, {"rays", "hemicube"}, "how form factors are computed"),
+      integer_key("solve.rays", solve.rays, 1, 1 << 24, "rays per row of form factors; with `progressive`, per shot"),
       flag_key("solve.display", solve.display, "also gather the display solution that frames interpolate"),
       integer_key("solve.hemicube_resolution", solve.hemicube_resolution, 2, 4096, "cells along a hemicube's edge"),
       number_key("solve.tolerance", solve.tolerance, 1e-12, 1, "stop when the residual is below this"),
       number_key("solve.error_target", solve.error_target, 0, 1,
                  "cast rays until the stated bound of the error is below this; 0: cast solve.rays"),
       integer_key("solve.max_shots", solve.max_shots, 1, 1'000'000'000,
-                  "stop after so many shots for each patch, on average"),
-      integer_key("solve.seed", solve.seed, 0, most, "of the random numbers"),
+                  "stop after this number of shots per patch, on average"),
+      integer_key("solve.seed", solve.seed, 0, most, "seed of the random numbers"),
   };
 }
 
@@ -93,7 +93,7 @@ JobKey include_key() {
 std::vector<JobKey> job_keys(Job& job) {
   std::vector<JobKey> keys{
       path_key("scene", job.scene, "the glTF scene, .gltf or .glb"),
-      path_key("output", job.output, "folder for all that the job makes"),
+      path_key("output", job.output, "folder of all outputs"),
   };
   const auto add = [&](std::vector<JobKey> section) {
     std::move(section.begin(), section.end(), std::back_inserter(keys));
@@ -106,10 +106,10 @@ std::vector<JobKey> job_keys(Job& job) {
   keys.push_back(cameras_key(job.cameras));
   add(trace_keys(job.trace));
   keys.push_back(include_key());
-  keys.push_back(size_key("cache", job.cache,
-                          "most that outputs of earlier settings, kept to go back to them, may take; 0: keep none"));
+  keys.push_back(
+      size_key("cache", job.cache, "maximum size of the cache, which keeps outputs of earlier settings; 0: no cache"));
   keys.push_back(matrix_key(job.matrix));
-  keys.push_back(choice_key("executor", job.executor, {"local", "slurm"}, "where `run` has stages run"));
+  keys.push_back(choice_key("executor", job.executor, {"local", "slurm"}, "where `run` runs the stages"));
   add(slurm_keys(job.slurm));
   add(bench_keys(job.bench));
   return keys;

@@ -28,7 +28,7 @@ Node lights_node(const std::map<std::string, LightSetting>& lights) {
 }  // namespace
 
 JobKey lights_key(std::map<std::string, LightSetting>& lights) {
-  return {"lights", "by light group: scale, and color [r,g,b], of its light in frames",
+  return {"lights", "by light group: scale and color [r,g,b] of its light in frames",
           [&lights](const Node& n) {
             lights.clear();
             read_lights(n, lights);

@@ -79,15 +79,15 @@ void read_options(const Node& node, std::vector<std::string>& options) {
 std::vector<JobKey> slurm_keys(SlurmConfig& slurm) {
   return {
       integer_key("slurm.shards", slurm.shards, 1, kMaxShards,
-                  "tasks that rows of form factors are shared by, and frames; 1: not shared"),
-      integer_key("slurm.cpus", slurm.cpus, 1, 4096, "of a task, unless --threads says how many"),
+                  "number of tasks that share the rows of form factors, and the frames; 1: not shared"),
+      integer_key("slurm.cpus", slurm.cpus, 1, 4096, "CPUs of a task, unless --threads is given"),
       text_key("slurm.partition", slurm.partition, is_partition, "the name of a partition, or several with commas",
-               "where tasks run; absent: as Slurm has it"),
+               "partition of the tasks; absent: Slurm's default"),
       text_key("slurm.time", slurm.time, is_time_limit, "a time as sbatch takes it: minutes, 1:30:00 or 2-12",
-               "most that a task may take; absent: as Slurm has it"),
-      {"slurm.options", "more for sbatch, as [--mem=8G]", [&slurm](const Node& n) { read_options(n, slurm.options); },
-       [&slurm] { return Node(slurm.options); }},
-      integer_key("slurm.retries", slurm.retries, 0, 100, "how often a task that is lost or killed is done again"),
+               "time limit of a task; absent: Slurm's default"),
+      {"slurm.options", "further options of sbatch, such as [--mem=8G]",
+       [&slurm](const Node& n) { read_options(n, slurm.options); }, [&slurm] { return Node(slurm.options); }},
+      integer_key("slurm.retries", slurm.retries, 0, 100, "how often a lost or killed task is resubmitted"),
   };
 }
 

@@ -59,7 +59,7 @@ JobKey resolution_key(std::array<int, 2>& size) {
 JobKey layers_key(std::vector<std::string>& layers) {
   const std::vector<std::string> known{"direct", "indirect", "specular", "emission", "albedo",
                                        "normal", "depth",    "position", "patch",    "light_groups"};
-  return {"trace.layers", fmt::format("of the EXR, beside the beauty: {}", fmt::join(known, ", ")),
+  return {"trace.layers", fmt::format("additional layers of the EXR: {}", fmt::join(known, ", ")),
           [&layers, known](const Node& n) {
             if (n.IsMap()) throw std::string("expected a list of layers");
             std::set<std::string> chosen;
@@ -87,18 +87,19 @@ std::vector<JobKey> trace_keys(TraceConfig& trace) {
       number_key("trace.fps", trace.fps, 1e-3, 1e6, "frames a second of animated cameras"),
       resolution_key(trace.resolution),
       choice_key("trace.quality", trace.quality, {"patches", "direct", "gather"},
-                 "all light interpolated; direct light at the pixel; or the rest gathered there too, to check it"),
-      integer_key("trace.gather_rays", trace.gather_rays, 1, 4096, "rays of a sample by which `gather` gathers"),
+                 "all light interpolated; direct light at the pixel; or all light gathered at the pixel, as a check"),
+      integer_key("trace.gather_rays", trace.gather_rays, 1, 4096, "rays per sample of quality `gather`"),
       integer_key(
           "trace.samples", trace.samples, 1, 1 << 16,
-          "samples of a pixel where colours change; 4 times as many at edges, a quarter (4 or more) where all is even"),
+          "samples per pixel where colours vary; 4 times as many at edges, a quarter (at least 4) in smooth regions"),
       flag_key("trace.cull_backfaces", trace.cull_backfaces, "look through the backs of single-sided surfaces"),
       layers_key(trace.layers),
-      choice_key("trace.pixel_type", trace.pixel_type, {"half", "float"}, "of light and colours in the EXR"),
+      choice_key("trace.pixel_type", trace.pixel_type, {"half", "float"},
+                 "type of light and colour channels in the EXR"),
       choice_key("trace.compression", trace.compression, {kExrCompressions.begin(), kExrCompressions.end()},
-                 "of the EXR"),
+                 "compression of the EXR"),
       view_key(trace.view),
-      number_key("trace.exposure", trace.exposure, -100, 100, "stops by which the PNG is brighter than the EXR"),
+      number_key("trace.exposure", trace.exposure, -100, 100, "exposure of the PNG in stops"),
   };
 }
 

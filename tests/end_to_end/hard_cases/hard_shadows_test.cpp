@@ -43,9 +43,10 @@ TEST_F(HardCases, ThinWalls) {
   };
   // A rasteriser snaps corners to a subpixel grid, and a hemicube identifies patches by interpolated (u,v): a cell at
   // the foot of the wall may count for the patch on the other side.
-  for (const Wall& wall : {Wall{"light through a wall of no thickness", 0, true, {0, 1e-4, 0, 1e-4}},
-                           {"light through a wall of 0.1 mm", 1e-4, true, {0, 1e-4, 0, 1e-4}},
-                           {"light through a wall of 1 cm that ends all other surfaces", 0.01, false, {0, 0, 0, 0}}}) {
+  for (const Wall& wall :
+       {Wall{"light through a wall of no thickness", 0, true, {0, 1e-4, 0, 1e-4}},
+        {"light through a wall of 0.1 mm", 1e-4, true, {0, 1e-4, 0, 1e-4}},
+        {"light through a wall of 1 cm at which all other surfaces end", 0.01, false, {0, 0, 0, 0}}}) {
     const PatchSet scene = divided_room(wall.thickness, wall.extends_through);
     expect_each(wall.name, wall.limits, [&](const Configuration& configuration) {
       const EnergyField energy = solved(scene, configuration);

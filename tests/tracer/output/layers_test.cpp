@@ -1,5 +1,3 @@
-#include "tracer/output/layers.h"
-
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
@@ -9,6 +7,7 @@
 
 #include "tests/expect_error.h"
 #include "tests/tracer/solved_scene.h"
+#include "tracer/output/layer_sums.h"
 
 namespace patchlight {
 namespace {

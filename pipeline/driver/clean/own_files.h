@@ -4,12 +4,12 @@
 
 namespace patchlight {
 
-/// Files of an output folder that stages made, but for those kept of earlier settings: patches.h5, transport.h5, its
-/// shards and energy.h5 in HDF5 of ours, frames and relit frames with a key of ours in their EXR and the PNG beside it,
-/// claims of frames and temporary files. Others with such names are not listed.
+/// Files that stages wrote into an output folder, without the cache: patches.h5, transport.h5, its shards and energy.h5
+/// with a format attribute of Patchlight; frames and relit frames with a Patchlight key in their EXR, and the PNG
+/// beside it; claims of frames and temporary files. Other files with such names are not listed.
 std::vector<std::filesystem::path> own_stage_files(const std::filesystem::path& output);
 
-/// Pictures in a `preview` folder by the names that `patchlight preview` gives.
+/// Pictures in a `preview` folder with names that `patchlight preview` gives.
 std::vector<std::filesystem::path> own_previews(const std::filesystem::path& folder);
 
 /// Whether a file is a page that `patchlight report` wrote.
@@ -18,7 +18,7 @@ bool is_own_report(const std::filesystem::path& file);
 /// Whether a file is a `bench.json` that `patchlight bench` wrote.
 bool is_own_bench(const std::filesystem::path& file);
 
-/// How many files stand in a folder and its folders.
+/// Number of files in a folder and its subfolders.
 std::size_t count_files(const std::filesystem::path& folder);
 
 }  // namespace patchlight

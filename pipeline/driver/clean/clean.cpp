@@ -1,11 +1,11 @@
-#include "pipeline/driver/clean.h"
+#include "pipeline/driver/clean/clean.h"
 
 #include <fmt/format.h>
 
 #include "pipeline/driver/bench/bench_run.h"
 #include "pipeline/driver/cache/output_cache.h"
 #include "pipeline/driver/cache/output_lock.h"
-#include "pipeline/driver/cache/own_files.h"
+#include "pipeline/driver/clean/own_files.h"
 #include "pipeline/driver/slurm/slurm_script.h"
 #include "pipeline/driver/stages/job_variants.h"
 #include "pipeline/job/reader/job_reader.h"
@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Removes a file. Returns the bytes that this frees: none if the file stands elsewhere too.
+/// Removes a file. Returns the bytes freed: 0 if it has other hard links.
 std::uintmax_t discard(const fs::path& file) {
   std::error_code fault;
   const bool alone = fs::is_regular_file(fs::symlink_status(file, fault)) && fs::hard_link_count(file, fault) == 1;
@@ -28,13 +28,13 @@ std::uintmax_t discard(const fs::path& file) {
   return size;
 }
 
-/// Removes a folder if nothing is in it.
+/// Removes a folder if it is empty.
 void remove_if_empty(const fs::path& folder) {
   std::error_code fault;
   if (fs::is_directory(fs::symlink_status(folder, fault))) fs::remove(folder, fault);
 }
 
-/// Removes all that stages made in an output folder.
+/// Removes all outputs of stages in a folder.
 std::uintmax_t remove_stage_files(const fs::path& output) {
   std::uintmax_t size = 0;
   for (const fs::path& file : own_stage_files(output)) size += discard(file);
@@ -42,7 +42,7 @@ std::uintmax_t remove_stage_files(const fs::path& output) {
   return size;
 }
 
-/// Removes all that `patchlight bench` made: an output folder for each of its variants, tables and pictures.
+/// Removes all outputs of `patchlight bench`: the folders of its variants, tables and pictures.
 std::uintmax_t remove_bench(const fs::path& bench) {
   std::uintmax_t size = 0;
   std::error_code fault;
@@ -61,7 +61,7 @@ std::uintmax_t remove_bench(const fs::path& bench) {
   return size;
 }
 
-/// Removes all that Patchlight made in a job's output folder, and leaves files of others.
+/// Removes all files that Patchlight wrote into a job's output folder; other files stay.
 std::uintmax_t remove_outputs(const Job& job) {
   std::uintmax_t size = remove_stage_files(job.output);
   if (is_own_report(job.output / "report.html")) size += discard(job.output / "report.html");

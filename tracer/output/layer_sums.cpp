@@ -1,4 +1,4 @@
-#include "tracer/output/layers.h"
+#include "tracer/output/layer_sums.h"
 
 #include <algorithm>
 

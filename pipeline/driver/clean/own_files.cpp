@@ -1,4 +1,4 @@
-#include "pipeline/driver/cache/own_files.h"
+#include "pipeline/driver/clean/own_files.h"
 
 #include <algorithm>
 #include <array>
@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Regular files in a folder, and links to such.
+/// Regular files in a folder, and links to them.
 std::vector<fs::path> files_in(const fs::path& folder) {
   std::vector<fs::path> files;
   std::error_code fault, ignored;
@@ -35,7 +35,7 @@ std::string first_bytes(const fs::path& file, std::size_t count) {
   return bytes;
 }
 
-/// Whether it is HDF5 of a format of ours; one that cannot be read is not.
+/// Whether a file is readable HDF5 in a format of Patchlight.
 bool is_own_h5(const fs::path& file) {
   try {
     return h5_format(file).starts_with("patchlight-");
