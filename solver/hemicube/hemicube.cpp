@@ -129,24 +129,24 @@ void HemicubeFormFactors::draw(const Shot& shot, int bottom) {
 std::size_t HemicubeFormFactors::gather(const std::uint32_t* ids) {
   // Branch-free: branches would be mispredicted at about every other run of equal cells.
   const int n = resolution_;
-  int* const ends = run_ends_.data();
+  int* const last_of_run = run_ends_.data();
   std::size_t count = 0;
   for (int j = 0; j < 3 * n; ++j) {
     const std::uint32_t* id = ids + std::size_t(j) * n;
     const float* sum = prefix_sums_.data() + std::size_t(j) * n;
     int runs = 0;
     for (int i = 0; i + 1 < n; ++i) {
-      ends[runs] = i;
+      last_of_run[runs] = i;
       runs += id[i] != id[i + 1];
     }
-    ends[runs++] = n - 1;
+    last_of_run[runs++] = n - 1;
     float previous = 0;
     for (int k = 0; k < runs; ++k) {
-      const std::uint32_t visible = id[ends[k]];
+      const std::uint32_t visible = id[last_of_run[k]];
       visible_ids_[count] = visible;
       count += factor_of_id_[visible] == 0;
-      factor_of_id_[visible] += sum[ends[k]] - previous;
-      previous = sum[ends[k]];
+      factor_of_id_[visible] += sum[last_of_run[k]] - previous;
+      previous = sum[last_of_run[k]];
     }
   }
   for (const std::uint32_t visible : std::span(visible_ids_).first(count)) {

@@ -136,7 +136,9 @@ Image draw_preview(const Job& job, const PatchSet& scene, const PreviewOptions& 
   renderer.begin(width, height);
   renderer.draw(camera_view(camera, renderer, scene, width, height), 0, 0, width, height);
   const std::vector<std::uint32_t>& ids = renderer.read();
-  const auto downsample = [&](const std::vector<Color>& pixels) { return shrink(pixels, width, height, kSupersampling); };
+  const auto downsample = [&](const std::vector<Color>& pixels) {
+    return shrink(pixels, width, height, kSupersampling);
+  };
 
   if (options.kind == "patches")
     return downsample(paint(ids, width, true, [&](std::uint32_t i) {

@@ -18,7 +18,8 @@ namespace patchlight {
 namespace {
 
 template <class T, class Entries, class Fill>
-void write_rows(H5Writer& writer, const std::string& name, const Entries& items, int columns, Fill fill, int planes = 1) {
+void write_rows(H5Writer& writer, const std::string& name, const Entries& items, int columns, Fill fill,
+                int planes = 1) {
   const std::size_t width = columns > 0 ? std::size_t(columns) * planes : 1;
   std::vector<T> values(items.size() * width);
   for (std::size_t i = 0; i < items.size(); ++i) fill(items[i], values.data() + i * width);
@@ -37,7 +38,8 @@ Vector get3(const T* row) {
 }
 
 template <class T, class Entries, class Fill>
-void read_rows(const H5Reader& reader, const std::string& name, Entries& items, int columns, Fill fill, int planes = 1) {
+void read_rows(const H5Reader& reader, const std::string& name, Entries& items, int columns, Fill fill,
+               int planes = 1) {
   const std::vector<T> values = reader.dataset<T>(name, std::int64_t(items.size()), columns, planes);
   const std::size_t width = columns > 0 ? std::size_t(columns) * planes : 1;
   for (std::size_t i = 0; i < items.size(); ++i) fill(items[i], values.data() + i * width);

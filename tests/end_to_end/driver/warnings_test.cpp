@@ -97,7 +97,8 @@ TEST_F(Warnings, OfOneRunAloneAreNotRepeated) {
   const std::vector<std::string> run{"run", "job.yaml", "--quiet", "--set", "cache=0"};
   ASSERT_EQ(run_program(folder_, "patchlight", run).code, 0);
   folder_.write("out/transport.h5", "damaged");
-  EXPECT_THAT(run_program(folder_, "patchlight", run).err, HasSubstr("patchlight-solve: warning: casting all rays again"));
+  EXPECT_THAT(run_program(folder_, "patchlight", run).err,
+              HasSubstr("patchlight-solve: warning: casting all rays again"));
   EXPECT_EQ(run_program(folder_, "patchlight", run).err, "");
 }
 

@@ -84,7 +84,8 @@ TEST(TransportShardFile, HoldsTheDisplayMeshOfTheFirst) {
   write_transport_shard(folder / "shard.h5", first);
   EXPECT_EQ(read_transport_shard(folder / "shard.h5", 4, 0, nullptr).mesh->gathered, 1);
   write_transport_shard(folder / "shard.h5", sample());
-  EXPECT_ERROR(read_transport_shard(folder / "shard.h5", 4, 0, nullptr), ExitCode::bad_data, "that the file does not contain");
+  EXPECT_ERROR(read_transport_shard(folder / "shard.h5", 4, 0, nullptr), ExitCode::bad_data,
+               "that the file does not contain");
 }
 
 TEST(TransportShardFile, MayHoldNoRow) {
