@@ -72,10 +72,6 @@ PlainEmbree::PlainEmbree(const std::vector<Triangle>& triangles) : device_(rtcNe
   rtcAttachGeometry(scene_, geometry);
   rtcReleaseGeometry(geometry);
   rtcCommitScene(scene_);
-  const auto supports = [&](RTCDeviceProperty property) { return rtcGetDeviceProperty(device_, property) != 0; };
-  width_ = supports(RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED)  ? 16
-           : supports(RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED) ? 8
-                                                                 : 4;
 }
 
 PlainEmbree::~PlainEmbree() {
@@ -83,10 +79,9 @@ PlainEmbree::~PlainEmbree() {
   rtcReleaseDevice(device_);
 }
 
-std::int64_t PlainEmbree::count_hits(const std::vector<EmbreeRay>& rays) const {
-  if (width_ == 16) return trace<RTCRayHit16, 16>(scene_, rays, rtcIntersect16);
-  if (width_ == 8) return trace<RTCRayHit8, 8>(scene_, rays, rtcIntersect8);
-  return trace<RTCRayHit4, 4>(scene_, rays, rtcIntersect4);
+std::int64_t PlainEmbree::count_hits(const std::vector<EmbreeRay>& rays, int width) const {
+  return width == 16 ? trace<RTCRayHit16, 16>(scene_, rays, rtcIntersect16)
+                     : trace<RTCRayHit8, 8>(scene_, rays, rtcIntersect8);
 }
 
 }  // namespace patchlight

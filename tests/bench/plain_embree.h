@@ -27,16 +27,12 @@ class PlainEmbree {
   PlainEmbree(const PlainEmbree&) = delete;
   PlainEmbree& operator=(const PlainEmbree&) = delete;
 
-  /// Rays in a packet: 16 or 8, as the processor supports natively, else 4.
-  int width() const { return width_; }
-
-  /// Traces the rays in packets; their number must be a multiple of 16.
-  std::int64_t count_hits(const std::vector<EmbreeRay>& rays) const;
+  /// Traces the rays in packets of `width`, 8 or 16; their number must be a multiple of 16.
+  std::int64_t count_hits(const std::vector<EmbreeRay>& rays, int width) const;
 
  private:
   RTCDevice device_;
   RTCScene scene_;
-  int width_;
 };
 
 }  // namespace patchlight
