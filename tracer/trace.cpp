@@ -26,7 +26,7 @@ void keep_freed_memory() {
   mallopt(M_TOP_PAD, 8 << 20);
 }
 
-/// Renders the frames that are not up to date, except those that other processes render, and waits for the latter.
+/// Renders each stale frame that no other process has claimed, then waits for the frames claimed by other processes.
 void share_frames(const std::vector<Frame>& frames, const FrameWriter& writer, const std::vector<ImageLayer>& layers,
                   const std::filesystem::path& folder, const std::function<void(const Frame&)>& render,
                   Progress& progress) {

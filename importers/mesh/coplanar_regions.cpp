@@ -54,7 +54,8 @@ class Seed {
   double tolerance = 0.0;  ///< Distance from the plane near the seed triangle, m.
 
  private:
-  /// Whether the values of a corner at origin + a edge1 + b edge2 are those that the seed triangle's maps give.
+  /// Whether colour and texture coordinates of a corner at origin + a edge1 + b edge2 equal the affine extrapolation
+  /// from the seed triangle.
   bool matches_maps(double a, double b, std::size_t corner) const {
     if (!topology_.colors.empty()) {
       using Imath::V4d;

@@ -69,7 +69,7 @@ struct RayRows::SampleSet {
 
   int block = 0;                                   ///< Block of the sequence that is being cast.
   std::array<std::uint32_t, 4> shift;              ///< Of this block, with the digital shift.
-  std::int32_t cast = 0, back_hits = 0;            ///< Rays, and those that hit unlit backs.
+  std::int32_t cast = 0, back_hits = 0;            ///< Numbers of cast rays and of hits on unlit backs.
   std::vector<std::int32_t>& columns;              ///< Elements that rays hit.
   std::vector<TransportRows::Mirrored>& mirrored;  ///< Weighted as single rays.
 

@@ -169,7 +169,7 @@ void PathTracer::sample_glossy_light(const MetalProperties& metal, std::uint64_t
   rays.packet.set_shadow(lane, ray_scene_.to_local(rays.vertices[lane].position), sample.direction, sample.distance);
 }
 
-/// Casts the pending shadow rays and adds the light of those that are not occluded.
+/// Casts the pending shadow rays and adds the light of each unoccluded ray.
 void PathTracer::add_glossy_light(std::array<Path, RayPacket::kSize>& paths, PathSums& sums) const {
   GlossyShadowRays& rays = *sums.glossy_rays;
   const std::uint32_t occluded = ray_scene_.occluded(rays.packet);

@@ -49,8 +49,8 @@ void check_source(const Frame& frame, const Image& source, const Job& job, const
     throw Error(ExitCode::bad_data, "its size differs from the one in its header", frame.exr.string(), kRemedy);
 }
 
-/// Moves the layers that a relit frame keeps out of `source`: layers of light groups and those that lights do not
-/// change.
+/// Moves the layers of a relit frame out of `source`: the layers of light groups, and layers that do not depend on
+/// light (albedo, normal, depth, position, patch).
 std::vector<ImageLayer> take_layers(const Frame& frame, Image& source, const Job& job, const PatchSet& scene) {
   std::vector<ImageLayer> layers;
   for (const ImageLayer& wanted : relit_layers(job.trace, scene)) {

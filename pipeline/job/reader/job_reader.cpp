@@ -172,11 +172,11 @@ class JobReader {
   const fs::path& file_;
   Job& job_;
   std::vector<JobKey> keys_;
-  bool merges_;                       ///< Entries of maps of names go to those that are there.
+  bool merges_;  ///< Keys that are maps of names add entries to the map read so far, instead of replacing it.
   const std::string* set_ = nullptr;  ///< The override that is being read; null: the file.
 };
 
-/// In small letters.
+/// The extension in lower case.
 std::string extension(const fs::path& file) {
   std::string text = file.extension().string();
   for (char& c : text) c = char(std::tolower(static_cast<unsigned char>(c)));

@@ -10,27 +10,26 @@ namespace patchlight {
 /// Whether a file's name is that of a scene, not of a job: .glb, .gltf or .blend, in letters of either case.
 bool is_scene_file(const std::filesystem::path& file);
 
-/// Reads a job file and those that it includes, whose keys it overrides; entries of `materials` and `lights` are
-/// merged. A scene may stand for a job: all settings are the defaults, and the output folder is `<scene>.patchlight`
-/// beside the scene, without the scene's extension. Relative paths become relative to the folder of the file that they
-/// stand in, those of `sets` to the folder of `file`. `output`, unless empty, replaces the job's, relative to the
-/// working directory. `sets` are `key.path=value` overrides; a key that holds dots stands in double quotes.
-/// Throws: Error (missing_input) without a file; (usage) for a malformed override;
-/// (bad_config), with key and line, for broken YAML, an unknown key or a value that is not allowed; (over_limit) for
-/// frames too large.
+/// Reads a job file. Included files are read first, and the job file overrides their keys; entries of `materials` and
+/// `lights` are merged. If `file` is a scene, every key has its default, and the output folder is `<scene>.patchlight`
+/// beside the scene, without the scene's extension. Relative paths are relative to the folder of the file that contains
+/// them; paths in `sets` are relative to the folder of `file`. `output` replaces the job's output folder, relative to
+/// the working directory; empty: no replacement. `sets`: `key.path=value` overrides; double quotes enclose a key with
+/// dots. Throws: Error (missing_input) without a file; (usage) for a malformed override; (bad_config), with key and
+/// line, for broken YAML, an unknown key or a bad value; (over_limit) for a frame too large.
 Job read_job(const std::filesystem::path& file, const std::vector<std::string>& sets = {},
              const std::filesystem::path& output = {});
 
-/// A job file that is read once, for many jobs that differ in overrides.
+/// A job file that is read once and makes many jobs with different overrides.
 class JobTemplate {
  public:
-  /// Throws: what read_job throws of the file.
+  /// Throws: the errors of read_job() about the file.
   explicit JobTemplate(const std::filesystem::path& file);
 
-  /// What read_job returns. Throws: what read_job throws.
+  /// The job with overrides, as from read_job(). Throws: the errors of read_job() about overrides and values.
   Job job(const std::vector<std::string>& sets, const std::filesystem::path& output) const;
 
-  /// From now on jobs lack the matrix of the file, which takes time to copy where it has many choices.
+  /// Removes the matrix from all further jobs, since a large one takes long to copy.
   void drop_matrix() { job_.matrix.clear(); }
 
  private:
