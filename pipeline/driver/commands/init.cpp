@@ -1,7 +1,5 @@
 #include "pipeline/driver/commands/init.h"
 
-#include <fmt/format.h>
-
 #include <cstdlib>
 #include <filesystem>
 
@@ -11,6 +9,7 @@
 #include "pipeline/formats/patches/patch_file.h"
 #include "pipeline/job/reader/job_reader.h"
 #include "pipeline/model/error.h"
+#include "pipeline/system/standard_streams.h"
 
 namespace patchlight {
 
@@ -65,7 +64,7 @@ int print_starter_job(const InitCommand& command, Progress&) {
   const std::string output = !command.common.output.empty()
                                  ? command.common.output
                                  : (scene_file.parent_path() / job.output.filename()).string();
-  fmt::print("{}", starter_job(command.scene, output, scene));
+  print(starter_job(command.scene, output, scene));
   return 0;
 }
 

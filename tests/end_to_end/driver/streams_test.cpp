@@ -44,7 +44,7 @@ TEST_F(Streams, OutputThatCannotBeWrittenIsAnError) {
   ASSERT_EQ(run("patchlight", "run job.yaml --quiet"), 0);
   for (const char* redirection : {" >&-", " >/dev/full"}) {
     for (const char* words : {"--help", "--version", "status job.yaml", "info out/patches.h5", "info box.glb",
-                              "info out/frames/camera.0001.exr", "diff out/energy.h5 out/energy.h5"})
+                              "info out/frames/camera.0001.exr", "init box.glb", "diff out/energy.h5 out/energy.h5"})
       EXPECT_EQ(run("patchlight", words + std::string(redirection) + " 2>message"), 74) << words << redirection;
     EXPECT_THAT(read_text(folder_ / "message"), HasSubstr("patchlight-diff: error: cannot write the output: "));
     EXPECT_EQ(run("patchlight-solve", "--help" + std::string(redirection) + " 2>&-"), 74) << redirection;
