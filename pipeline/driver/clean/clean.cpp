@@ -88,7 +88,7 @@ int clean_job(const CleanCommand& command, Progress& progress) {
     size += OutputCache(cache_folder(job), 0).clear();
     if (command.all) {
       for (const JobVariant& variant : job_variants(command.job_file, command.common)) {
-        const Job made = read_job(command.job_file, variant.options.sets, variant.options.output);
+        const Job made = variant.job();
         size += remove_outputs(made);
         if (made.output != job.output) remove_if_empty(made.output);
       }

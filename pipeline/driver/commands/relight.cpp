@@ -7,7 +7,6 @@
 #include "pipeline/driver/stages/job_variants.h"
 #include "pipeline/driver/stages/stage_program.h"
 #include "pipeline/frames/light_settings.h"
-#include "pipeline/job/reader/job_reader.h"
 #include "pipeline/job/view_config.h"
 #include "pipeline/model/error.h"
 
@@ -28,7 +27,7 @@ PatchSet fresh_patches(const Job& job) {
 }
 
 int relight_job(const RelightCommand& command, const JobVariant& variant, Progress& progress) {
-  const Job job = read_job(variant.job_file, variant.options.sets, variant.options.output);
+  const Job job = variant.job();
   const PatchSet scene = fresh_patches(job);
   check_names(job, scene);
   const OutputLock lock(job, progress);

@@ -221,7 +221,7 @@ int write_report_page(const ReportCommand& command, Progress& progress) {
     RunCommand run{variant.job_file, false, variant.options};
     run.cache = variant.cache;
     if (const int code = run_job(run, progress)) return code;
-    body += section(variant, read_job(variant.job_file, variant.options.sets, variant.options.output));
+    body += section(variant, variant.job());
   }
   const fs::path file = job.output / "report.html";
   write_text(file, html_page(fs::path(command.job_file).stem().string() + ", " + patchlight_version(), body));
