@@ -27,7 +27,8 @@ Action make_action(Command command, CommonOptions& common, std::function<int(Pro
 }
 
 Option variant_option(std::string& pattern) {
-  return {.name = "--variant", .value = &pattern, .help = "Only variants of the job's matrix with such a name (glob)"};
+  return {
+      .name = "--variant", .value = &pattern, .help = "Only variants of the job's matrix whose name matches this glob"};
 }
 
 Option file_argument(const char* name, std::string& file, const char* help) {
@@ -37,13 +38,13 @@ Option file_argument(const char* name, std::string& file, const char* help) {
 Action make_run() {
   static BatchCommand run;
   return make_action({.name = "run",
-                      .purpose = "Run whatever is stale of jobs and their variants: import, solve, trace",
+                      .purpose = "Run the stale stages of jobs and their variants: import, solve, trace",
                       .options = {job_argument(run.job_files),
                                   variant_option(run.variant),
                                   {.name = "--force", .value = &run.force, .help = "Run every stage, stale or not"},
                                   {.name = "--explain",
                                    .value = &run.explain,
-                                   .help = "Say all reasons for which stages run or do not"}},
+                                   .help = "Print all reasons why each stage runs or is skipped"}},
                       .footer = job_key_help},
                      run.common, [](Progress& progress) { return run_jobs(run, progress); });
 }
@@ -70,12 +71,13 @@ Action make_status() {
 
 Action make_clean() {
   static CleanCommand clean;
-  return make_action({.name = "clean",
-                      .purpose = "Remove what a job keeps of earlier settings",
-                      .options = {job_argument(clean.job_file),
-                                  {.name = "--all", .value = &clean.all, .help = "And all else that it made"}},
-                      .footer = job_key_help},
-                     clean.common, [](Progress& progress) { return clean_job(clean, progress); });
+  return make_action(
+      {.name = "clean",
+       .purpose = "Remove the outputs of earlier settings that a job keeps",
+       .options = {job_argument(clean.job_file),
+                   {.name = "--all", .value = &clean.all, .help = "Also remove all other files that Patchlight wrote"}},
+       .footer = job_key_help},
+      clean.common, [](Progress& progress) { return clean_job(clean, progress); });
 }
 
 Action make_preview() {
@@ -89,10 +91,10 @@ Action make_preview() {
                     .help = "What to draw",
                     .shows_default = true,
                     .choices = {"patches", "radiosity", "irradiance", "hemicube"}},
-                   {.name = "--camera", .value = &preview.camera, .help = "From which camera; absent: the job's first"},
+                   {.name = "--camera", .value = &preview.camera, .help = "The camera; absent: the job's first"},
                    {.name = "--patch",
                     .value = &preview.patch,
-                    .help = "The patch to highlight, or whose hemicube to draw",
+                    .help = "The patch to highlight, or to draw the hemicube of",
                     .not_negative = true}}},
       preview.common, [](Progress& progress) { return draw_preview(preview, progress); });
 }
@@ -101,14 +103,12 @@ Action make_relight() {
   static RelightCommand relight;
   return make_action(
       {.name = "relight",
-       .purpose = "Make frames under other `lights`, without a trace, from the layers `light_groups` of those that are "
-                  "there",
+       .purpose =
+           "Make frames under other `lights`, without a trace, from the layers `light_groups` of existing frames",
        .options = {job_argument(relight.job_file),
                    variant_option(relight.variant),
                    {.name = "--force", .value = &relight.force, .help = "Make every frame, stale or not"},
-                   {.name = "--explain",
-                    .value = &relight.explain,
-                    .help = "Say all reasons for which frames are made"}},
+                   {.name = "--explain", .value = &relight.explain, .help = "Print all reasons why frames are made"}},
        .footer = job_key_help},
       relight.common, [](Progress& progress) { return relight_jobs(relight, progress); });
 }
