@@ -48,20 +48,6 @@ PrimitiveList build_primitives(const GltfScene& scene, const Job& job, Progress&
   return list;
 }
 
-Camera camera_for(const std::vector<Primitive>& primitives) {
-  Imath::Box<Vec3d> box;
-  for (const Primitive& primitive : primitives) {
-    if (primitive.shape == Primitive::Shape::sphere) {
-      const Vec3d extent(std::abs(primitive.sphere_radius));
-      box.extendBy(primitive.sphere_center - extent);
-      box.extendBy(primitive.sphere_center + extent);
-    } else {
-      for (const Vec3d& corner : primitive.corners) box.extendBy(corner);
-    }
-  }
-  return framing_camera(box.min, box.max);
-}
-
 std::vector<Material> stored_materials(const std::vector<SurfaceMaterial>& materials) {
   std::vector<Material> result;
   for (const SurfaceMaterial& material : materials)
@@ -121,7 +107,10 @@ PatchSet import_scene(const Job& job, Progress& progress) {
   set.light_groups = scene.light_groups;
   set.lights = std::move(scene.lights);
   set.cameras = scene.cameras;
-  if (set.cameras.empty()) set.cameras.push_back(camera_for(set.primitives));
+  if (set.cameras.empty()) {
+    const Imath::Box3d box = bounds_of(set.primitives);
+    set.cameras.push_back(framing_camera(box.min, box.max));
+  }
   set.sources = scene.sources;
   if (!set.shaders.empty() || !set.textures.empty() || !set.masks.empty() || !set.colors.empty())
     average_colors(job, set, progress);

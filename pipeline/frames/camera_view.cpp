@@ -58,20 +58,6 @@ bool is_beyond_face(const ViewEdges& view, const Imath::Box3d& box) {
 
 }  // namespace
 
-Imath::Box3d scene_bounds(const PatchSet& scene) {
-  Imath::Box3d box;
-  for (const Primitive& primitive : scene.primitives) {
-    if (primitive.shape == Primitive::Shape::sphere) {
-      const Vec3d extent(std::abs(primitive.sphere_radius));
-      box.extendBy(primitive.sphere_center - extent);
-      box.extendBy(primitive.sphere_center + extent);
-    } else {
-      for (const Vec3d& corner : primitive.corners) box.extendBy(corner);
-    }
-  }
-  return box;
-}
-
 bool misses(const Camera& camera, double aspect, const Imath::Box3d& box) {
   if (box.intersects(camera.to_world.translation())) return false;
   const bool perspective = camera.projection == Camera::Projection::perspective;

@@ -2,12 +2,8 @@
 #include <ImathBox.h>
 
 #include "pipeline/model/camera.h"
-#include "pipeline/model/patch_set.h"
 
 namespace patchlight {
-
-/// The box about all surfaces of a scene, m.
-Imath::Box3d scene_bounds(const PatchSet& scene);
 
 /// Whether a camera stands outside a box and its view, a pyramid or in parallel projection a prism, does not touch the
 /// box. `aspect`: width over height of the image. May be false near the box's edges for a view that passes by.

@@ -13,7 +13,7 @@ namespace patchlight {
 
 namespace {
 
-constexpr std::size_t kMostNames = 5;
+constexpr std::size_t kMaxNames = 5;
 
 bool is_black(const Frame& frame) {
   try {
@@ -34,7 +34,7 @@ std::string names(const std::vector<const Frame*>& frames) {
     if (first == last && first != 1) name += fmt::format(" in frame {}", first);
     cameras.push_back(name);
   }
-  const std::size_t shown = std::min(cameras.size(), kMostNames);
+  const std::size_t shown = std::min(cameras.size(), kMaxNames);
   const std::string more = cameras.size() > shown ? fmt::format(" and {} more", cameras.size() - shown) : "";
   return fmt::format("{}{}", fmt::join(cameras.begin(), cameras.begin() + std::ptrdiff_t(shown), ", "), more);
 }
@@ -50,7 +50,7 @@ std::string reason_for_black(const Job& job, const PatchSet& scene) {
 }  // namespace
 
 std::vector<std::string> frame_warnings(const Job& job, const PatchSet& scene, const std::vector<Frame>& frames) {
-  const Imath::Box3d bounds = scene_bounds(scene);
+  const Imath::Box3d bounds = bounds_of(scene.primitives);
   const double aspect = double(job.trace.resolution[0]) / job.trace.resolution[1];
   std::vector<const Frame*> without_view, black;
   for (const Frame& frame : frames) {

@@ -1,4 +1,6 @@
 #pragma once
+#include <ImathBox.h>
+
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -126,5 +128,8 @@ inline bool is_colored(const PatchSet& scene, std::int32_t i) {
 inline bool has_varying_metal(const PatchSet& scene, std::int32_t i) {
   return is_colored(scene, i) && scene.materials[scene.primitives[i].material].metal != Color(0.0f);
 }
+
+/// The axis-aligned box about all primitives, m; empty without any.
+Imath::Box3d bounds_of(const std::vector<Primitive>& primitives);
 
 }  // namespace patchlight

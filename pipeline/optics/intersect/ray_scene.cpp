@@ -28,19 +28,6 @@ float max_component(const Vec3f& v) {
   return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
 }
 
-Imath::Box3d bounds_of(const PatchSet& scene) {
-  Imath::Box3d bounds;
-  for (const Primitive& p : scene.primitives) {
-    if (p.shape == Primitive::Shape::quad) {
-      for (const auto& corner : p.corners) bounds.extendBy(corner);
-    } else {
-      bounds.extendBy(p.sphere_center - Vec3d(std::abs(p.sphere_radius)));
-      bounds.extendBy(p.sphere_center + Vec3d(std::abs(p.sphere_radius)));
-    }
-  }
-  return bounds;
-}
-
 std::uint32_t active_lanes(const RayPacket& packet) {
   std::uint32_t active = 0;
   for (int lane = 0; lane < RayPacket::kSize; ++lane) active |= std::uint32_t(packet.valid[lane] != 0) << lane;
@@ -93,7 +80,7 @@ void RayPacket::set_shadow(int lane, const Vec3f& origin, const Vec3f& direction
 }
 
 RayScene::RayScene(const PatchSet& scene, std::size_t max_packet_primitives) {
-  const Imath::Box3d bounds = bounds_of(scene);
+  const Imath::Box3d bounds = bounds_of(scene.primitives);
   origin_ = bounds.center();
   offsets_.resize(scene.primitives.size());
   const auto masked =
