@@ -78,8 +78,8 @@ std::vector<Frame> job_frames(const Job& job, const PatchSet& scene) {
   std::vector<Frame> frames;
   for (const std::size_t i : chosen_cameras(job, cameras)) {
     const std::vector<int>& numbers = cameras[i].moves() ? requested : first;
-    if (frames.size() + numbers.size() > kMostFrames)
-      throw Error(ExitCode::over_limit, fmt::format("more than {} frames of all cameras", kMostFrames),
+    if (frames.size() + numbers.size() > kMaxFrames)
+      throw Error(ExitCode::over_limit, fmt::format("more than {} frames of all cameras", kMaxFrames),
                   job.file.string() + ", trace.frames", "name fewer frames, or fewer trace.cameras");
     for (const int number : numbers) {
       const std::string stem = fmt::format("{}.{:04}", names[i], number);

@@ -59,7 +59,7 @@ std::vector<int> frame_numbers(const std::string& list) {
   for (std::string part; std::getline(parts, part, ',');) {
     const Range range = parse_range(part);
     for (int i = range.first; i <= range.last; i += range.step) {
-      if (++count > kMostFrames) throw fmt::format("expected at most {} frames", kMostFrames);
+      if (++count > kMaxFrames) throw fmt::format("expected at most {} frames", kMaxFrames);
       if (seen.insert(i).second) numbers.push_back(i);
     }
   }

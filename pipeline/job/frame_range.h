@@ -5,7 +5,7 @@
 namespace patchlight {
 
 /// Maximum number of frames of a job.
-constexpr std::size_t kMostFrames = 100'000;
+constexpr std::size_t kMaxFrames = 100'000;
 
 /// Frame numbers of a list of frames and ranges, in its order without duplicates: `7`, `1-120`, `1,5..9`,
 /// `3, 5-10, 47-327`, and with a step `1-120x10` or `1..120:10`. Numbers have up to seven digits.

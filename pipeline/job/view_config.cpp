@@ -19,8 +19,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kMostEntries = 1 << 20;  // aliases can make far more of few bytes
-constexpr int kMostRounds = 16;        // variables that name variables
+constexpr int kMaxConfigNodes = 1 << 20;  // aliases can make far more of few bytes
+constexpr int kMaxSubstitutions = 16;     // variables that name variables
 
 /// What `$NAME`, `${NAME}` and `%NAME%` stand for in a config, by OpenColorIO's rules: a config that declares variables
 /// knows no others.
@@ -43,7 +43,7 @@ class Variables {
   }
 
   std::string resolve(std::string text) const {
-    for (int round = 0; round < kMostRounds && text.find_first_of("$%") != std::string::npos; ++round) {
+    for (int round = 0; round < kMaxSubstitutions && text.find_first_of("$%") != std::string::npos; ++round) {
       const std::string before = text;
       for (const auto& [name, value] : values_)
         for (const std::string& use : {"${" + name + "}", "$" + name, "%" + name + "%"}) replace(text, use, value);
@@ -112,7 +112,7 @@ class ConfigWalk {
   Variables variables_;
   std::vector<fs::path> folders_;
   KeyHasher& key_;
-  int budget_ = kMostEntries;
+  int budget_ = kMaxConfigNodes;
 };
 
 }  // namespace

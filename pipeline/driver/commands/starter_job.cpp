@@ -16,7 +16,7 @@ namespace {
 constexpr const char* kHeader =
     "## A job for `patchlight run`. As it stands it makes the frames that the scene alone makes.\n"
     "## To change a setting, take away the `# ` before it. Paths are relative to this file's folder.\n";
-constexpr int kMostFramesNamed = 10'000;
+constexpr int kMaxFramesNamed = 10'000;
 
 /// A name in YAML: plain if it is a simple word, else in double quotes.
 std::string yaml_text(const std::string& name) {
@@ -127,7 +127,7 @@ int last_frame(const PatchSet& scene, double fps) {
   for (const Camera& camera : scene.cameras)
     for (const Motion& factor : camera.motion)
       if (!factor.times.empty()) end = std::max(end, factor.times.back());
-  return int(std::min(std::ceil(end * fps), double(kMostFramesNamed)));
+  return int(std::min(std::ceil(end * fps), double(kMaxFramesNamed)));
 }
 
 std::string trace_lines(const PatchSet& scene) {

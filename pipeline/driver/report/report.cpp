@@ -29,7 +29,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMaxFrames = 48, kMaxIrradiances = 8;  // pictures in the page
+constexpr std::size_t kMaxPictures = 48, kMaxIrradiances = 8;  // pictures in the page
 
 /// Data from the headers of a job's frames.
 struct FrameRecord {
@@ -65,10 +65,10 @@ std::string percent(double part) {
   return fmt::format("{:.2g}%", 100 * part);
 }
 
-/// At most kMaxFrames pictures; `picture` returns the HTML of frame i.
+/// At most kMaxPictures pictures; `picture` returns the HTML of frame i.
 template <class Picture>
 std::string frame_pictures(std::size_t frames, Picture picture) {
-  const std::size_t stride = (frames + kMaxFrames - 1) / kMaxFrames;
+  const std::size_t stride = (frames + kMaxPictures - 1) / kMaxPictures;
   std::string html;
   for (std::size_t i = 0; i < frames; i += stride) html += picture(i);
   html = "<div class=\"pictures\">\n" + html + "</div>\n";

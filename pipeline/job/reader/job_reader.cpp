@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 constexpr std::uintmax_t kMaxJobBytes = 1 << 20;
 constexpr std::size_t kMaxEntries = 1 << 20;  // aliases can make far more of few bytes
 constexpr int kJobLevels = 3;
-constexpr int kIncludeLevels = 8, kMostIncludes = 100;
+constexpr int kIncludeLevels = 8, kMaxIncludes = 100;
 constexpr std::int64_t kMaxPixels = 1 << 28;
 
 [[noreturn]] void refuse(const fs::path& file, const YAML::Mark& mark, const std::string& what,
@@ -218,7 +218,7 @@ JobTemplate::JobTemplate(const fs::path& file) {
   job_.file = file;
   if (is_scene) return;
   JobReader reader(file, job_);
-  int budget = kMostIncludes;
+  int budget = kMaxIncludes;
   reader.read_file(budget);
   merges_ = reader.merges();
 }

@@ -31,7 +31,7 @@ SweepGrid read_grid(const Node& map) {
 }
 
 void read_sweep(const Node& node, std::vector<SweepGrid>& sweep) {
-  constexpr std::size_t kMostVariants = 10'000;
+  constexpr std::size_t kMaxVariants = 10'000;
   sweep.clear();
   if (node.IsMap())
     sweep.push_back(read_grid(node));
@@ -42,10 +42,10 @@ void read_sweep(const Node& node, std::vector<SweepGrid>& sweep) {
   std::size_t variants = 0;
   for (const SweepGrid& grid : sweep) {
     std::size_t product = 1;
-    for (const SweepAxis& axis : grid) product = std::min(product * axis.values.size(), kMostVariants + 1);
+    for (const SweepAxis& axis : grid) product = std::min(product * axis.values.size(), kMaxVariants + 1);
     variants += product;
   }
-  if (variants > kMostVariants) throw "expected at most " + std::to_string(kMostVariants) + " combinations";
+  if (variants > kMaxVariants) throw "expected at most " + std::to_string(kMaxVariants) + " combinations";
 }
 
 Node sweep_node(const std::vector<SweepGrid>& sweep) {

@@ -8,7 +8,7 @@ namespace {
 
 using Node = YAML::Node;
 
-constexpr std::size_t kMostVariants = 10'000;
+constexpr std::size_t kMaxVariants = 10'000;
 
 std::string word(const Node& node) {
   if (!node.IsScalar() || node.Scalar().empty()) throw std::string("expected names");
@@ -57,9 +57,9 @@ void read_matrix(const Node& map, std::vector<MatrixAxis>& matrix) {
     if (choices == 0)
       throw EntryFault{"`matrix." + matrix.back().name + "` is empty", "give it a value, or leave it out",
                        entry.first.Mark()};
-    variants = std::min(variants * choices, kMostVariants + 1);
+    variants = std::min(variants * choices, kMaxVariants + 1);
   }
-  if (variants > kMostVariants) throw "expected at most " + std::to_string(kMostVariants) + " combinations";
+  if (variants > kMaxVariants) throw "expected at most " + std::to_string(kMaxVariants) + " combinations";
 }
 
 Node matrix_node(const std::vector<MatrixAxis>& matrix) {
