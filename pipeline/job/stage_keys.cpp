@@ -8,9 +8,9 @@ namespace {
 
 // Raised whenever a stage computes different results from the same inputs.
 constexpr int kImportVersion = 4;
-constexpr int kTransportKeyVersion = 16;
-constexpr int kSolveVersion = 17;
-constexpr int kTraceVersion = 8;
+constexpr int kTransportKeyVersion = 17;
+constexpr int kSolveVersion = 18;
+constexpr int kTraceVersion = 9;
 
 void add_color(KeyHasher& hasher, const std::optional<Color>& color) {
   hasher.add(color.has_value());

@@ -11,6 +11,7 @@ namespace patchlight {
 namespace {
 
 constexpr int kMaxExplicit = 64;
+constexpr double kRounding = 0x1p-22;  ///< Of coplanar points in files, relative to their coordinates.
 constexpr double kMinDistance = 1e-6;  ///< m; a point light does not light closer points.
 
 bool is_lit_outside(const Primitive& p) {
@@ -151,6 +152,9 @@ DirectLight::DirectLight(const PatchSet& scene, const RayScene& ray_scene, const
   radius_ = 0.0;
   for (int k = 0; k < corner_count_; ++k) radius_ = std::max(radius_, (corners_[k] - center_).length());
   for (int k = 1; k < corner_count_; ++k) edges_[k - 1] = corners_[k] - corners_[0];
+  plane_tolerance_ = ray_scene.offset(emitter.primitive);
+  for (const Vec3d& c : p.corners)
+    for (int axis = 0; axis < 3; ++axis) plane_tolerance_ = std::max(plane_tolerance_, kRounding * std::abs(c[axis]));
   for (int k = 2; k < corner_count_; ++k) {
     const double before = area_;
     area_ += 0.5 * ((edges_[k - 2] % edges_[k - 1]) ^ normal_);
@@ -199,14 +203,14 @@ bool DirectLight::cannot_illuminate(std::span<const Vec3d> points, const Vec3f& 
   const Vec3d up(normal);
   if (is_infinite()) return (normal_ ^ up) >= radius_;
   if (kind_ != Kind::polygon) return ((center_ - points[0]) ^ up) <= -radius_;
-  const auto lit = [&](const Vec3d& point) { return ((point - center_) ^ normal_) > 0; };
+  const auto lit = [&](const Vec3d& point) { return height(point) > 0; };
   if (std::none_of(points.begin(), points.end(), lit)) return true;
   const auto above = [&](const Vec3d& corner) { return ((corner - points[0]) ^ up) > 0; };
   return std::none_of(corners_.begin(), corners_.begin() + corner_count_, above);
 }
 
 double DirectLight::polygon_form_factor(const Vec3d& point, const Vec3d& normal) const {
-  if (((point - center_) ^ normal_) <= 0) return 0.0;
+  if (height(point) <= 0) return 0.0;
   std::array<Vec3d, 5> to;
   std::array<double, 5> height;
   int above = 0;

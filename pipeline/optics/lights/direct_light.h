@@ -72,7 +72,7 @@ class DirectLight {
   double apparent_size(const Vec3d& point) const {
     if (is_point() || is_infinite()) return perpendicular_factor(point);
     const Vec3d from = point - center_;
-    if (kind_ == Kind::polygon && (from ^ normal_) <= 0) return 0.0;
+    if (kind_ == Kind::polygon && height(point) <= 0) return 0.0;
     return radius_ * radius_ / std::max(from.length2(), radius_ * radius_);
   }
 
@@ -109,7 +109,7 @@ class DirectLight {
     const DirectLight* light_ = nullptr;
     Vec3d point_{0.0};
     Vec3f normal_{0.0f};
-    double height_ = 0.0;                ///< Above a polygon's plane, m; at most 0: unlit.
+    double height_ = 0.0;                ///< Above a polygon's plane, m; 0: unlit.
     float end_scale_ = 1.0f;             ///< Fraction of the distance to a polygon at which shadow rays end.
     double solid_angle_ = 0.0;           ///< Of a polygon, sr; 0: it is sampled by area.
     Vec3d to_corner_{0.0};               ///< Vector from the point to corner 0 of a polygon.
@@ -128,15 +128,20 @@ class DirectLight {
 
   bool is_infinite() const { return kind_ == Kind::sun || kind_ == Kind::disk; }
 
+  /// Above the plane of a polygon, less the tolerance of the plane, m; not positive: unlit. So neither the other side
+  /// of the same surface nor a coplanar one is lit, however their coordinates are rounded.
+  double height(const Vec3d& point) const { return ((point - center_) ^ normal_) - plane_tolerance_; }
+
   Vec3d center_direction(const Vec3d& point) const;
   double polygon_form_factor(const Vec3d& point, const Vec3d& normal) const;
   double sphere_form_factor(const Vec3d& point, const Vec3d& normal) const;
 
   Kind kind_;
-  double end_offset_ = 0.0;  ///< Distance from the emitter at which shadow rays end, m.
-  Vec3d center_;             ///< Of the sphere or point light; mean of a polygon's corners.
-  double radius_ = 0.0;      ///< Of the sphere, or of a polygon's bounding sphere, m; sine of a disk's angular radius.
-  int corner_count_ = 0;     ///< Of a polygon.
+  double end_offset_ = 0.0;       ///< Distance from the emitter at which shadow rays end, m.
+  double plane_tolerance_ = 0.0;  ///< Of a polygon: bound of the rounding of points in its plane, m.
+  Vec3d center_;                  ///< Of the sphere or point light; mean of a polygon's corners.
+  double radius_ = 0.0;   ///< Of the sphere, or of a polygon's bounding sphere, m; sine of a disk's angular radius.
+  int corner_count_ = 0;  ///< Of a polygon.
   /// Counter-clockwise as seen from the lit side.
   std::array<Vec3d, 4> corners_{Vec3d(0.0), Vec3d(0.0), Vec3d(0.0), Vec3d(0.0)};
   Vec3d normal_{0.0};                                               ///< Of a polygon; direction of a spot or a sun.

@@ -49,8 +49,8 @@ DirectLight::View DirectLight::view(const Vec3d& point, const Vec3f& normal, dou
   view.point_ = point;
   view.normal_ = normal;
   if (kind_ != Kind::polygon) return view;
+  if (height(point) <= 0) return view;
   view.height_ = (point - center_) ^ normal_;
-  if (view.height_ <= 0) return view;
   view.to_corner_ = corners_[0] - point;
   view.end_scale_ = float(std::max(0.0, 1 - end_offset_ / view.height_));
   if ((point - center_).length2() >= far * far * radius_ * radius_) return view;

@@ -49,6 +49,24 @@ TEST(DirectLight, OfAParallelSquareBelowItsCorner) {
   EXPECT_EQ(light.form_factor({0, 2, 0}, {0, -1, 0}), 0) << "the unlit side";
 }
 
+TEST(DirectLight, DoesNotReachTheOtherSideOfItsOwnPlane) {
+  for (int k = 0; k < 200; ++k) {
+    const auto random = [&](int i) { return 2 * double(uniform01(hash64(std::uint64_t(8 * k + i)))) - 1; };
+    const Vec3d corner(100 * random(0), random(1), random(2)), up = Vec3d(random(3), random(4), random(5)).normalized();
+    const Vec3d along = (up % Vec3d(random(6), 1, random(7))).normalized(), across = up % along;
+    PatchScene builder;
+    builder.quad({{corner, corner + along, corner + along + across, corner + across}}, 1, 1, {0.0f, 1.0f});
+    const DirectLight light = light_of(builder.get());
+    for (int point = 0; point < 16; ++point) {
+      const Vec2f at = kronecker2(std::uint64_t(point), std::uint64_t(k));
+      const Vec3d coplanar = Vec3d(Vec3f(corner + along * (3 * double(at.x) - 1) + across * (3 * double(at.y) - 1)));
+      EXPECT_EQ(light.form_factor(coplanar, -Vec3f(up)), 0) << k;
+      EXPECT_EQ(light.sample(coplanar, -Vec3f(up), at.x, at.y).weight, 0) << k;
+      EXPECT_EQ(light.form_factor(coplanar - up * 1e-5, -Vec3f(up)), 0) << k;
+    }
+  }
+}
+
 TEST(DirectLight, IsClippedAtTheHorizon) {
   PatchScene whole, upper;
   whole.quad({{{-1, 1, 1}, {1, 1, 1}, {1, -1, 1}, {-1, -1, 1}}}, 1, 1, {0.0f, 1.0f});

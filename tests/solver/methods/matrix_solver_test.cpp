@@ -57,6 +57,30 @@ TEST(MatrixSolver, CubeWithOneHotFaceMatchesTheClosedForm) {
   }
 }
 
+TEST(MatrixSolver, ADoubleSidedLampLightsARoomHoweverItIsTurned) {
+  for (const double turn : {0.0, 0.349, 1.2}) {
+    const Vec3d along(std::cos(turn), std::sin(turn), 0), across(0, 0.6, 0.8), middle(0.1, 0.7, -0.2);
+    const auto corner = [&](double x, double y) { return middle + along * (0.8 * x) + across * (0.8 * y); };
+    PatchScene builder;
+    builder.room(2, 6, {0.0f});
+    const int front = builder.quad({corner(-1, -1), corner(1, -1), corner(1, 1), corner(-1, 1)}, 3, 3, {0.0f, 1.0f});
+    const int back = builder.quad({corner(1, -1), corner(-1, -1), corner(-1, 1), corner(1, 1)}, 3, 3, {0.0f, 1.0f});
+    PatchSet& scene = builder.get();
+    scene.primitives[front].back = back;
+    scene.primitives[back].back = front;
+    const EnergyField energy = solve_quietly(scene, 256).energy;
+    double emitted = 0, absorbed = 0;
+    for (std::size_t i = 0; i < scene.patches.size(); ++i) {
+      const Patch& patch = scene.patches[i];
+      const double irradiance = energy.groups[0].direct[i].y + energy.groups[0].indirect[i].y;
+      emitted += patch.area * patch.emission.y;
+      absorbed += patch.area * irradiance;
+      EXPECT_TRUE(patch.primitive < front || irradiance == 0) << "the lamp is plane: " << turn;
+    }
+    EXPECT_NEAR(absorbed / emitted, 1, 5e-3) << turn;
+  }
+}
+
 TEST(MatrixSolver, DirectLightOfAPlaneMatchesTheClosedForm) {
   PatchScene builder;
   builder.quad({{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}, 1, 1, {0.5f, 3.0f});
