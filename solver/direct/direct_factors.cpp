@@ -149,10 +149,12 @@ class DirectFactors::EmitterSampler {
     const Patch& patch = parent_.receivers_[row];
     const double offset = parent_.ray_scene_.offset(patch.primitive);
     const bool has_mask = has_alpha_mask(parent_.scene_, patch);
+    const VisibleDensity* density = parent_.densities_.find(row);
     const std::uint64_t random = hash64(parent_.seed_ ^ hash64(4 * std::uint64_t(row) + 2 * sample_set + round));
     const float shift_x = uniform01(hash64(random + 1)), shift_y = uniform01(hash64(random + 2));
     for (int k = 0; k < total; ++k) {
       Vec2f at = kronecker2(std::uint64_t(k), random);
+      if (density) at = (*density)(at);
       if (has_mask) at = covered_point(parent_.scene_, patch, sampler, at, hash64(random + 3) + std::uint64_t(k));
       const Vec2f to(shifted((float(k) + 0.5f) / float(total), shift_x),
                      shifted(radical_inverse(std::uint32_t(k)), shift_y));
@@ -164,14 +166,23 @@ class DirectFactors::EmitterSampler {
     }
   }
 
-  /// Mean unoccluded form factor over a patch by Gauss-Legendre quadrature with 4 x 4 points where the emitter is near,
-  /// 2 x 2 where it is farther, and one point where it is far.
+  /// Mean unoccluded form factor over a patch: weighted by its density of points if it has one, else by Gauss-Legendre
+  /// quadrature with 4 x 4 points where the emitter is near, 2 x 2 where it is farther, and one point where it is far.
   double mean_form_factor(std::int32_t row) const {
     constexpr std::array<float, 2> kTwo{0.2113248654f, 0.7886751346f};
     constexpr std::array<float, 4> kFour{0.0694318442f, 0.3300094782f, 0.6699905218f, 0.9305681558f};
     constexpr std::array<double, 2> kTwoWeights{0.5, 0.5};
     constexpr std::array<double, 4> kFourWeights{0.1739274226, 0.3260725774, 0.3260725774, 0.1739274226};
     const Patch& patch = parent_.receivers_[row];
+    if (const VisibleDensity* density = parent_.densities_.find(row)) {
+      const PatchSampler sampler = patch_sampler(row);
+      double sum = 0;
+      density->for_each_cell([&](const Vec2f& at, float weight) {
+        const SurfacePoint point = sampler(at.x, at.y);
+        if (weight > 0) sum += double(weight) * light_.form_factor(point.position, point.normal);
+      });
+      return sum;
+    }
     if (light_.distance(patch.center) > kFarForCentre * std::sqrt(patch.area))
       return light_.form_factor(patch.center, patch.normal);
     const PatchSampler sampler = patch_sampler(row);

@@ -8,6 +8,7 @@
 #include "pipeline/optics/lights/direct_light.h"
 #include "pipeline/optics/sampling/patch_lookup.h"
 #include "pipeline/stage/progress.h"
+#include "solver/form_factors/visible_density.h"
 
 namespace patchlight {
 
@@ -23,14 +24,16 @@ class DirectFactors {
   /// Fills the list with the neighbours of a receiver and returns their number, at most 16.
   using FindNeighbours = std::function<int(std::int32_t, NeighbourList&)>;
 
-  /// `receivers`: the patches of a scene, or parts of them.
+  /// `receivers`: the patches of a scene, or parts of them. `densities`: of points over the receivers; must outlive
+  /// this object.
   DirectFactors(const PatchSet& scene, const RayScene& ray_scene, std::span<const Patch> receivers,
-                FindNeighbours find_neighbours, std::uint64_t seed)
+                FindNeighbours find_neighbours, std::uint64_t seed, const VisibleDensities& densities = kUniform)
       : scene_(scene),
         ray_scene_(ray_scene),
         receivers_(receivers),
         find_neighbours_(std::move(find_neighbours)),
-        seed_(seed) {}
+        seed_(seed),
+        densities_(densities) {}
 
   /// Form factors to `emitter`, one of `emitters`. The number of samples is proportional to `rays`, the rays of a row.
   /// The result does not depend on the number of threads. Adds the number of rays to `cast`.
@@ -40,11 +43,14 @@ class DirectFactors {
  private:
   class EmitterSampler;
 
+  inline static const VisibleDensities kUniform{};
+
   const PatchSet& scene_;
   const RayScene& ray_scene_;
   const std::span<const Patch> receivers_;
   const FindNeighbours find_neighbours_;
   std::uint64_t seed_;
+  const VisibleDensities& densities_;
 };
 
 /// Finds the patches next to a patch in the grid of its primitive; on a sphere, in its ring and the adjacent rings.

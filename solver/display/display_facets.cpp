@@ -51,7 +51,7 @@ std::vector<bool> covered(const PatchSet& scene, const RayScene& ray_scene,
     const std::int32_t primitive = scene.patches[vertex.patch].primitive;
     SurfacePoint point = point_at(scene.primitives[primitive], vertex.u, vertex.v);
     point.normal = normals(primitive, vertex.u, vertex.v, point.normal);
-    is_covered[k] = lit_ray_fraction(ray_scene, primitive, point, hash64(k)) < kCovered;
+    is_covered[k] = lit_ray_fraction(scene, ray_scene, primitive, point, hash64(k)) < kCovered;
   });
   return {is_covered.begin(), is_covered.end()};
 }

@@ -122,7 +122,7 @@ class Vertices {
       const DisplayMesh::Vertex& vertex = mesh_.vertices[k];
       const std::int32_t primitive = scene_.patches[vertex.patch].primitive;
       const SurfacePoint point = point_at(scene_.primitives[primitive], vertex.u, vertex.v);
-      visible[k] = lit_ray_fraction(ray_scene_, primitive, point, hash64(k));
+      visible[k] = lit_ray_fraction(scene_, ray_scene_, primitive, point, hash64(k));
     });
     for (const Leaf& leaf : leaves_) {
       DisplayMesh::Cell& cell = mesh_.cells[leaf.cell];

@@ -16,10 +16,9 @@ constexpr float kMinDistance = 0.05f;  // lower bound of hit distances
 constexpr float kLift = 1e-3f;         // height of the rays between the corners
 constexpr float kInset = 0.02f;        // distance of the rays' ends from the borders
 
-using Directions = std::array<Vec3f, RayPacket::kSize>;
+}  // namespace
 
-/// Sixteen stratified directions about +Z with the density cos / pi.
-Directions stratified_directions(std::uint64_t random) {
+std::array<Vec3f, RayPacket::kSize> stratified_directions(std::uint64_t random) {
   static const std::array<Vec2f, RayPacket::kSize> kAround = [] {
     std::array<Vec2f, RayPacket::kSize> around;
     for (int k = 0; k < RayPacket::kSize; ++k) {
@@ -30,7 +29,7 @@ Directions stratified_directions(std::uint64_t random) {
   }();
   const float shift = uniform01(random << 24), turn = float(2 * kPi) * uniform01(random);
   const float cosine = std::cos(turn), sine = std::sin(turn);
-  Directions directions;
+  std::array<Vec3f, RayPacket::kSize> directions;
   for (int k = 0; k < RayPacket::kSize; ++k) {
     const float square = shifted((float(k) + 0.5f) / float(RayPacket::kSize), shift);
     const float radius = std::sqrt(square);
@@ -40,8 +39,6 @@ Directions stratified_directions(std::uint64_t random) {
   return directions;
 }
 
-}  // namespace
-
 void leave_surface(int lane, const RayScene& ray_scene, const SurfacePoint& point, float offset, const Vec3f& about_z,
                    RayPacket& packet) {
   Vec3f tangent, bitangent;
@@ -50,28 +47,33 @@ void leave_surface(int lane, const RayScene& ray_scene, const SurfacePoint& poin
              tangent * about_z.x + bitangent * about_z.y + point.normal * about_z.z);
 }
 
-float lit_ray_fraction(const RayScene& ray_scene, std::int32_t primitive, const SurfacePoint& point,
-                       std::uint64_t random) {
-  const Directions directions = stratified_directions(random);
-  RayPacket packet;
-  packet.clear();
-  for (int lane = 0; lane < RayPacket::kSize; ++lane)
-    leave_surface(lane, ray_scene, point, ray_scene.offset(primitive), directions[lane], packet);
-  ray_scene.intersect(packet, false);
+float lit_ray_fraction(const PatchSet& scene, const RayScene& ray_scene, std::int32_t primitive,
+                       const SurfacePoint& point, std::uint64_t random) {
+  constexpr int kPackets = 4;
   int lit = 0, backs = 0;
-  for (int lane = 0; lane < RayPacket::kSize; ++lane) {
-    const SurfaceHit hit = ray_scene.hit(packet, lane);
-    lit += hit.front;
-    backs += !hit.front && hit.primitive >= 0;
+  for (int k = 0; k < kPackets; ++k) {
+    const auto directions = stratified_directions(random);
+    random = hash64(random);
+    RayPacket packet;
+    packet.clear();
+    for (int lane = 0; lane < RayPacket::kSize; ++lane)
+      leave_surface(lane, ray_scene, point, ray_scene.offset(primitive), directions[lane], packet);
+    ray_scene.intersect(packet, false);
+    for (int lane = 0; lane < RayPacket::kSize; ++lane) {
+      const SurfaceHit hit = ray_scene.hit(packet, lane);
+      lit += hit.front || (hit.primitive < 0 && scene.environment);
+      backs += !hit.front && hit.primitive >= 0;
+    }
+    if (backs == 0) return 1.0f;
   }
-  return backs > 0 ? float(lit) / float(RayPacket::kSize) : 1.0f;
+  return float(lit) / float(kPackets * RayPacket::kSize);
 }
 
 RefinementCriterion refinement_criterion(const PatchSet& scene, const RayScene& ray_scene, const Patch& part,
                                          std::uint64_t random) {
   const PatchSampler sampler(scene.primitives[part.primitive], part);
   const float size = float(std::sqrt(part.area));
-  const Directions directions = stratified_directions(random);
+  const auto directions = stratified_directions(random);
   RayPacket packet;
   packet.clear();
   for (int lane = 0; lane < RayPacket::kSize; ++lane) {

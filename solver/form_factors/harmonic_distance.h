@@ -18,10 +18,13 @@ RefinementCriterion refinement_criterion(const PatchSet& scene, const RayScene& 
 /// Whether a surface blocks a line between any two corners of a plane patch, just above the patch.
 bool is_cut(const PatchSet& scene, const RayScene& ray_scene, const Patch& part);
 
-/// Fraction of 16 rays from a point that hit lit surfaces; 1 if none hits an unlit back. (Where backs are visible, rays
-/// that escape are mostly below a floor or outside of a room.)
-float lit_ray_fraction(const RayScene& ray_scene, std::int32_t primitive, const SurfacePoint& point,
-                       std::uint64_t random);
+/// Fraction of 64 rays from a point that find a lit surface or the environment; 1 if none of the first 16 hits an unlit
+/// back. (Where backs are visible, rays that hit nothing are mostly below a floor or outside of a room.)
+float lit_ray_fraction(const PatchSet& scene, const RayScene& ray_scene, std::int32_t primitive,
+                       const SurfacePoint& point, std::uint64_t random);
+
+/// Sixteen stratified directions about +Z with the density cos / pi.
+std::array<Vec3f, RayPacket::kSize> stratified_directions(std::uint64_t random);
 
 /// Sets a lane's ray: its origin `offset` above a point of a surface, its direction `about_z` in the frame of the
 /// normal.

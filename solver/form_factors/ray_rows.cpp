@@ -12,7 +12,7 @@
 #include "pipeline/optics/transport/mirror_path.h"
 #include "pipeline/system/prefaulted_memory.h"
 #include "solver/form_factors/quad_rays.h"
-#include "solver/form_factors/visible_area_fraction.h"
+#include "solver/form_factors/visible_density.h"
 
 namespace patchlight {
 
@@ -22,7 +22,7 @@ constexpr int kRowsPerTask = 16;
 constexpr std::int64_t kRaysAtOnce = 1 << 18;  // between two checks for an interrupt
 
 constexpr int kMaxSequenceBlocks = 8;  // for a row most of whose rays hit nothing
-constexpr int kRaysPerBackHit = 64;    // with more hits of unlit backs, visible area fractions are estimated
+constexpr int kRaysPerBackHit = 64;    // with more hits of unlit backs, rays start with a VisibleDensity
 
 }  // namespace
 
@@ -72,6 +72,15 @@ struct RayRows::SampleSet {
   std::int32_t cast = 0, back_hits = 0;            ///< Numbers of cast rays and of hits on unlit backs.
   std::vector<std::int32_t>& columns;              ///< Elements that rays hit.
   std::vector<TransportRows::Mirrored>& mirrored;  ///< Weighted as single rays.
+
+  const VisibleDensity* density = nullptr;  ///< Of the rays' starts; null: uniform.
+
+  /// Forgets all rays.
+  void restart() {
+    cast = back_hits = 0;
+    columns.clear();
+    mirrored.clear();
+  }
 
   std::uint64_t sample_number(int ray) const { return std::uint64_t(block) << 32 | std::uint64_t(ray); }
 };
@@ -140,15 +149,19 @@ std::int64_t RayRows::cast(int rays, TransportRows& rows, Progress& progress, Sh
 void RayRows::cast_row(std::int32_t row, const DirectionTable& table, Scratch& scratch, RowBlock& result) const {
   std::array<SampleSet, 2> sets{SampleSet(*this, row, 0, scratch), SampleSet(*this, row, 1, scratch)};
   for (SampleSet& set : sets) cast_block(set, table, set.index * !independent_);
-  const int back_hits = sets[0].back_hits + sets[1].back_hits;
-  std::array<float, 2> fractions{1.0f, 1.0f};
-  if (visible_fractions_ && kRaysPerBackHit * back_hits >= sets[0].cast + sets[1].cast)
-    for (int set = 0; set < 2; ++set) {
-      const int rays = std::max(kMinRaysForVisibleFraction, 4 * table.count());
-      fractions[set] =
-          visible_area_fraction(scene_, ray_scene_, receivers_[row], rays, hash64(sets[set].random), result.rays);
+  std::optional<VisibleDensity> density;
+  if (visible_fractions_ && kRaysPerBackHit * (sets[0].back_hits + sets[1].back_hits) >= sets[0].cast + sets[1].cast) {
+    density.emplace(scene_, ray_scene_, receivers_[row], visible_density_random(seed_, row));
+    result.rays += VisibleDensity::kRays;
+    for (SampleSet& set : sets) {
+      if (density->is_uniform()) break;
+      result.rays += set.cast + std::int64_t(set.mirrored.size());
+      set.restart();
+      set.density = &*density;
+      cast_block(set, table, set.index * !independent_);
     }
-  result.visible_fractions.insert(result.visible_fractions.end(), fractions.begin(), fractions.end());
+  }
+  result.visible_fractions.insert(result.visible_fractions.end(), 2, density ? density->visible_fraction() : 1.0f);
   const auto block_count = [&](const SampleSet& other) {
     const int hit_count = int(other.columns.size());
     return hit_count == 0 ? 1 : std::min(kMaxSequenceBlocks, (table.count() + hit_count / 2) / hit_count);
@@ -159,7 +172,7 @@ void RayRows::cast_row(std::int32_t row, const DirectionTable& table, Scratch& s
       cast_block(set, table, independent_ ? block : 2 * block + set.index);
     result.columns.insert(result.columns.end(), set.columns.begin(), set.columns.end());
     result.hits.push_back(std::int32_t(set.columns.size()));
-    result.hit_weights.push_back(1.0f / (float(set.cast) * fractions[set.index]));
+    result.hit_weights.push_back(1.0f / float(set.cast));
     result.rays += set.cast + std::int64_t(set.mirrored.size());
     for (auto& m : set.mirrored) {
       m.weight *= result.hit_weights.back();
@@ -174,12 +187,18 @@ void RayRows::start_packet(const SampleSet& set, const DirectionTable& table, in
   if (set.sampler) {
     for (int lane = 0; lane < RayPacket::kSize; ++lane) {
       Vec2f uv(samples.u[lane], samples.v[lane]);
+      if (set.density) uv = (*set.density)(uv);
       if (set.has_mask)
         uv = covered_point(scene_, set.patch, *set.sampler, uv, hash64(set.random + set.sample_number(first + lane)));
       leave_surface(lane, ray_scene_, (*set.sampler)(uv.x, uv.y), set.offset,
                     {samples.dx[lane], samples.dy[lane], samples.dz[lane]}, packet);
     }
     return;
+  }
+  for (int lane = 0; set.density && lane < RayPacket::kSize; ++lane) {
+    const Vec2f uv = (*set.density)(Vec2f(samples.u[lane], samples.v[lane]));
+    samples.u[lane] = uv.x;
+    samples.v[lane] = uv.y;
   }
   packet.start();
   set_quad_rays(set.quad, samples, packet);

@@ -25,7 +25,8 @@ class RayRows {
   };
 
   /// From `receivers`, patches of the scene's primitives or points (patches of no size), to `elements`.
-  /// `visible_fractions`: whether form factors of partly covered patches are those of their visible part.
+  /// `visible_fractions`: whether form factors of partly covered patches are those of their visible part: see
+  /// VisibleDensity.
   RayRows(const PatchSet& scene, const RayScene& ray_scene, std::span<const Patch> receivers, const Elements& elements,
           std::uint64_t seed, SampleSets sets, bool visible_fractions = false);
 

@@ -66,10 +66,12 @@ std::vector<float> hemicube_weights(int resolution) {
   return normalised;
 }
 
-HemicubeFormFactors::HemicubeFormFactors(const PatchSet& scene, int resolution, std::uint64_t seed)
+HemicubeFormFactors::HemicubeFormFactors(const PatchSet& scene, int resolution, std::uint64_t seed,
+                                         const VisibleDensities& densities)
     : scene_(scene),
       resolution_(resolution),
       seed_(seed),
+      densities_(densities),
       renderer_(scene),
       factor_of_id_(scene.patches.size() + 1, 0.0f) {
   if (resolution % 2 != 0)
@@ -113,6 +115,7 @@ void HemicubeFormFactors::draw(const Shot& shot, int bottom) {
   if (shot.skip > 0 || has_mask) {
     const PatchSampler sampler(primitive, patch);
     Vec2f uv = kronecker2(shot.skip, hash);
+    if (const VisibleDensity* density = densities_.find(shot.patch)) uv = (*density)(uv);
     if (has_mask) uv = covered_point(scene_, patch, sampler, uv, hash64(hash + shot.skip));
     point = sampler(uv.x, uv.y);
   }

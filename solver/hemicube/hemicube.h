@@ -1,6 +1,7 @@
 #pragma once
 #include "pipeline/model/patch_set.h"
 #include "solver/form_factors/form_factors.h"
+#include "solver/form_factors/visible_density.h"
 #include "solver/hemicube/patch_id_renderer.h"
 
 namespace patchlight {
@@ -29,19 +30,24 @@ std::vector<float> hemicube_weights(int resolution);
 /// it, each with a random rotation against aliasing. Weights of the cells are normalised, so that full rows sum to 1.
 class HemicubeFormFactors : public FormFactorSource {
  public:
+  /// `densities`: of further points over the patches; must outlive this object.
   /// Throws: Error (unavailable) without OpenGL; (bad_config) for an odd resolution.
-  HemicubeFormFactors(const PatchSet& scene, int resolution, std::uint64_t seed);
+  HemicubeFormFactors(const PatchSet& scene, int resolution, std::uint64_t seed,
+                      const VisibleDensities& densities = kUniform);
 
   std::size_t batch(std::span<const Shot> shots) const override;
   std::vector<std::span<const FormFactor>> rows(std::span<const Shot> shots) override;
 
  private:
+  inline static const VisibleDensities kUniform{};
+
   void draw(const Shot& shot, int bottom);
   std::size_t gather(const std::uint32_t* ids);
 
   const PatchSet& scene_;
   int resolution_;
   std::uint64_t seed_;
+  const VisibleDensities& densities_;
   PatchIdRenderer renderer_;
   std::vector<float> prefix_sums_;          ///< Of the cells' weights in each row of the image.
   std::vector<int> run_ends_;               ///< Last cells of the runs of equal ids in a row of the image.

@@ -15,7 +15,7 @@
 #include "solver/form_factors/harmonic_distance.h"
 #include "solver/form_factors/ray_rows.h"
 #include "solver/form_factors/sky_rows.h"
-#include "solver/form_factors/visible_area_fraction.h"
+#include "solver/form_factors/visible_density.h"
 #include "solver/hemicube/hemicube.h"
 
 namespace patchlight {
@@ -25,8 +25,9 @@ namespace {
 constexpr double kPhotonsPerRay = 0.125;  // photons of all emitters, relative to the rays of all rows
 
 /// Draws two hemicubes for each row, one for each sample set.
-void draw_rows(const PatchSet& scene, const SolveConfig& config, Transport& transport, Progress& progress) {
-  HemicubeFormFactors hemicubes(scene, config.hemicube_resolution, std::uint64_t(config.seed));
+void draw_rows(const PatchSet& scene, const SolveConfig& config, const VisibleDensities& densities,
+               Transport& transport, Progress& progress) {
+  HemicubeFormFactors hemicubes(scene, config.hemicube_resolution, std::uint64_t(config.seed), densities);
   std::vector<Shot> shots;
   for (std::size_t k = 0; k < 2 * scene.patches.size(); ++k) shots.push_back({std::int32_t(k / 2), 0, 1 + k % 2});
   transport.starts.push_back(0);
@@ -45,27 +46,22 @@ void draw_rows(const PatchSet& scene, const SolveConfig& config, Transport& tran
   }
 }
 
-/// Estimates the visible area fractions of patches that see unlit backs, and divides their rows' weights by them.
-/// Returns the number of rays.
-std::int64_t find_visible_fractions(const PatchSet& scene, const RayScene& ray_scene, std::uint64_t seed,
-                                    Transport& transport) {
-  transport.visible_fractions.assign(2 * scene.patches.size(), 1.0f);
-  std::atomic<std::int64_t> cast{0};
+/// Visible area fractions of patches that see unlit backs. Adds the number of rays to `cast`.
+std::vector<float> find_visible_fractions(const PatchSet& scene, const RayScene& ray_scene, std::uint64_t seed,
+                                          std::int64_t& cast) {
+  std::vector<float> fractions(2 * scene.patches.size(), 1.0f);
+  std::atomic<std::int64_t> rays{0};
   tbb::parallel_for(std::size_t(0), scene.patches.size(), [&](std::size_t i) {
     _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree requires denormals to be flushed
-    std::uint64_t random = hash64(seed + i);
-    std::int64_t rays = RayPacket::kSize;
-    if (refinement_criterion(scene, ray_scene, scene.patches[i], random).hits_backs)
-      for (const std::size_t sample_set : {2 * i, 2 * i + 1}) {
-        random = hash64(random);
-        const float fraction = transport.visible_fractions[sample_set] =
-            visible_area_fraction(scene, ray_scene, scene.patches[i], kMinRaysForVisibleFraction, random, rays);
-        for (std::uint64_t at = transport.starts[sample_set]; at < transport.starts[sample_set + 1]; ++at)
-          transport.weights[at] /= fraction;
-      }
-    cast += rays;
+    const Patch& patch = scene.patches[i];
+    const std::uint64_t random = visible_density_random(seed, std::int32_t(i));
+    rays += RayPacket::kSize;
+    if (!refinement_criterion(scene, ray_scene, patch, random).hits_backs) return;
+    fractions[2 * i] = fractions[2 * i + 1] = VisibleDensity(scene, ray_scene, patch, random).visible_fraction();
+    rays += VisibleDensity::kRays;
   });
-  return cast;
+  cast += rays;
+  return fractions;
 }
 
 /// Appends the columns of `more` to the rows of the same patches.
@@ -131,8 +127,8 @@ std::int64_t complete_transport(const PatchSet& scene, const SolveConfig& config
   if (!same_rows) {
     transport = {};
     if (hemicubes) {
-      draw_rows(scene, config, transport, progress);
-      cast += find_visible_fractions(scene, ray_scene, seed, transport);
+      transport.visible_fractions = find_visible_fractions(scene, ray_scene, seed, cast);
+      draw_rows(scene, config, {scene, ray_scene, transport.visible_fractions, seed}, transport, progress);
       if (scene.environment) append_columns(sky_rows(scene, ray_scene, rays, seed, cast, progress), transport);
     } else {
       cast += cast_rows(scene, ray_scene, config, rays, transport, progress);
@@ -141,7 +137,8 @@ std::int64_t complete_transport(const PatchSet& scene, const SolveConfig& config
     transport.sky = scene.sky_cells();
   }
   std::vector<Transport::Emitter> sampled;
-  const DirectFactors direct(scene, ray_scene, scene.patches, grid_neighbours(scene, lookup), seed);
+  const VisibleDensities densities(scene, ray_scene, transport.visible_fractions, seed);
+  const DirectFactors direct(scene, ray_scene, scene.patches, grid_neighbours(scene, lookup), seed, densities);
   const Photons photons(scene, ray_scene, seed);
   for (const Emitter& emitter : emitters) {
     const auto at =
@@ -154,11 +151,8 @@ std::int64_t complete_transport(const PatchSet& scene, const SolveConfig& config
       added.light = light_id(scene, emitter);
       const double count = kPhotonsPerRay * rays * double(scene.patches.size()) / double(emitters.size());
       if (!hemicubes && photons.has_metals()) added.mirrored = photons.shoot(emitter, std::int64_t(count), cast);
-      for (std::size_t k = 0; k < added.factors.size() && !transport.visible_fractions.empty(); ++k) {
-        const float fraction = transport.visible_fractions[k];
-        added.factors[k] /= fraction;
-        if (!added.mirrored.empty()) added.mirrored[k] /= fraction;
-      }
+      for (std::size_t k = 0; k < added.mirrored.size() && !transport.visible_fractions.empty(); ++k)
+        added.mirrored[k] /= transport.visible_fractions[k];
     }
     progress.update(double(sampled.size()) / double(emitters.size()), "direct light");
   }

@@ -55,6 +55,23 @@ TEST(SkySolved, AFloorReceivesPiTimesItsRadiance) {
       }
 }
 
+TEST(SkySolved, NothingGetsMoreThanItBehindASingleSidedPanel) {
+  for (const double gap : {0.02, 0.2, 1.0}) {
+    PatchScene builder;  // a wall on a floor, and a panel before the wall with its unlit back to it
+    builder.quad({{{-2, 0, 0}, {2, 0, 0}, {2, 3, 0}, {-2, 3, 0}}}, 8, 6, {0.0f});
+    builder.quad({{{-2, 0, 0}, {-2, 0, 3}, {2, 0, 3}, {2, 0, 0}}}, 8, 6, {0.0f});
+    builder.quad({{{-1, 0.3, gap}, {1, 0.3, gap}, {1, 2, gap}, {-1, 2, gap}}}, 4, 4, {0.0f});
+    PatchSet& scene = builder.get();
+    scene.environment = uniform_sky(24);
+    for (const char* method : {"matrix", "progressive"})
+      for (const char* form_factors : {"rays", "hemicube"}) {
+        const EnergyField energy = solve_quietly(scene, method, form_factors);
+        for (const Color& irradiance : energy.groups[0].direct)
+          EXPECT_LE(irradiance.y, 1.001 * kPi) << method << form_factors << gap;
+      }
+  }
+}
+
 TEST(SkySolved, AWallHidesHalfOfIt) {
   PatchScene builder;
   builder.quad({{{0, 0, -0.1}, {0, 0, 0.1}, {0.01, 0, 0.1}, {0.01, 0, -0.1}}}, 1, 4, {0.0f});
