@@ -10,7 +10,7 @@ namespace {
 constexpr int kImportVersion = 4;
 constexpr int kTransportKeyVersion = 17;
 constexpr int kSolveVersion = 18;
-constexpr int kTraceVersion = 9;
+constexpr int kTraceVersion = 10;
 
 void add_color(KeyHasher& hasher, const std::optional<Color>& color) {
   hasher.add(color.has_value());

@@ -162,7 +162,7 @@ class DirectFactors::EmitterSampler {
       const Vec3d start = point.position + Vec3d(point.normal) * offset;
       const DirectLight::Sample sample = light_.view(start, point.normal, kAreaSamplingDistance).sample(to.x, to.y);
       ++sums.count;
-      if (sample.weight > 0) rays.add(start, sample, sums);
+      if (sample.weight > 0) rays.add(start, sample, to, sums);
     }
   }
 

@@ -3,56 +3,23 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pipeline/optics/sampling/random.h"
+#include "tracer/light/lamp_samples.h"
 
 namespace patchlight {
 
 namespace {
 
-// A lamp's share is its part of a cluster's unoccluded light.
-constexpr float kRaysPerSample = 8;          // for a single lamp that is half hidden
-constexpr int kMinRays = 4;                  // to a lamp that is partly hidden
 constexpr float kMinShare = 0.03f;           // below it a lamp takes no rays besides the probes
 constexpr float kMinSharpShare = 0.3f;       // above it a lamp's sharp shadow edges take more points
 constexpr float kMinSharpPointShare = 0.1f;  // the same for a light without extent, whose shadows are all sharp
-constexpr double kFar = 2.0;                 // distance in radii of a lamp from which it is sampled by area
 constexpr float kMinCosine = 0.95f;          // between the normals of a cluster and of a point that shares its light
-constexpr int kMinProbes = 9;                // of one surface, below which those of other surfaces count too
+constexpr int kMinProbes = 8;                // of one surface, below which those of other surfaces count too
+constexpr float kDim = 0.1f;                 // visible fraction below which a lamp's rays may be guided
+constexpr int kMinScatteredRays = 4;         // of a cluster that a rough metal sees
+constexpr int kMinGuidedRays = 64;           // of a cluster
 
-/// Probes to a lamp of this share.
-int probe_count(float share) {
-  return share < 0.1f ? 1 : share < 0.4f ? 2 : 4;
-}
-
-/// Rays to a partly hidden lamp of this share, in proportion to the standard deviation of its visibility.
-int ray_count(float share, int samples, const Visibility& visibility) {
-  const float visible = visibility.visible_fraction();
-  return std::max(kMinRays, int(kRaysPerSample * float(samples) * share * 2 * std::sqrt(visible * (1 - visible))));
-}
-
-/// Casts samples `first` to `first + count - 1` of a lamp, distributed over the points of a cluster.
-void sample(const ExplicitLights::Lamp& lamp, const ShadingCluster& cluster, int count, std::uint64_t first,
-            std::uint64_t shift, ShadowRays& rays, LightSamples& sums) {
-  const int points = std::min(int(cluster.points.size()), count);
-  for (int k = 0; k < points; ++k) {
-    const ShadingPoint& point = cluster.points[std::size_t(k) * cluster.points.size() / std::size_t(points)];
-    const DirectLight::View view = lamp.light.view(point.position, point.normal, kFar);
-    for (int i = k; i < count; i += points) {
-      const Vec2f to = kronecker2(first + std::uint64_t(i), shift);
-      const DirectLight::Sample light = view.sample(to.x, to.y);
-      ++sums.count;
-      if (light.weight > 0) rays.add(point.position, light, sums);
-    }
-  }
-}
-
-/// Form factor to the visible part of a lamp, by samples or else by the local visibility. `unoccluded`: to all
-/// of it.
-float visible_factor(float unoccluded, const LightSamples& samples, const Visibility& visibility) {
-  double factor = unoccluded * visibility.visible_fraction();
-  if (samples.count > 0)
-    factor = visibility.mostly_visible() ? samples.estimate_from_hidden(unoccluded) : samples.estimate_from_visible();
-  return float(std::max(factor, 0.0));
+auto kronecker_places(std::uint64_t shift) {
+  return [=](int k) { return kronecker2(std::uint64_t(k), shift); };
 }
 
 }  // namespace
@@ -84,25 +51,35 @@ void TileLight::probe(std::vector<ShadingPoint> points, std::span<const std::uin
   const std::vector<Lamp>& lamps = lights_.lamps();
   const Factors factors(lamps, clusters_);
   counts_.assign(lamps.size() * clusters_.size(), {});
+  seen_.assign(lamps.size(), 0);
   irradiance_.assign(clusters_.size(), Color(0.0f));
   if (by_group()) irradiance_by_group_.assign(layers_->group_count(), irradiance_);
+  std::vector<float> visible_light(clusters_.size(), 0.0f);
+  std::vector<std::vector<LightSamples>> probes(lamps.size());
+  for (std::size_t l = 0; l < lamps.size(); ++l) {
+    probes[l] = probe_lamp(l, factors);
+    for (std::size_t s = 0; s < clusters_.size(); ++s) {
+      counts_[l * clusters_.size() + s] = {std::uint8_t(probes[l][s].visible), std::uint8_t(probes[l][s].hidden)};
+      visible_light[s] += float(probes[l][s].seen) * lamps[l].brightness() / float(std::max(1, probes[l][s].count));
+      seen_[l] += probes[l][s].visible > 0;
+    }
+  }
+  for (std::size_t l = 0; l < lamps.size(); ++l) add_lamp(l, factors, probes[l], visible_light, requested);
+}
+
+std::vector<LightSamples> TileLight::probe_lamp(std::size_t l, const Factors& factors) const {
   ShadowRays rays(lights_.ray_scene());
   std::vector<LightSamples> sums(clusters_.size());
-  for (std::size_t l = 0; l < lamps.size(); ++l) {
-    std::fill(sums.begin(), sums.end(), LightSamples{});
-    for (std::size_t s = 0; s < clusters_.size(); ++s) {
-      if (factors.of(l, s) <= 0) continue;
-      // The pixels of a 3 x 3 block take consecutive samples, which together cover the whole lamp.
-      const std::uint64_t pixel_id = window_.pixel_id(clusters_[s].pixel);
-      const std::uint64_t phase = (pixel_id >> 32) % 3 * 3 + (pixel_id & 0xffffffffu) % 3;
-      const int count = probe_count(factors.share(lamps[l], l, s));
-      sample(lamps[l], clusters_[s], count, phase * std::uint64_t(count), hash64(l), rays, sums[s]);
-    }
-    rays.cast();
-    for (std::size_t s = 0; s < clusters_.size(); ++s)
-      counts_[l * clusters_.size() + s] = {std::uint8_t(sums[s].visible), std::uint8_t(sums[s].hidden)};
-    add_lamp(l, factors, requested);
+  for (std::size_t s = 0; s < clusters_.size(); ++s) {
+    if (factors.of(l, s) <= 0) continue;
+    const int x = window_.x0 + int(clusters_[s].pixel) % window_.width;
+    const int y = window_.y0 + int(clusters_[s].pixel) / window_.width;
+    const auto place = [&](int k) { return probe_place(x, y, k, hash64(l)); };
+    const Lamp& lamp = lights_.lamps()[l];
+    sample_lamp(lamp, clusters_[s], probe_count(factors.share(lamp, l, s)), place, rays, sums[s]);
   }
+  rays.cast();
+  return sums;
 }
 
 void TileLight::find_neighbours() {
@@ -125,11 +102,13 @@ std::int32_t TileLight::cluster_at(std::uint32_t pixel, std::int32_t surface, co
   return -1;
 }
 
-void TileLight::add_lamp(std::size_t l, const Factors& factors, std::span<const std::uint8_t> requested) {
+void TileLight::add_lamp(std::size_t l, const Factors& factors, const std::vector<LightSamples>& probes,
+                         const std::vector<float>& visible_light, std::span<const std::uint8_t> requested) {
   const Lamp& lamp = lights_.lamps()[l];
   ShadowRays rays(lights_.ray_scene());
   std::vector<LightSamples> sums(clusters_.size());
   std::vector<LocalVisibility> visibility(clusters_.size());
+  std::vector<std::uint32_t> dim;
   const auto takes_part = [&](std::size_t s) {
     return factors.of(l, s) > 0 && requested[clusters_[s].pixel] != 0 && sharp_[clusters_[s].pixel] == 0;
   };
@@ -137,18 +116,67 @@ void TileLight::add_lamp(std::size_t l, const Factors& factors, std::span<const 
     if (!takes_part(s)) continue;
     visibility[s] = local_visibility(l, s);
     const float share = factors.share(lamp, l, s);
-    if (visibility[s].sharp && share > (lamp.light.is_point() ? kMinSharpPointShare : kMinSharpShare))
+    if (visibility[s].sharp && share > (lamp.light.is_point() ? kMinSharpPointShare : kMinSharpShare)) {
       sharp_[clusters_[s].pixel] = 1;
-    else if (visibility[s].samples.partial() && share >= kMinShare && is_needed(lamp))
-      sample(lamp, clusters_[s], ray_count(share, samples_, visibility[s].samples), 0,
-             hash64(hash64(window_.pixel_id(clusters_[s].pixel)) + l), rays, sums[s]);
+    } else if (share >= kMinShare && is_needed(lamp)) {
+      const bool may_dominate = factors.of(l, s) * lamp.brightness() > visible_light[s];
+      const bool seen_by_others = seen_[l] > (probes[s].visible > 0);
+      if (may_dominate && seen_by_others && !lamp.light.is_point() && visibility[s].samples.visible_fraction() < kDim)
+        dim.push_back(std::uint32_t(s));
+      else if (visibility[s].samples.partial())
+        sample_lamp(lamp, clusters_[s], ray_count(share, samples_, visibility[s].samples),
+                    kronecker_places(hash64(hash64(window_.pixel_id(clusters_[s].pixel)) + l)), rays, sums[s]);
+    }
   }
   rays.cast();
+  std::vector<float> values(clusters_.size(), 0.0f), residuals(clusters_.size(), 0.0f);
   for (std::size_t s = 0; s < clusters_.size(); ++s) {
     if (!takes_part(s)) continue;
-    const float factor = visible_factor(factors.of(l, s), sums[s], visibility[s].samples);
-    irradiance_[s] += lamp.exitance * factor;
-    if (by_group()) irradiance_by_group_[lamp.group][s] += lamp.unscaled * factor;
+    const Visibility& around = visibility[s].samples;
+    if (sums[s].count > 0) {
+      values[s] = visible_factor(factors.of(l, s), sums[s], around);
+    } else if (around.partial()) {  // a faint lamp
+      Visibility all = around;
+      all.add(probes[s]);
+      values[s] = factors.of(l, s) * all.visible_fraction();
+    } else {
+      values[s] = around.mostly_visible() ? factors.of(l, s) : 0.0f;
+      residuals[s] = visible_factor(factors.of(l, s), probes[s], around) - values[s];
+    }
+  }
+  if (!dim.empty()) add_guided(l, probes, dim, values, residuals);
+  spread(residuals, takes_part, values);
+  for (std::size_t s = 0; s < clusters_.size(); ++s) {
+    if (!takes_part(s)) continue;
+    irradiance_[s] += lamp.exitance * values[s];
+    if (by_group()) irradiance_by_group_[lamp.group][s] += lamp.unscaled * values[s];
+  }
+}
+
+/// Sets the form factors of clusters that see little of a lamp.
+void TileLight::add_guided(std::size_t l, const std::vector<LightSamples>& probes, std::span<const std::uint32_t> dim,
+                           std::vector<float>& values, std::vector<float>& residuals) const {
+  const Lamp& lamp = lights_.lamps()[l];
+  GuidedLight guided(lights_.ray_scene(), lamp.light, clusters_, neighbours_);
+  for (std::size_t s = 0; s < clusters_.size(); ++s)
+    if (probes[s].visible > 0) guided.add(s, probes[s].reached);
+  const auto factors = guided.factors(dim, std::max(kMinGuidedRays, samples_), hash64(hash64(window_.pixel_id(0)) + l));
+  for (std::size_t k = 0; k < dim.size(); ++k) {
+    if (!factors[k].found) continue;
+    values[dim[k]] = float(factors[k].guided);
+    residuals[dim[k]] = float(factors[k].rest);
+  }
+}
+
+/// Adds equal parts of each cluster's residual to itself and its neighbours, so that the sum stays.
+template <class TakesPart>
+void TileLight::spread(const std::vector<float>& residuals, TakesPart takes_part, std::vector<float>& values) const {
+  for (std::size_t s = 0; s < residuals.size(); ++s) {
+    if (residuals[s] == 0) continue;
+    const auto inside = [&](std::int32_t t) { return t >= 0 && takes_part(std::size_t(t)); };
+    const auto count = std::count_if(neighbours_[s].begin(), neighbours_[s].end(), inside);
+    for (const std::int32_t t : neighbours_[s])
+      if (inside(t)) values[t] += residuals[s] / float(count);
   }
 }
 
@@ -169,20 +197,23 @@ std::span<const ShadingPoint> TileLight::points(std::uint32_t pixel) const {
   return {clusters_[first].points.data(), clusters_[end - 1].points.data() + clusters_[end - 1].points.size()};
 }
 
-/// By the probes of a cluster and its neighbours.
+/// By the probes of a cluster's neighbours.
 TileLight::LocalVisibility TileLight::local_visibility(std::size_t lamp, std::size_t cluster) const {
   const Counts* counts = counts_.data() + lamp * clusters_.size();
   Visibility same;
   bool lit = false, dark = false;
   for (const std::int32_t s : neighbours_[cluster]) {
     if (s < 0) continue;
-    same.visible += counts[s].visible;
-    same.hidden += counts[s].hidden;
     lit = lit || (counts[s].hidden == 0 && counts[s].visible > 0);
     dark = dark || (counts[s].visible == 0 && counts[s].hidden > 0);
+    if (std::size_t(s) != cluster) same.add(counts[s]);
   }
-  const bool enough = same.visible + same.hidden >= kMinProbes;
-  return {enough ? same : pixel_visibility(lamp, clusters_[cluster].pixel), lit && dark};
+  if (same.visible + same.hidden < kMinProbes) {
+    same = pixel_visibility(lamp, clusters_[cluster].pixel);
+    same.visible -= counts[cluster].visible;
+    same.hidden -= counts[cluster].hidden;
+  }
+  return {same, lit && dark};
 }
 
 /// By all probes from a pixel and its neighbours.
@@ -193,10 +224,8 @@ Visibility TileLight::pixel_visibility(std::size_t lamp, std::uint32_t pixel) co
   Visibility all;
   for (int v = std::max(0, y - 1); v <= std::min(window_.height - 1, y + 1); ++v)
     for (std::uint32_t s = first_cluster_[v * window_.width + left]; s < first_cluster_[v * window_.width + right + 1];
-         ++s) {
-      all.visible += counts[s].visible;
-      all.hidden += counts[s].hidden;
-    }
+         ++s)
+      all.add(counts[s]);
   return all;
 }
 
@@ -215,7 +244,7 @@ void TileLight::add(std::vector<ShadingPoint>& points, std::span<Color> pixels) 
   }
   ShadowRays rays(lights_.ray_scene());
   std::vector<LightSamples> probes(clusters.size()), samples(clusters.size());
-  std::vector<Visibility> visibility(clusters.size());
+  std::vector<Visibility> visibility(clusters.size()), own(clusters.size());
   for (std::size_t l = 0; l < lamps.size(); ++l) {
     if (!is_needed(lamps[l])) continue;
     std::fill(probes.begin(), probes.end(), LightSamples{});
@@ -224,27 +253,32 @@ void TileLight::add(std::vector<ShadingPoint>& points, std::span<Color> pixels) 
       if (factors.of(l, s) <= 0) continue;
       visibility[s] =
           probed[s] >= 0 ? local_visibility(l, std::size_t(probed[s])).samples : pixel_visibility(l, clusters[s].pixel);
+      own[s] = {};
+      if (probed[s] >= 0) own[s].add(counts_[l * clusters_.size() + std::size_t(probed[s])]);
       if (clusters[s].points.size() < points_of_pixel[clusters[s].pixel])
-        sample(lamps[l], clusters[s], probe_count(factors.share(lamps[l], l, s)), 0, hash64(seeds[s] + 2 * l), rays,
-               probes[s]);
+        sample_lamp(lamps[l], clusters[s], probe_count(factors.share(lamps[l], l, s)),
+                    kronecker_places(hash64(seeds[s] + 2 * l)), rays, probes[s]);
     }
     rays.cast();
     for (std::size_t s = 0; s < clusters.size(); ++s) {
       if (factors.of(l, s) <= 0) continue;
-      visibility[s].add(probes[s]);
+      own[s].add(probes[s]);
       const float share = factors.share(lamps[l], l, s);
       const bool scattered = clusters[s].scattered;  // then visibility from other points tells nothing
-      if ((!visibility[s].partial() && !scattered) || share < kMinShare) continue;
+      const bool may_be_found = visibility[s].visible == 0 && seen_[l] != 0;
+      if ((!visibility[s].partial() && !scattered && !may_be_found) || share < kMinShare) continue;
       const float part = float(clusters[s].points.size()) / float(points_of_pixel[clusters[s].pixel]);
-      const int count = scattered ? std::max(kMinRays, int(share * float(clusters[s].points.size())))
+      const int count = scattered ? std::max(kMinScatteredRays, int(share * float(clusters[s].points.size())))
                                   : ray_count(part * share, samples_, visibility[s]);
-      sample(lamps[l], clusters[s], count, 0, hash64(seeds[s] + 2 * l + 1), rays, samples[s]);
+      sample_lamp(lamps[l], clusters[s], count, kronecker_places(hash64(seeds[s] + 2 * l + 1)), rays, samples[s]);
     }
     rays.cast();
     for (std::size_t s = 0; s < clusters.size(); ++s) {
       if (factors.of(l, s) <= 0) continue;
       const ShadingCluster& cluster = clusters[s];
-      const float factor = visible_factor(factors.of(l, s), samples[s], visibility[s]);
+      if (visibility[s].partial()) own[s].add(visibility[s]);
+      const float factor = samples[s].count > 0 ? visible_factor(factors.of(l, s), samples[s], visibility[s])
+                                                : factors.of(l, s) * own[s].visible_fraction();
       const Color light = lamps[l].exitance * factor;
       pixels[cluster.pixel] += cluster.weight * light;
       if (layers_ && layers_->has_light()) {

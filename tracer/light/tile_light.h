@@ -2,6 +2,8 @@
 #include <array>
 
 #include "pipeline/optics/lights/shadow_rays.h"
+#include "pipeline/optics/sampling/random.h"
+#include "tracer/light/guided_light.h"
 #include "tracer/light/shading_cluster.h"
 #include "tracer/output/layer_sums.h"
 
@@ -10,11 +12,12 @@ namespace patchlight {
 /// Direct light at the pixels of a tile: closed forms where an emitter is fully visible, shadow rays, stratified over a
 /// shading cluster, where it is partly hidden.
 ///
-/// Visibility probes from a few points decide between the two: if the probes of a cluster and of its surface at the
-/// neighbouring pixels all see the emitter, or none does, no more rays are cast. At the rim of a penumbra some
-/// hundredths of an emitter may be missed. A cluster that does not fill its pixel casts probes of its own as well. For
-/// an emitter that brings less than three hundredths of a cluster's light, the probes are the estimate, which blurs its
-/// shadows by a pixel.
+/// Probes from a few points decide how many rays follow: those of a cluster's neighbours, so that its own probes are a
+/// fair sample. Where all neighbours see the emitter, or none does, no more rays are cast; what the cluster's own
+/// probes say otherwise is spread over the neighbours. Where hardly any probe sees it, a GuidedLight finds what there
+/// is. So the light of a tile is right in the mean. A cluster that does not fill its pixel casts probes of its own as
+/// well. For an emitter that brings less than three hundredths of a cluster's light, the probes are the estimate, which
+/// blurs its shadows by a pixel.
 class TileLight {
  public:
   /// Pixels of an image from (x0,y0) on.
@@ -70,7 +73,14 @@ class TileLight {
   Visibility pixel_visibility(std::size_t lamp, std::uint32_t pixel) const;
   std::int32_t cluster_at(std::uint32_t pixel, std::int32_t surface, const Vec3f& normal) const;
   void find_neighbours();
-  void add_lamp(std::size_t lamp, const Factors& factors, std::span<const std::uint8_t> requested);
+  std::vector<LightSamples> probe_lamp(std::size_t lamp, const Factors& factors) const;
+  /// `visible_light`: of all lamps at the clusters, by the probes, W/m2, sum of channels.
+  void add_lamp(std::size_t lamp, const Factors& factors, const std::vector<LightSamples>& probes,
+                const std::vector<float>& visible_light, std::span<const std::uint8_t> requested);
+  void add_guided(std::size_t lamp, const std::vector<LightSamples>& probes, std::span<const std::uint32_t> dim,
+                  std::vector<float>& values, std::vector<float>& residuals) const;
+  template <class TakesPart>
+  void spread(const std::vector<float>& residuals, TakesPart takes_part, std::vector<float>& values) const;
   bool by_group() const { return layers_ && layers_->has_groups(); }
   /// Whether the lamp contributes to the pixels or to a layer.
   bool is_needed(const Lamp& lamp) const { return !lamp.is_off() || by_group(); }
@@ -87,7 +97,8 @@ class TileLight {
   struct Counts {
     std::uint8_t visible = 0, hidden = 0;
   };
-  std::vector<Counts> counts_;  ///< [lamps][clusters].
+  std::vector<Counts> counts_;       ///< [lamps][clusters].
+  std::vector<std::uint32_t> seen_;  ///< [lamps]: number of clusters with a probe that reaches the lamp.
   std::vector<std::uint8_t> sharp_;
   std::vector<Color> irradiance_;                        ///< [clusters] W/m2, at requested pixels.
   std::vector<std::vector<Color>> irradiance_by_group_;  ///< [groups][clusters], at the scene's own strength.

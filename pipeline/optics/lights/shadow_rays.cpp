@@ -2,9 +2,10 @@
 
 namespace patchlight {
 
-void ShadowRays::add(const Vec3d& start, const DirectLight::Sample& sample, LightSamples& sums) {
+void ShadowRays::add(const Vec3d& start, const DirectLight::Sample& sample, const Vec2f& at, LightSamples& sums) {
   packet_.set_shadow(lanes_, scene_.to_local(start), sample.direction, sample.distance);
   weights_[lanes_] = sample.weight;
+  at_[lanes_] = at;
   sums_[lanes_++] = &sums;
   if (lanes_ == RayPacket::kSize) cast();
 }
@@ -17,6 +18,7 @@ void ShadowRays::cast() {
     const bool visible = !(occluded_lanes >> lane & 1u);
     ++(visible ? sums_[lane]->visible : sums_[lane]->hidden);
     (visible ? sums_[lane]->seen : sums_[lane]->missed) += weights_[lane];
+    if (visible) sums_[lane]->reached = at_[lane];
   }
   lanes_ = 0;
 }

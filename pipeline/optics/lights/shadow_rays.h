@@ -12,6 +12,7 @@ struct LightSamples {
   int hidden = 0;       ///< Occluded samples. Samples of weight 0 are neither visible nor hidden.
   double seen = 0.0;    ///< Sum of the weights of visible samples.
   double missed = 0.0;  ///< Sum of the weights of occluded samples.
+  Vec2f reached{0.0f};  ///< In the unit square: a sample that reaches the emitter.
 
   /// Two estimates of the form factor. estimate_from_visible() has less noise if little is visible;
   /// estimate_from_hidden(), which subtracts from the unoccluded form factor `whole`, if little is hidden.
@@ -23,7 +24,9 @@ struct LightSamples {
 struct Visibility {
   int visible = 0, hidden = 0;
 
-  void add(const LightSamples& samples) {
+  /// Adds the numbers of LightSamples or of another Visibility.
+  template <class Samples>
+  void add(const Samples& samples) {
     visible += samples.visible;
     hidden += samples.hidden;
   }
@@ -38,8 +41,8 @@ class ShadowRays {
  public:
   explicit ShadowRays(const RayScene& scene) : scene_(scene) {}
 
-  /// Adds a shadow ray from `start` for `sample`; its cast updates `sums`.
-  void add(const Vec3d& start, const DirectLight::Sample& sample, LightSamples& sums);
+  /// Adds a shadow ray from `start` for `sample`, by the point `at` of the unit square; its cast updates `sums`.
+  void add(const Vec3d& start, const DirectLight::Sample& sample, const Vec2f& at, LightSamples& sums);
 
   /// Casts the remaining rays.
   void cast();
@@ -48,6 +51,7 @@ class ShadowRays {
   const RayScene& scene_;
   RayPacket packet_;
   std::array<float, RayPacket::kSize> weights_{};
+  std::array<Vec2f, RayPacket::kSize> at_{};
   std::array<LightSamples*, RayPacket::kSize> sums_{};
   int lanes_ = 0;
 };

@@ -105,6 +105,44 @@ TEST(TileLight, InPenumbraeIsUnbiased) {
   EXPECT_LT(exact(kWidth - 1), 0.01);
 }
 
+TEST(TileLight, BehindASlitIsWhatComesThroughIt) {
+  for (const double slit : {0.02, 0.004}) {
+    Ground ground(0.4);
+    const double h = 0.5 * slit;  // at half the lamp's height, so that a point sees a strip of twice the slit's width
+    ground.builder.quad({{{h, 1, -4}, {h, 1, 4}, {4, 1, 4}, {4, 1, -4}}}, 1, 1, {0.0f, 0.0f});
+    ground.builder.quad({{{-4, 1, -4}, {-4, 1, 4}, {-h, 1, 4}, {-h, 1, -4}}}, 1, 1, {0.0f, 0.0f});
+    constexpr int kSide = 32, kTiles = 16, kPoints = 4;
+    const auto x = [](int pixel) { return 0.4 * ((pixel % kSide + 0.5) / kSide - 0.5); };
+    const auto z = [](int pixel) { return 0.4 * ((pixel / kSide + 0.5) / kSide - 0.5); };
+    const RayScene rays(ground.builder.get());
+    const ExplicitLights lights(ground.builder.get(), rays, {Color(1.0f)});
+    double mean = 0, exact = 0;
+    int dark = 0;
+    for (int tile = 0; tile < kTiles; ++tile) {
+      std::vector<ShadingPoint> points;
+      for (int pixel = 0; pixel < kSide * kSide; ++pixel)
+        for (int k = 0; k < kPoints; ++k)
+          points.push_back(
+              {std::uint32_t(pixel), 1, 1, {}, Vec3d(x(pixel), 1e-6, z(pixel)), Vec3f(0, 1, 0), Color(1.0f / kPoints)});
+      TileLight light(lights, {tile * kSide, 0, kSide, kSide}, kPerPixel);
+      std::vector<Color> pixels(kSide * kSide, Color(0.0f));
+      light.probe(points, std::vector<std::uint8_t>(kSide * kSide, 1));
+      for (const ShadingPoint& point : points) ASSERT_TRUE(light.add_probed(point, pixels));
+      for (const Color& pixel : pixels) {
+        mean += pixel.y;
+        dark += pixel.y == 0;
+      }
+      for (int pixel = 0; pixel < kSide * kSide; ++pixel)
+        for (int i = 0; i < 64; ++i) {  // a point at x sees the strip about -x
+          const double along = (i + 0.5) / 64 - 0.5 - z(pixel), squared = 4 * x(pixel) * x(pixel) + 4 + along * along;
+          exact += 3 * 2 * slit * 4 / (kPi * squared * squared) / 64;
+        }
+    }
+    EXPECT_NEAR(mean / exact, 1, 0.03) << slit;
+    EXPECT_LT(dark, 0.05 * kTiles * kSide * kSide) << slit;
+  }
+}
+
 TEST(TileLight, OfFaintLampsAgreesWithBruteForce) {
   Ground ground(1.5);
   ground.builder.quad({{{0, 1, -2}, {0, 1, 2}, {4, 1, 2}, {4, 1, -2}}}, 1, 1, {0.0f, 0.0f});

@@ -1,0 +1,58 @@
+#pragma once
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdint>
+
+#include "pipeline/model/math.h"
+
+namespace patchlight {
+
+/// A set of cells of the unit square of an emitter's samples: the parts of the emitter that are known to be visible.
+class VisibleCells {
+ public:
+  static constexpr int kSide = 32;  ///< Cells along a side.
+
+  /// Fraction of the square, in [0,1].
+  float area() const {
+    int count = 0;
+    for (const std::uint32_t row : rows_) count += std::popcount(row);
+    return float(count) / float(kSide * kSide);
+  }
+
+  void add(const Vec2f& at) { rows_[index(at.y)] |= 1u << index(at.x); }
+  bool contains(const Vec2f& at) const { return rows_[index(at.y)] >> index(at.x) & 1u; }
+
+  /// Adds other cells and the cells around them.
+  void add_with_border(const VisibleCells& other) {
+    for (int y = 0; y < kSide; ++y) {
+      const std::uint32_t row = other.rows_[y], wide = row | row << 1 | row >> 1;
+      for (int v = std::max(0, y - 1); v <= std::min(kSide - 1, y + 1); ++v) rows_[v] |= wide;
+    }
+  }
+
+  /// Maps uniform points of the unit square to uniform points of the cells, of which there must be some.
+  Vec2f point(const Vec2f& at) const {
+    const float place = at.x * area() * float(kSide * kSide);
+    int rest = int(place);
+    for (int y = 0; y < kSide; ++y) {
+      const int count = std::popcount(rows_[y]);
+      if (rest >= count) {
+        rest -= count;
+        continue;
+      }
+      std::uint32_t row = rows_[y];
+      while (rest-- > 0) row &= row - 1;
+      const Vec2f inside(place - float(int(place)), at.y);
+      return (Vec2f(float(std::countr_zero(row)), float(y)) + inside) / float(kSide);
+    }
+    return at;
+  }
+
+ private:
+  static int index(float x) { return std::clamp(int(x * kSide), 0, kSide - 1); }
+
+  std::array<std::uint32_t, kSide> rows_{};
+};
+
+}  // namespace patchlight
