@@ -30,24 +30,54 @@ inline Floats maximum(const Floats& a, const Floats& b) {
   return a > b ? a : b;
 }
 
-inline bool any(const Ints& mask) {
+inline Floats square_root(Floats a) {
+  for (int k = 0; k < kWidth; ++k) a[k] = __builtin_sqrtf(a[k]);
+  return a;
+}
+
+/// The lanes of a mask, a bit each.
+inline std::uint32_t bits(const Ints& mask) {
 #if PACKET_WIDTH == 16
-  return _mm512_test_epi32_mask(reinterpret_cast<const __m512i&>(mask), reinterpret_cast<const __m512i&>(mask)) != 0;
+  return _mm512_movepi32_mask(reinterpret_cast<const __m512i&>(mask));
 #elif PACKET_WIDTH == 8
-  return _mm256_movemask_ps(reinterpret_cast<const __m256&>(mask)) != 0;
+  return std::uint32_t(_mm256_movemask_ps(reinterpret_cast<const __m256&>(mask)));
 #else
-  return _mm_movemask_ps(reinterpret_cast<const __m128&>(mask)) != 0;
+  return std::uint32_t(_mm_movemask_ps(reinterpret_cast<const __m128&>(mask)));
 #endif
 }
 
-/// Per-ray constants of the slab test: a ray hits the plane at coordinate p of an axis at t = p * inverse -
-/// scaled_origin.
-struct alignas(64) RayInverse {
-  float inverse[3][kLanes], scaled_origin[3][kLanes];
-  bool mixed_signs = false;                  ///< Whether the directions differ in sign along some axis.
-  std::int32_t near_plane[3], far_plane[3];  ///< Unless mixed: the planes of a box that rays hit first and last.
+inline bool any(const Ints& mask) {
+  return bits(mask) != 0;
+}
 
-  explicit RayInverse(const Rays& r) {
+/// Whether any lane has a <= b.
+inline bool any_ordered(const Floats& a, const Floats& b) {
+#if PACKET_WIDTH == 16  // g++ takes a detour through a vector
+  return _mm512_cmp_ps_mask(reinterpret_cast<const __m512&>(a), reinterpret_cast<const __m512&>(b), _CMP_LE_OQ) != 0;
+#else
+  return any(a <= b);
+#endif
+}
+
+/// Whether any lane has a < b and b < c.
+inline bool any_between(const Floats& a, const Floats& b, const Floats& c) {
+#if PACKET_WIDTH == 16
+  const __m512 middle = reinterpret_cast<const __m512&>(b);
+  const __mmask16 above = _mm512_cmp_ps_mask(reinterpret_cast<const __m512&>(a), middle, _CMP_LT_OQ);
+  return _mm512_mask_cmp_ps_mask(above, middle, reinterpret_cast<const __m512&>(c), _CMP_LT_OQ) != 0;
+#else
+  return any((a < b) & (b < c));
+#endif
+}
+
+/// Per-ray constants. Slab test: a ray hits the plane at coordinate p of an axis at t = p * inverse - scaled_origin.
+struct alignas(64) RayConstants {
+  float inverse[3][kLanes], scaled_origin[3][kLanes];
+  float length[kLanes], inverse_square[kLanes];  ///< Length of the direction, and 1 / its square.
+  bool mixed_signs = false;                      ///< Whether the directions differ in sign along some axis.
+  std::int32_t near_plane[3], far_plane[3];      ///< Unless mixed: the planes of a box that rays hit first and last.
+
+  explicit RayConstants(const Rays& r) {
     constexpr float kMaxInverse = 1e30f;  // for direction components near 0, to avoid NaN
     for (int k = 0; k < 3; ++k) {
       bool forwards = false, backwards = false;
@@ -64,12 +94,18 @@ struct alignas(64) RayInverse {
       near_plane[k] = backwards ? k + 3 : k;
       far_plane[k] = backwards ? k : k + 3;
     }
+    for (int lane = 0; lane < kLanes; lane += kWidth) {
+      const Floats x = load(r.direction[0] + lane), y = load(r.direction[1] + lane), z = load(r.direction[2] + lane);
+      const Floats square = x * x + y * y + z * z;
+      store(length + lane, square_root(square));
+      store(inverse_square + lane, 1.0f / square);
+    }
   }
 };
 
-/// Slab test of a vector's lanes with a node's box.
+/// Whether any of a vector's lanes hits a node's box.
 template <bool kMixedSigns>
-inline Ints intersect_box(const Rays& r, const RayInverse& ray, const Node& n, int lane) {
+inline bool hits_box(const Rays& r, const RayConstants& ray, const Node& n, int lane) {
   Floats entry = load(r.near + lane), exit = load(r.far + lane);
   for (int k = 0; k < 3; ++k) {
     const Floats inverse = load(ray.inverse[k] + lane), scaled_origin = load(ray.scaled_origin[k] + lane);
@@ -79,21 +115,24 @@ inline Ints intersect_box(const Rays& r, const RayInverse& ray, const Node& n, i
     entry = maximum(kMixedSigns ? minimum(a, b) : a, entry);
     exit = minimum(kMixedSigns ? maximum(a, b) : b, exit);
   }
-  return entry <= exit;
+  return any_ordered(entry, exit);
 }
 
 /// A vector's lanes, kept in registers while they are intersected with the primitives of a leaf.
 struct Lanes {
-  Floats ox, oy, oz, dx, dy, dz, near, far, s, t;
+  Floats ox, oy, oz, dx, dy, dz, length, ray_error, inverse_square, near, far, s, t;
   Ints surface;
 
-  Lanes(const Rays& r, int lane)
+  Lanes(const Rays& r, const RayConstants& ray, int lane)
       : ox(load(r.origin[0] + lane)),
         oy(load(r.origin[1] + lane)),
         oz(load(r.origin[2] + lane)),
         dx(load(r.direction[0] + lane)),
         dy(load(r.direction[1] + lane)),
         dz(load(r.direction[2] + lane)),
+        length(load(ray.length + lane)),
+        ray_error(float(-kRayError) * length),
+        inverse_square(load(ray.inverse_square + lane)),
         near(load(r.near + lane)),
         far(load(r.far + lane)),
         s(load(r.s + lane)),
@@ -109,30 +148,31 @@ struct Lanes {
 
   void intersect(const Facet& f, std::int32_t id) {
     const Floats x = ox - f.corner[0], y = oy - f.corner[1], z = oz - f.corner[2];
-    const Floats distance = -(x * f.normal[0] + y * f.normal[1] + z * f.normal[2]) /
-                            (dx * f.normal[0] + dy * f.normal[1] + dz * f.normal[2]);
-    if (!any((distance > near) & (distance < far))) return;
+    const Floats inverse = 1.0f / (dx * f.normal[0] + dy * f.normal[1] + dz * f.normal[2]);
+    const Floats distance = -(x * f.normal[0] + y * f.normal[1] + z * f.normal[2]) * inverse;
+    if (!any_between(near, distance, far)) return;
     const Floats px = x + distance * dx, py = y + distance * dy, pz = z + distance * dz;
+    const Floats scale = minimum(maximum(inverse, -inverse) * length, float(kMaxInverseCosine) - Floats{});
+    const Floats limit = ray_error * scale * distance;
     const Floats fs = px * f.s[0] + py * f.s[1] + pz * f.s[2];
     const Floats ft = px * f.t[0] + py * f.t[1] + pz * f.t[2];
-    const Floats third = f.third_edge[0] * (1.0f - fs) + f.third_edge[1] * ft;
-    const Floats fourth = f.fourth_edge[0] * (1.0f - ft) + f.fourth_edge[1] * fs;
-    const Ints hit = (fs >= f.tolerance[0]) & (ft >= f.tolerance[1]) & (third >= f.tolerance[2]) &
-                     (fourth >= f.tolerance[3]) & (distance > near) & (distance < far);
+    const Floats third = px * f.third[0] + py * f.third[1] + pz * f.third[2] + f.third[3];
+    const Floats fourth = px * f.fourth[0] + py * f.fourth[1] + pz * f.fourth[2] + f.fourth[3];
+    const Floats inside = minimum(minimum(fs + f.overlap[0] * scale, ft + f.overlap[1] * scale),
+                                  minimum(third + f.overlap[2] * scale, fourth + f.overlap[3] * scale));
+    const Ints hit = (inside >= limit) & (distance > near) & (distance < far);
     far = hit ? distance : far;
-    s = hit ? f.offset + f.sign * fs : s;
-    t = hit ? f.offset + f.sign * ft : t;
+    s = hit ? f.offset + f.scale[0] * fs : s;
+    t = hit ? f.offset + f.scale[1] * ft : t;
     surface = hit ? id - Ints{} : surface;
   }
 
   void intersect(const Sphere& b, std::int32_t id) {
     const Floats x = b.center[0] - ox, y = b.center[1] - oy, z = b.center[2] - oz;
-    const Floats scale = 1.0f / (dx * dx + dy * dy + dz * dz);
-    const Floats t_middle = (x * dx + y * dy + z * dz) * scale;
+    const Floats t_middle = (x * dx + y * dy + z * dz) * inverse_square;
     const Floats off_x = x - t_middle * dx, off_y = y - t_middle * dy, off_z = z - t_middle * dz;
     const Floats discriminant = b.radius * b.radius - (off_x * off_x + off_y * off_y + off_z * off_z);
-    Floats half_chord = maximum(discriminant, Floats{}) * scale;
-    for (int k = 0; k < kWidth; ++k) half_chord[k] = __builtin_sqrtf(half_chord[k]);
+    const Floats half_chord = square_root(maximum(discriminant, Floats{}) * inverse_square);
     const Floats entry = t_middle - half_chord, exit = t_middle + half_chord;
     const Floats distance = entry > near ? entry : exit;
     const Ints hit = (discriminant >= 0.0f) & (distance > near) & (distance < far);
@@ -142,21 +182,22 @@ struct Lanes {
 };
 
 std::uint32_t hit_lanes(const Rays& rays) {
-  std::uint32_t bits = 0;
-  for (int lane = 0; lane < kLanes; ++lane) bits |= std::uint32_t(rays.surface[lane] >= 0) << lane;
-  return bits;
+  std::uint32_t lanes = 0;
+  for (int lane = 0; lane < kLanes; lane += kWidth)
+    lanes |= bits(*reinterpret_cast<const Ints*>(rays.surface + lane) >= 0) << lane;
+  return lanes;
 }
 
 /// Traverses the nodes front to back, in the order of the first lane.
 template <bool kMixedSigns>
-void traverse(const Bvh& bvh, Rays& rays, const RayInverse& ray, std::uint32_t occlusion_lanes) {
+void traverse(const Bvh& bvh, Rays& rays, const RayConstants& ray, std::uint32_t occlusion_lanes) {
   std::int32_t stack[kMaxDepth + 2];
   int stack_size = 0;
   stack[stack_size++] = 0;
   while (stack_size > 0) {
     const Node& node = bvh.nodes[stack[--stack_size]];
     int lane = 0;
-    while (lane < kLanes && !any(intersect_box<kMixedSigns>(rays, ray, node, lane))) lane += kWidth;
+    while (lane < kLanes && !hits_box<kMixedSigns>(rays, ray, node, lane)) lane += kWidth;
     if (lane == kLanes) continue;
     if (node.count == 0) {
       const bool backwards = rays.direction[node.axis][0] < 0;
@@ -165,7 +206,7 @@ void traverse(const Bvh& bvh, Rays& rays, const RayInverse& ray, std::uint32_t o
       continue;
     }
     do {
-      Lanes lanes(rays, lane);
+      Lanes lanes(rays, ray, lane);
       for (std::int32_t k = node.first; k < node.first + node.count; ++k) {
         const PrimitiveReference& reference = bvh.references[k];
         if (reference.surface % 2 == 0)
@@ -175,7 +216,7 @@ void traverse(const Bvh& bvh, Rays& rays, const RayInverse& ray, std::uint32_t o
       }
       lanes.store_to(rays, lane);
       do lane += kWidth;
-      while (lane < kLanes && !any(intersect_box<kMixedSigns>(rays, ray, node, lane)));
+      while (lane < kLanes && !hits_box<kMixedSigns>(rays, ray, node, lane));
     } while (lane < kLanes);
     if (occlusion_lanes != 0 && (occlusion_lanes & ~hit_lanes(rays)) == 0) return;
   }
@@ -184,9 +225,8 @@ void traverse(const Bvh& bvh, Rays& rays, const RayInverse& ray, std::uint32_t o
 }  // namespace
 
 void JOIN(trace_width_, PACKET_WIDTH)(const Bvh& bvh, Rays& rays, std::uint32_t occlusion_lanes) {
-  const RayInverse inverse(rays);
-  inverse.mixed_signs ? traverse<true>(bvh, rays, inverse, occlusion_lanes)
-                      : traverse<false>(bvh, rays, inverse, occlusion_lanes);
+  const RayConstants ray(rays);
+  ray.mixed_signs ? traverse<true>(bvh, rays, ray, occlusion_lanes) : traverse<false>(bvh, rays, ray, occlusion_lanes);
 }
 
 }  // namespace patchlight::packet

@@ -6,13 +6,30 @@ namespace patchlight::packet {
 
 constexpr int kLanes = 16;
 
-/// A quad or a triangle: the points of its plane where four linear functions, s, t, `third_edge` and `fourth_edge`, are
-/// at least their tolerance, a small negative number.
+/// Bounds of rounding errors, with the unit roundoff u, for a ray from its origin o to a point p of a facet at distance
+/// T, both relative to the facet's corner; n is the facet's normal (Higham 2002, section 3.1; Pharr et al. 2023,
+/// section 6.8). o is rounded by u |o_k| in coordinate k, and |o_k| <= |p_k| + T. Its height over the plane is rounded
+/// by 5 u sum |o_k n_k|: o and n by u each and the sum by 3 u. The ray's cosine is rounded by 4 u and their quotient by
+/// 2 u. The computed point is thus off the plane by 5 u sum |p_k n_k| + 11 u T; since it is on the ray, it is off p by
+/// this over the cosine. It is itself rounded by u (|p_k| + |o_k| + T), and its distance from an edge with the unit
+/// normal e by 7 u sum |p_k e_k| more.
+///
+/// A facet therefore overlaps its edges by (kPlaneError sum |p_k n_k| + kEdgeError sum |p_k e_k| + kRayError T) /
+/// cosine, and by the rounding of the vertices: a ray that meets an edge hits one of its facets. Rays with a cosine
+/// below 1 / kMaxInverseCosine have the overlap of that cosine, lest they hit facets that they are almost parallel to
+/// far from their edges.
+constexpr double kUnitRoundoff = 0x1p-24;
+constexpr double kPlaneError = 5 * kUnitRoundoff, kEdgeError = 12 * kUnitRoundoff, kRayError = 14 * kUnitRoundoff;
+constexpr double kMaxInverseCosine = 256;
+
+/// A quad or a triangle: the points of its plane that are inside its edges, or outside by no more than
+/// (overlap + kRayError * distance along the ray) / cosine of the ray. Positions are relative to the corner.
 struct Facet {
-  float corner[3], normal[3], s[3], t[3];  ///< A corner, the unit normal, and the gradients of s and t.
-  float third_edge[2], fourth_edge[2];     ///< (x,y) of x (1 - s) + y t and of x (1 - t) + y s.
-  float tolerance[4];
-  float offset, sign;  ///< The hit's (s,t) is offset + sign * (s,t) of the facet.
+  float corner[3], normal[3];  ///< A corner and the unit normal.
+  float s[3], t[3];            ///< Inward unit normals of the edges s = 0 and t = 0, which meet at the corner.
+  float third[4], fourth[4];   ///< The same of the edges opposite to them, and the corner's distance from each.
+  float overlap[4];            ///< At the edges s = 0, t = 0, third and fourth, m.
+  float offset, scale[2];      ///< The hit's (s,t) is offset + scale * (distances from the edges s = 0 and t = 0).
 };
 
 struct Sphere {

@@ -16,10 +16,10 @@ namespace patchlight {
 /// two to three times as fast as Embree.
 class PacketTracer {
  public:
-  /// Adds quad number `index`. A quad that is not planar within `precision`, m, becomes the triangles (0,1,3) and
-  /// (2,3,1) as in Embree; (s,t) of the second is (1,1) minus (s,t) in the frame of its edges at corner 2. Returns
-  /// whether the quad is planar.
-  bool add_quad(const std::array<Vec3d, 4>& corners, double precision, std::int32_t index);
+  /// Adds quad number `index`, whose corners are floats. A quad that is not planar within the rounding of its corners
+  /// becomes the triangles (0,1,3) and (2,3,1) as in Embree; (s,t) of the second is (1,1) minus (s,t) in the frame of
+  /// its edges at corner 2. Returns whether the quad is planar.
+  bool add_quad(const std::array<Vec3d, 4>& corners, std::int32_t index);
   void add_sphere(const Vec3d& center, double radius, std::int32_t index);
   /// Call once, after all primitives are added and before the first ray.
   void build();
@@ -35,8 +35,7 @@ class PacketTracer {
 
  private:
   void add_reference(std::int32_t surface, std::size_t shape, const Imath::Box3d& box);
-  void add_facet(const Vec3d& corner, const Vec3d& along_s, const Vec3d& along_t, const Vec2f& shape, double precision,
-                 bool second);
+  void add_facet(const std::array<Vec3d, 4>& corners, std::int32_t surface, bool second);
   void trace(packet::Rays& rays, std::uint32_t occlusion_lanes) const;
 
   const packet::TraceFunction trace_ = packet::fastest_trace();

@@ -8,25 +8,44 @@
 
 #include "pipeline/optics/intersect/alpha_mask.h"
 #include "pipeline/optics/intersect/quad_shape.h"
+#include "pipeline/optics/intersect/rounding.h"
 
 namespace patchlight {
 
 namespace {
 
-// Intersection points with planes are accurate to about 8 units in the last place; with spheres, because of
-// cancellation, to about 32.
-constexpr float kPlaneOffset = 0x1p-20f;
-constexpr float kSphereOffset = 0x1p-18f;
+constexpr float kMinOffset = 1e-20f;
 
-// Overlap of surfaces beyond their edges, relative to the scene's size, so that no ray passes between neighbours.
-constexpr double kEdgeOverlap = 0x1p-21;
+/// Bound of the distances, along the normal, of ray origins on a quad from the plane that is traced. With the unit
+/// roundoff u, the largest coordinates M_k and the extents D_k of the quad: its corners are rounded by u M_k, which
+/// moves its plane by up to 3 u M_k; origins are rounded by u M_k when they are computed, and again when they are
+/// offset, and, where they are interpolated between corners, by 2 u M_k + 5 u D_k; the tracers round the height of an
+/// origin over the plane by 5 u D_k. An axis-aligned quad thus has an offset from its own height alone, whatever its
+/// extent.
+/// At least kMinOffset, since Embree finds planes through the origin of a ray.
+float quad_offset(const std::array<Vec3d, 4>& corners, const Vec3d& normal) {
+  Vec3d size(0.0);
+  Imath::Box3d box;
+  for (const Vec3d& corner : corners) {
+    for (int k = 0; k < 3; ++k) size[k] = std::max(size[k], std::abs(corner[k]));
+    box.extendBy(corner);
+  }
+  const double error = kUnitRoundoff * (8 * absolute_dot(normal, size) + 10 * absolute_dot(normal, box.size()));
+  return std::max(float(error), kMinOffset);
+}
+
+/// The same for a sphere: its centre and origins are rounded by 3 u (|centre_k| + radius), and the tracers round the
+/// square of an origin's distance from the centre by 16 u radius^2, which is 8 u radius of the distance.
+float sphere_offset(const Vec3d& center, double radius) {
+  return float(kUnitRoundoff * (4 * center.length() + 16 * radius));
+}
+
+// Part of a shadow ray's length by which it ends before its end, where a surface may be: the tracers round distances by
+// 10 u, and directions and the given distance are rounded by u each.
+constexpr float kShadowEnd = 0x1p-20f;
 
 static_assert(2 * RayScene::kMaxPacketPrimitives <= 0xffff,
               "a leaf may hold all primitives, and a bent quad is two facets");
-
-float max_component(const Vec3f& v) {
-  return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-}
 
 std::uint32_t active_lanes(const RayPacket& packet) {
   std::uint32_t active = 0;
@@ -76,7 +95,7 @@ void RayPacket::set(int lane, const Vec3f& origin, const Vec3f& direction, float
 
 void RayPacket::set_shadow(int lane, const Vec3f& origin, const Vec3f& direction, float distance) {
   set(lane, origin, direction);
-  rays.ray.tfar[lane] = distance;
+  rays.ray.tfar[lane] = distance * (1.0f - kShadowEnd);
 }
 
 RayScene::RayScene(const PatchSet& scene, std::size_t max_packet_primitives) {
@@ -93,14 +112,14 @@ RayScene::RayScene(const PatchSet& scene, std::size_t max_packet_primitives) {
     masked_embree_ = EmbreeTracer::create();
     scene_ = &scene;
   }
-  add_quads(scene, max_component(Vec3f(bounds.max - origin_)));
+  add_quads(scene);
   add_spheres(scene);
   if (packet_tracer_) packet_tracer_->build();
   if (embree_) embree_->build();
   if (masked_embree_) masked_embree_->build();
 }
 
-void RayScene::add_quads(const PatchSet& scene, float extent) {
+void RayScene::add_quads(const PatchSet& scene) {
   std::vector<std::array<Vec3f, 4>> corners, masked_corners;
   std::vector<Quad> masked;
   for (std::size_t i = 0; i < scene.primitives.size(); ++i) {
@@ -108,14 +127,12 @@ void RayScene::add_quads(const PatchSet& scene, float extent) {
     if (p.shape != Primitive::Shape::quad) continue;
     std::array<Vec3f, 4> local;
     std::array<Vec3d, 4> exact;
-    float size = 0;
     for (int k = 0; k < 4; ++k) {
       local[k] = to_local(p.corners[k]);
       exact[k] = Vec3d(local[k]);
-      size = std::max(size, max_component(local[k]));
     }
-    offsets_[i] = std::max(size * kPlaneOffset, std::numeric_limits<float>::min());
     const Vec3d normal = ((exact[2] - exact[0]) % (exact[3] - exact[1])).normalized();
+    offsets_[i] = quad_offset(exact, normal);
     const auto sag = float(std::abs((exact[0] - exact[1] + exact[2] - exact[3]) ^ normal) / 4);
     if (sag > offsets_[i]) offsets_[i] += sag;
     if (p.back >= 0 && p.back < std::int32_t(i)) continue;
@@ -125,8 +142,7 @@ void RayScene::add_quads(const PatchSet& scene, float extent) {
       masked_corners.push_back(local);
       continue;
     }
-    const bool plane =
-        packet_tracer_ && packet_tracer_->add_quad(exact, extent * kEdgeOverlap, std::int32_t(quads_.size()));
+    const bool plane = packet_tracer_ && packet_tracer_->add_quad(exact, std::int32_t(quads_.size()));
     quads_.push_back({std::int32_t(i), p.back, shape.x, shape.y, Vec3f(normal), !plane});
     if (!packet_tracer_) corners.push_back(local);
   }
@@ -144,7 +160,7 @@ void RayScene::add_spheres(const PatchSet& scene) {
     if (p.shape != Primitive::Shape::sphere) continue;
     const Vec3f center = to_local(p.sphere_center);
     const float radius = float(std::abs(p.sphere_radius));
-    offsets_[i] = (max_component(center) + radius) * kSphereOffset;
+    offsets_[i] = sphere_offset(Vec3d(center), double(radius));
     if (p.back >= 0 && p.back < std::int32_t(i)) continue;
     if (packet_tracer_)
       packet_tracer_->add_sphere(Vec3d(center), double(radius), std::int32_t(spheres_.size()));

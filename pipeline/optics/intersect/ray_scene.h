@@ -24,7 +24,7 @@ struct alignas(64) RayPacket {
   void clear();
   /// Activates a lane as a ray from `origin` along `direction` (any length), starting at t = `t_near`.
   void set(int lane, const Vec3f& origin, const Vec3f& direction, float t_near = 0.0f);
-  /// Activates a lane as a shadow ray for occluded(), which ends at t = `distance`.
+  /// Activates a lane as a shadow ray for occluded(), which ends at t = `distance`, less its rounding.
   void set_shadow(int lane, const Vec3f& origin, const Vec3f& direction, float distance);
   Vec3f origin(int lane) const { return {rays.ray.org_x[lane], rays.ray.org_y[lane], rays.ray.org_z[lane]}; }
   Vec3f direction(int lane) const { return {rays.ray.dir_x[lane], rays.ray.dir_y[lane], rays.ray.dir_z[lane]}; }
@@ -55,9 +55,9 @@ class RayScene {
 
   Vec3f to_local(const Vec3d& world) const { return Vec3f(world - origin_); }
 
-  /// Offset of ray origins from primitive `i` along its normal that avoids self-intersection, m: some units in the last
-  /// place of the primitive's coordinates, plus, for a quad that is not planar, the largest distance between its
-  /// bilinear surface and the two triangles that are traced.
+  /// Offset of ray origins from primitive `i` along its normal that avoids self-intersection, m: a bound of the
+  /// rounding of its points along the normal, plus, for a quad that is not planar, the largest distance between its
+  /// bilinear surface and the two triangles that are traced. Positive.
   float offset(std::int32_t i) const { return offsets_[i]; }
 
   /// Finds the closest hits of the active lanes. `coherent`: hint for Embree that the rays are similar.
@@ -83,7 +83,7 @@ class RayScene {
     Vec3f center;
   };
 
-  void add_quads(const PatchSet& scene, float extent);
+  void add_quads(const PatchSet& scene);
   void add_spheres(const PatchSet& scene);
   bool accepts_hit(unsigned quad, const Vec2f& at, const Vec3f& origin, const Vec3f& direction, float distance) const;
   SurfaceHit surface_hit(unsigned geometry, unsigned index, float s, float t, const Vec3f& origin,
