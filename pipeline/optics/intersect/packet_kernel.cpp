@@ -70,14 +70,14 @@ inline bool any_between(const Floats& a, const Floats& b, const Floats& c) {
 #endif
 }
 
-/// Per-ray constants. Slab test: a ray hits the plane at coordinate p of an axis at t = p * inverse - scaled_origin.
-struct alignas(64) RayConstants {
+/// Per-ray constants of the slab test: a ray hits the plane at coordinate p of an axis at t = p * inverse -
+/// scaled_origin.
+struct alignas(64) RayInverse {
   float inverse[3][kLanes], scaled_origin[3][kLanes];
-  float length[kLanes], inverse_square[kLanes];  ///< Length of the direction, and 1 / its square.
-  bool mixed_signs = false;                      ///< Whether the directions differ in sign along some axis.
-  std::int32_t near_plane[3], far_plane[3];      ///< Unless mixed: the planes of a box that rays hit first and last.
+  bool mixed_signs = false;                  ///< Whether the directions differ in sign along some axis.
+  std::int32_t near_plane[3], far_plane[3];  ///< Unless mixed: the planes of a box that rays hit first and last.
 
-  explicit RayConstants(const Rays& r) {
+  explicit RayInverse(const Rays& r) {
     constexpr float kMaxInverse = 1e30f;  // for direction components near 0, to avoid NaN
     for (int k = 0; k < 3; ++k) {
       bool forwards = false, backwards = false;
@@ -94,18 +94,12 @@ struct alignas(64) RayConstants {
       near_plane[k] = backwards ? k + 3 : k;
       far_plane[k] = backwards ? k : k + 3;
     }
-    for (int lane = 0; lane < kLanes; lane += kWidth) {
-      const Floats x = load(r.direction[0] + lane), y = load(r.direction[1] + lane), z = load(r.direction[2] + lane);
-      const Floats square = x * x + y * y + z * z;
-      store(length + lane, square_root(square));
-      store(inverse_square + lane, 1.0f / square);
-    }
   }
 };
 
 /// Whether any of a vector's lanes hits a node's box.
 template <bool kMixedSigns>
-inline bool hits_box(const Rays& r, const RayConstants& ray, const Node& n, int lane) {
+inline bool hits_box(const Rays& r, const RayInverse& ray, const Node& n, int lane) {
   Floats entry = load(r.near + lane), exit = load(r.far + lane);
   for (int k = 0; k < 3; ++k) {
     const Floats inverse = load(ray.inverse[k] + lane), scaled_origin = load(ray.scaled_origin[k] + lane);
@@ -120,19 +114,16 @@ inline bool hits_box(const Rays& r, const RayConstants& ray, const Node& n, int 
 
 /// A vector's lanes, kept in registers while they are intersected with the primitives of a leaf.
 struct Lanes {
-  Floats ox, oy, oz, dx, dy, dz, length, ray_error, inverse_square, near, far, s, t;
+  Floats ox, oy, oz, dx, dy, dz, near, far, s, t;
   Ints surface;
 
-  Lanes(const Rays& r, const RayConstants& ray, int lane)
+  Lanes(const Rays& r, int lane)
       : ox(load(r.origin[0] + lane)),
         oy(load(r.origin[1] + lane)),
         oz(load(r.origin[2] + lane)),
         dx(load(r.direction[0] + lane)),
         dy(load(r.direction[1] + lane)),
         dz(load(r.direction[2] + lane)),
-        length(load(ray.length + lane)),
-        ray_error(float(-kRayError) * length),
-        inverse_square(load(ray.inverse_square + lane)),
         near(load(r.near + lane)),
         far(load(r.far + lane)),
         s(load(r.s + lane)),
@@ -148,19 +139,17 @@ struct Lanes {
 
   void intersect(const Facet& f, std::int32_t id) {
     const Floats x = ox - f.corner[0], y = oy - f.corner[1], z = oz - f.corner[2];
-    const Floats inverse = 1.0f / (dx * f.normal[0] + dy * f.normal[1] + dz * f.normal[2]);
-    const Floats distance = -(x * f.normal[0] + y * f.normal[1] + z * f.normal[2]) * inverse;
+    const Floats distance = -(x * f.normal[0] + y * f.normal[1] + z * f.normal[2]) /
+                            (dx * f.normal[0] + dy * f.normal[1] + dz * f.normal[2]);
     if (!any_between(near, distance, far)) return;
     const Floats px = x + distance * dx, py = y + distance * dy, pz = z + distance * dz;
-    const Floats scale = minimum(maximum(inverse, -inverse) * length, float(kMaxInverseCosine) - Floats{});
-    const Floats limit = ray_error * scale * distance;
+    const Floats limit = float(-kRayError / kMinCosine) * distance;
     const Floats fs = px * f.s[0] + py * f.s[1] + pz * f.s[2];
     const Floats ft = px * f.t[0] + py * f.t[1] + pz * f.t[2];
     const Floats third = px * f.third[0] + py * f.third[1] + pz * f.third[2] + f.third[3];
     const Floats fourth = px * f.fourth[0] + py * f.fourth[1] + pz * f.fourth[2] + f.fourth[3];
-    const Floats inside = minimum(minimum(fs + f.overlap[0] * scale, ft + f.overlap[1] * scale),
-                                  minimum(third + f.overlap[2] * scale, fourth + f.overlap[3] * scale));
-    const Ints hit = (inside >= limit) & (distance > near) & (distance < far);
+    const Ints hit = (fs + f.overlap[0] >= limit) & (ft + f.overlap[1] >= limit) & (third + f.overlap[2] >= limit) &
+                     (fourth + f.overlap[3] >= limit) & (distance > near) & (distance < far);
     far = hit ? distance : far;
     s = hit ? f.offset + f.scale[0] * fs : s;
     t = hit ? f.offset + f.scale[1] * ft : t;
@@ -169,6 +158,7 @@ struct Lanes {
 
   void intersect(const Sphere& b, std::int32_t id) {
     const Floats x = b.center[0] - ox, y = b.center[1] - oy, z = b.center[2] - oz;
+    const Floats inverse_square = 1.0f / (dx * dx + dy * dy + dz * dz);
     const Floats t_middle = (x * dx + y * dy + z * dz) * inverse_square;
     const Floats off_x = x - t_middle * dx, off_y = y - t_middle * dy, off_z = z - t_middle * dz;
     const Floats discriminant = b.radius * b.radius - (off_x * off_x + off_y * off_y + off_z * off_z);
@@ -190,7 +180,7 @@ std::uint32_t hit_lanes(const Rays& rays) {
 
 /// Traverses the nodes front to back, in the order of the first lane.
 template <bool kMixedSigns>
-void traverse(const Bvh& bvh, Rays& rays, const RayConstants& ray, std::uint32_t occlusion_lanes) {
+void traverse(const Bvh& bvh, Rays& rays, const RayInverse& ray, std::uint32_t occlusion_lanes) {
   std::int32_t stack[kMaxDepth + 2];
   int stack_size = 0;
   stack[stack_size++] = 0;
@@ -206,7 +196,7 @@ void traverse(const Bvh& bvh, Rays& rays, const RayConstants& ray, std::uint32_t
       continue;
     }
     do {
-      Lanes lanes(rays, ray, lane);
+      Lanes lanes(rays, lane);
       for (std::int32_t k = node.first; k < node.first + node.count; ++k) {
         const PrimitiveReference& reference = bvh.references[k];
         if (reference.surface % 2 == 0)
@@ -225,7 +215,7 @@ void traverse(const Bvh& bvh, Rays& rays, const RayConstants& ray, std::uint32_t
 }  // namespace
 
 void JOIN(trace_width_, PACKET_WIDTH)(const Bvh& bvh, Rays& rays, std::uint32_t occlusion_lanes) {
-  const RayConstants ray(rays);
+  const RayInverse ray(rays);
   ray.mixed_signs ? traverse<true>(bvh, rays, ray, occlusion_lanes) : traverse<false>(bvh, rays, ray, occlusion_lanes);
 }
 

@@ -15,15 +15,14 @@ constexpr int kLanes = 16;
 /// normal e by 7 u sum |p_k e_k| more.
 ///
 /// A facet therefore overlaps its edges by (kPlaneError sum |p_k n_k| + kEdgeError sum |p_k e_k| + kRayError T) /
-/// cosine, and by the rounding of the vertices: a ray that meets an edge hits one of its facets. Rays with a cosine
-/// below 1 / kMaxInverseCosine have the overlap of that cosine, lest they hit facets that they are almost parallel to
-/// far from their edges.
-constexpr double kUnitRoundoff = 0x1p-24;
+/// kMinCosine, and by the rounding of the vertices: a ray that meets the edge of a facet with a larger cosine hits one
+/// of the edge's facets. (To divide by each ray's cosine would take a sixth of the time.)
+constexpr double kUnitRoundoff = 0x1p-24, kMinCosine = 0.25;
 constexpr double kPlaneError = 5 * kUnitRoundoff, kEdgeError = 12 * kUnitRoundoff, kRayError = 14 * kUnitRoundoff;
-constexpr double kMaxInverseCosine = 256;
 
-/// A quad or a triangle: the points of its plane that are inside its edges, or outside by no more than
-/// (overlap + kRayError * distance along the ray) / cosine of the ray. Positions are relative to the corner.
+/// A quad or a triangle: the points of its plane that are inside its edges, or outside by no more than overlap +
+/// kRayError / kMinCosine * distance, along a ray with a direction of unit length. Positions are relative to the
+/// corner.
 struct Facet {
   float corner[3], normal[3];  ///< A corner and the unit normal.
   float s[3], t[3];            ///< Inward unit normals of the edges s = 0 and t = 0, which meet at the corner.

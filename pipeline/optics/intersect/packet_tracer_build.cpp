@@ -158,8 +158,9 @@ void PacketTracer::add_facet(const std::array<Vec3d, 4>& c, std::int32_t surface
   const auto set_edge = [&](int k, float* to, const Vec3d& a, const Vec3d& b) {
     const Vec3d edge = (normal % (b - a)).normalized();
     const auto error = [&](const Vec3d& end) {
-      return packet::kPlaneError * absolute_dot(normal, end - c[0]) +
-             packet::kEdgeError * absolute_dot(edge, end - c[0]) +
+      return (packet::kPlaneError * absolute_dot(normal, end - c[0]) +
+              packet::kEdgeError * absolute_dot(edge, end - c[0])) /
+                 packet::kMinCosine +
              kUnitRoundoff * (absolute_dot(normal, end) + absolute_dot(edge, end));
     };
     for (int axis = 0; axis < 3; ++axis) to[axis] = float(edge[axis]);
