@@ -174,18 +174,19 @@ class DirectFactors::EmitterSampler {
     constexpr std::array<double, 2> kTwoWeights{0.5, 0.5};
     constexpr std::array<double, 4> kFourWeights{0.1739274226, 0.3260725774, 0.3260725774, 0.1739274226};
     const Patch& patch = parent_.receivers_[row];
-    if (const VisibleDensity* density = parent_.densities_.find(row)) {
-      const PatchSampler sampler = patch_sampler(row);
-      double sum = 0;
-      density->for_each_cell([&](const Vec2f& at, float weight) {
-        const SurfacePoint point = sampler(at.x, at.y);
-        if (weight > 0) sum += double(weight) * light_.form_factor(point.position, point.normal);
-      });
-      return sum;
-    }
     if (light_.distance(patch.center) > kFarForCentre * std::sqrt(patch.area))
       return light_.form_factor(patch.center, patch.normal);
     const PatchSampler sampler = patch_sampler(row);
+    if (const VisibleDensity* density = parent_.densities_.find(row)) {
+      constexpr int kSide = 8;
+      double sum = 0;
+      for (int k = 0; k < kSide * kSide; ++k) {
+        const Vec2f at = (*density)(Vec2f(float(k % kSide) + 0.5f, float(k / kSide) + 0.5f) / float(kSide));
+        const SurfacePoint point = sampler(at.x, at.y);
+        sum += light_.form_factor(point.position, point.normal);
+      }
+      return sum / (kSide * kSide);
+    }
     const auto integrate = [&](const auto& places, const auto& weights) {
       double sum = 0;
       for (std::size_t j = 0; j < places.size(); ++j)

@@ -4,6 +4,7 @@
 #include <xmmintrin.h>
 
 #include <algorithm>
+#include <numeric>
 #include <optional>
 
 #include "pipeline/optics/sampling/patch_sampling.h"
@@ -23,37 +24,59 @@ struct Hits {
   int lit = 0, nothing = 0, backs = 0;
 };
 
+constexpr int kBlocks = VisibleDensity::kCells / kBlock;
+
+/// Index of the cell of a block.
+int cell_of(int block, int lane) {
+  const int x = block % kBlocks * kBlock + lane % kBlock, y = block / kBlocks * kBlock + lane / kBlock;
+  return y * VisibleDensity::kCells + x;
+}
+
+/// Directions about +Z with the density cos / pi, two for each cell. Those of a block are alike, which is faster: they
+/// lie in one of 4 x 4 parts of the hemisphere.
+std::vector<Vec3f> ray_directions() {
+  std::vector<Vec3f> directions(VisibleDensity::kRays);
+  for (int block = 0; block < kBlocks * kBlocks; ++block)
+    for (int round = 0; round < 2; ++round)
+      for (int lane = 0; lane < RayPacket::kSize; ++lane) {
+        const int k = 2 * cell_of(block, lane) + round, part = (5 * block + 8 * round) % 16;
+        const Vec2f inside = kronecker2(std::uint64_t(k), 0);
+        directions[k] = cosine_direction((float(part % 4) + inside.x) / 4, (float(part / 4) + inside.y) / 4);
+      }
+  return directions;
+}
+
 }  // namespace
 
 VisibleDensity::VisibleDensity(const PatchSet& scene, const RayScene& ray_scene, const Patch& patch,
                                std::uint64_t random)
-    : random_(random), probability_(kCells * kCells, 1.0f / float(kCells * kCells)) {
-  row_probability_.fill(1.0f / kCells);
-  if (scene.primitives[patch.primitive].mask >= 0) return;
+    : random_(random), cell_sums_(kCells * kCells, 1.0f) {
+  if (scene.primitives[patch.primitive].mask >= 0) {
+    accumulate();
+    return;
+  }
   const PatchSampler sampler(scene.primitives[patch.primitive], patch);
   const float offset = ray_scene.offset(patch.primitive);
-  constexpr int kPoints = RayPacket::kSize / 2, kBlocks = kCells / kBlock;
+  static const std::vector<Vec3f> kDirections = ray_directions();
   std::vector<Hits> cells(kCells * kCells), blocks(kBlocks * kBlocks);
-  for (int first = 0; first < kCells * kCells; first += kPoints) {
-    const std::uint64_t packet_random = hash64(random + std::uint64_t(first));
-    const auto directions = stratified_directions(packet_random);
-    RayPacket packet;
-    packet.clear();
-    for (int lane = 0; lane < RayPacket::kSize; ++lane) {
-      const int k = first + lane % kPoints;
-      const Vec2f at = point(k);
-      leave_surface(lane, ray_scene, sampler(at.x, at.y), offset, directions[lane], packet);
+  for (int block = 0; block < kBlocks * kBlocks; ++block)
+    for (int round = 0; round < 2; ++round) {
+      RayPacket packet;
+      packet.clear();
+      for (int lane = 0; lane < RayPacket::kSize; ++lane) {
+        const int k = cell_of(block, lane);
+        const Vec2f at = point(k);
+        leave_surface(lane, ray_scene, sampler(at.x, at.y), offset, kDirections[2 * k + round], packet);
+      }
+      ray_scene.intersect(packet, true);
+      for (int lane = 0; lane < RayPacket::kSize; ++lane) {
+        const SurfaceHit hit = ray_scene.hit(packet, lane);
+        for (Hits* hits : {&cells[cell_of(block, lane)], &blocks[block]})
+          ++(hit.front || (hit.primitive < 0 && scene.environment) ? hits->lit
+             : hit.primitive >= 0                                  ? hits->backs
+                                                                   : hits->nothing);
+      }
     }
-    ray_scene.intersect(packet, false);
-    for (int lane = 0; lane < RayPacket::kSize; ++lane) {
-      const SurfaceHit hit = ray_scene.hit(packet, lane);
-      const int k = first + lane % kPoints;
-      for (Hits* hits : {&cells[k], &blocks[k / kCells / kBlock * kBlocks + k % kCells / kBlock]})
-        ++(hit.front || (hit.primitive < 0 && scene.environment) ? hits->lit
-           : hit.primitive >= 0                                  ? hits->backs
-                                                                 : hits->nothing);
-    }
-  }
   Hits inside;  // from blocks that see lit surfaces and no backs
   for (const Hits& block : blocks)
     if (block.backs == 0 && block.lit > 0) inside.lit += block.lit, inside.nothing += block.nothing;
@@ -61,19 +84,25 @@ VisibleDensity::VisibleDensity(const PatchSet& scene, const RayScene& ray_scene,
   float sum = 0, squares = 0;  // of V and V^2
   for (int k = 0; k < kCells * kCells; ++k) {
     const int visible = cells[k].lit + (open ? cells[k].nothing : 0);
-    probability_[k] = 0.5f * float(visible);
-    sum += probability_[k];
+    cell_sums_[k] = 0.5f * float(visible);
+    sum += cell_sums_[k];
     squares += visible == 2 ? 1.0f : 0.0f;
   }
   if (sum < kMinOpen * float(kCells * kCells) || squares == 0) {
-    std::fill(probability_.begin(), probability_.end(), 1.0f / float(kCells * kCells));
+    std::fill(cell_sums_.begin(), cell_sums_.end(), 1.0f);
+    accumulate();
     return;
   }
   visible_fraction_ = std::min(1.0f, sum * sum / (squares * float(kCells * kCells)));
-  for (float& p : probability_) p /= sum;
+  accumulate();
+}
+
+/// Turns relative probabilities into sums: of each row's first cells, and of the first rows.
+void VisibleDensity::accumulate() {
   for (int y = 0; y < kCells; ++y) {
-    row_probability_[y] = 0;
-    for (int x = 0; x < kCells; ++x) row_probability_[y] += probability_[y * kCells + x];
+    const auto row = cell_sums_.begin() + y * kCells;
+    std::partial_sum(row, row + kCells, row);
+    row_sums_[y] = row[kCells - 1] + (y > 0 ? row_sums_[y - 1] : 0.0f);
   }
 }
 
@@ -83,15 +112,15 @@ Vec2f VisibleDensity::point(int cell) const {
 }
 
 Vec2f VisibleDensity::operator()(const Vec2f& at) const {
-  const auto invert = [](const float* probabilities, float total, float x) {
-    float rest = x * total;
-    int k = 0;
-    while (k + 1 < kCells && (rest >= probabilities[k] || probabilities[k] <= 0)) rest -= probabilities[k++];
-    return std::pair(k, probabilities[k] > 0 ? std::clamp(rest / probabilities[k], 0.0f, 1.0f) : 0.5f);
+  const auto invert = [](const float* sums, float x) {
+    const float sum = x * sums[kCells - 1];
+    const auto k = int(std::upper_bound(sums, sums + kCells - 1, sum) - sums);
+    const float below = k > 0 ? sums[k - 1] : 0.0f, width = sums[k] - below;
+    return std::pair(k, width > 0 ? std::clamp((sum - below) / width, 0.0f, 1.0f) : 0.5f);
   };
   constexpr float kReach = 0.25f / kCells;  // about a point, so that starts beside a visible point are visible too
-  const auto [row, y] = invert(row_probability_.data(), 1.0f, at.y);
-  const auto [column, x] = invert(probability_.data() + row * kCells, row_probability_[row], at.x);
+  const auto [row, y] = invert(row_sums_.data(), at.y);
+  const auto [column, x] = invert(cell_sums_.data() + row * kCells, at.x);
   const Vec2f around = point(row * kCells + column) + Vec2f(x - 0.5f, y - 0.5f) * kReach;
   return {std::clamp(around.x, 0.0f, 1.0f), std::clamp(around.y, 0.0f, 1.0f)};
 }

@@ -29,22 +29,17 @@ class VisibleDensity {
   /// E[V]^2 / E[V^2], in (0,1]: the part of the area that is visible, if the rest is not visible at all.
   float visible_fraction() const { return visible_fraction_; }
 
-  /// Calls act(at, weight) for the point of each cell; the weights add up to 1.
-  template <class Act>
-  void for_each_cell(Act act) const {
-    for (int k = 0; k < kCells * kCells; ++k) act(point(k), probability_[k]);
-  }
-
   static constexpr int kCells = 24;                  ///< Along a side of the unit square.
   static constexpr int kRays = 2 * kCells * kCells;  ///< That the constructor casts.
 
  private:
+  void accumulate();
   /// The point of a cell where its openness is measured.
   Vec2f point(int cell) const;
 
   std::uint64_t random_ = 0;
-  std::vector<float> probability_;  ///< [kCells * kCells] Of each cell, in rows of growing x.
-  std::array<float, kCells> row_probability_;
+  std::vector<float> cell_sums_;        ///< [kCells * kCells] Relative probability of each row's cells up to this one.
+  std::array<float, kCells> row_sums_;  ///< The same of rows.
   float visible_fraction_ = 1.0f;
 };
 
