@@ -26,9 +26,12 @@ std::unique_ptr<FormFactorSource> make_form_factors(const PatchSet& scene, const
   return std::make_unique<RayFormFactors>(scene, std::uint64_t(config.seed));
 }
 
-/// Solves with more and more rays a row until the error bound is below the target, or memory runs out.
+/// Solves to smaller tolerances and with more and more rays a row until the error bound is below the target, or memory
+/// runs out.
 EnergyField solve_to_target(const PatchSet& scene, SolveConfig config, Transport& transport, Progress& progress) {
   constexpr int kMaxRays = 1 << 22;
+  constexpr double kMaxResidualPart = 0.2;  // of the error bound; a smaller tolerance takes less time than more rays
+  constexpr double kMinTolerance = 1e-9;
   constexpr double kMargin = 1.2;  // more rays than predicted, since a solve above the target must be repeated
   if (config.error_target > 0) config.tolerance = std::min(config.tolerance, config.error_target / 20);
   const bool has_rows = transport.key == transport_key(scene.geometry_key, config);
@@ -38,6 +41,10 @@ EnergyField solve_to_target(const PatchSet& scene, SolveConfig config, Transport
     energy.rays = cast += energy.rays;
     const double bound = energy.estimate->error_bound;
     if (config.error_target == 0 || bound <= config.error_target) return energy;
+    if (energy.estimate->error_residual > kMaxResidualPart * bound && config.tolerance > kMinTolerance) {
+      config.tolerance *= 0.1;
+      continue;
+    }
     const double factor = std::clamp(kMargin * std::pow(bound / config.error_target, 2), 1.5, 8.0);
     const int more = int(std::min(factor * rays, double(kMaxRays)));
     if (more <= rays || memory_needed(scene, config, more) > memory_allowed(config)) {
@@ -59,9 +66,11 @@ std::string summary(const PatchSet& scene, const EnergyField& energy) {
   if (energy.rays > 0) text += fmt::format("{:.3g} million rays, ", double(energy.rays) * 1e-6);
   text += fmt::format("residual {:.2g}, ", energy.residual);
   if (energy.estimate)
-    text += fmt::format("error {:.2g}% (95% bound {:.2g}%), balance {:.2g}%, reciprocity {:.2g}%, ",
-                        100 * energy.estimate->error, 100 * energy.estimate->error_bound,
-                        100 * energy.estimate->balance, 100 * energy.estimate->reciprocity);
+    text += fmt::format(
+        "error {:.2g}% (95% bound {:.2g}%), local error {:.2g}% (95% bound {:.2g}%), balance {:.2g}%, "
+        "reciprocity {:.2g}%, ",
+        100 * energy.estimate->error, 100 * energy.estimate->error_bound, 100 * energy.estimate->error_local_estimate,
+        100 * energy.estimate->error_local, 100 * energy.estimate->balance, 100 * energy.estimate->reciprocity);
   return text + fmt::format("{:.2f} s", energy.seconds);
 }
 

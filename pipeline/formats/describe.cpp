@@ -130,6 +130,9 @@ std::string describe(const EnergyField& energy) {
   if (const auto& e = energy.estimate)
     text +=
         fmt::format("error       {:.2g}%, below {:.2g}% in 19 of 20 solves\n", 100 * e->error, 100 * e->error_bound);
+  if (const auto& e = energy.estimate; e && e->error_local != e->kUnknown)
+    text += fmt::format("local error {:.2g}%, below {:.2g}% on 95% of the area\n", 100 * e->error_local_estimate,
+                        100 * e->error_local);
   text += "light groups (largest irradiance, W/m2)\n";
   for (const auto& group : energy.groups) {
     float direct = 0, indirect = 0;

@@ -1,5 +1,6 @@
 #include "pipeline/model/energy_field.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -46,6 +47,27 @@ double radiosity_error(const PatchSet& scene, const EnergyField& energy, const E
   }
   if (difference == 0) return 0;
   return norm > 0 ? std::sqrt(difference / norm) : std::numeric_limits<double>::infinity();
+}
+
+double weighted_percentile(std::vector<std::pair<double, double>> weighted, double level) {
+  std::sort(weighted.begin(), weighted.end());
+  double total = 0, sum = 0;
+  for (const auto& [value, weight] : weighted) total += weight;
+  for (const auto& [value, weight] : weighted)
+    if ((sum += weight) >= level * total) return value;
+  return weighted.empty() ? 0.0 : weighted.back().first;
+}
+
+double local_radiosity_error(const PatchSet& scene, const EnergyField& energy, const EnergyField& reference) {
+  const std::vector<Color> a = radiosity(scene, energy), b = radiosity(scene, reference);
+  std::vector<std::pair<double, double>> errors;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const Patch& patch = scene.patches[i];
+    if (patch.emission != Color(0.0f) || patch.reflectance == Color(0.0f)) continue;
+    const double difference = (a[i] - b[i]).length();
+    errors.emplace_back(difference == 0 ? 0.0 : difference / double(b[i].length()), patch.covered_area());
+  }
+  return weighted_percentile(std::move(errors), 0.95);
 }
 
 }  // namespace patchlight

@@ -1,7 +1,9 @@
 #pragma once
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "pipeline/model/display_mesh.h"
@@ -27,11 +29,16 @@ struct EnergyField {
 
   /// A solve's estimate of its own error.
   struct Estimate {
-    double error = 0.0;            ///< Expected radiosity_error() against the exact solution on the same patches.
-    double error_bound = 0.0;      ///< 95% upper bound of the error.
-    double balance = 0.0;          ///< Emitted power minus absorbed and escaped power, over emitted power.
-    double reciprocity = 0.0;      ///< Area-weighted relative L2 difference of sum_i A_i F_ij and A_j.
-    std::vector<Color> deviation;  ///< [patches] W/m2, standard error of the radiosity, from two sample sets.
+    static constexpr double kUnknown = std::numeric_limits<double>::infinity();
+
+    double error = 0.0;                 ///< Expected radiosity_error() against the exact solution on the same patches.
+    double error_bound = 0.0;           ///< 95% upper bound of the error.
+    double error_residual = 0.0;        ///< Part of `error` that the linear system's residual causes.
+    double error_local = kUnknown;      ///< 95% upper bound of the local_radiosity_error(); kUnknown in old files.
+    double error_local_estimate = 0.0;  ///< Expected local_radiosity_error().
+    double balance = 0.0;               ///< Emitted power minus absorbed and escaped power, over emitted power.
+    double reciprocity = 0.0;           ///< Area-weighted relative L2 difference of sum_i A_i F_ij and A_j.
+    std::vector<Color> deviation;       ///< [patches] W/m2, standard error of the radiosity, from two sample sets.
   };
 
   /// Residuals before each iteration and after the last.
@@ -71,5 +78,14 @@ std::vector<Color> radiosity(const PatchSet& scene, const EnergyField& energy);
 /// radiosity would hide the rest. Both solutions belong to `scene`. 0 if they are equal, infinite if only `reference`
 /// is black.
 double radiosity_error(const PatchSet& scene, const EnergyField& energy, const EnergyField& reference);
+
+/// Smallest value that bounds the values of at least the part `level`, in [0,1], of the total weight; 0 without values.
+/// `weighted`: pairs of a value and its weight.
+double weighted_percentile(std::vector<std::pair<double, double>> weighted, double level);
+
+/// Local error: the 95th percentile, by area, of the relative difference of reflected radiosity at a patch, over
+/// patches that reflect and do not emit. A bright place does not hide the error of a dark one. Infinite where only
+/// `reference` is black.
+double local_radiosity_error(const PatchSet& scene, const EnergyField& energy, const EnergyField& reference);
 
 }  // namespace patchlight

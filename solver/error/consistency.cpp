@@ -54,20 +54,29 @@ double reciprocity_error(const Transport& transport, const FormFactorRows& rows,
   return norm > 0 ? std::sqrt(square / norm) : 0.0;
 }
 
-double balance_error(const FormFactorRows& rows, const std::vector<double>& areas, const SpectrumField& reflectance,
-                     const SpectrumField& emission, const SpectrumField& external_irradiance,
-                     const SpectrumField& irradiance) {
-  const SpectrumField row_sums = padded_row_sums(areas.size(), rows);
-  Spectrum emitted, excess;
+EnergyBalance::EnergyBalance(const PatchSet& scene, const FormFactorRows& rows, const std::vector<double>& areas,
+                             const SpectrumField& reflectance, SpectrumField external_irradiance,
+                             const SpectrumField& irradiance)
+    : areas_(areas), reflectance_(reflectance), row_sums_(padded_row_sums(areas.size(), rows)) {
   for (std::size_t i = 0; i < areas.size(); ++i) {
-    const Spectrum area(areas[i]), reflected = reflectance[i] * irradiance[i];
-    emitted += (emission[i] + external_irradiance[i]) * area;
-    excess += ((emission[i] + reflected) * row_sums[i] + external_irradiance[i] - irradiance[i]) * area;
+    const Spectrum area(areas[i]), emission(scene.patches[i].emission), reflected = reflectance[i] * irradiance[i];
+    emitted_ += (emission + external_irradiance[i]) * area;
+    excess_ += ((emission + reflected) * row_sums_[i] + external_irradiance[i] - irradiance[i]) * area;
   }
+}
+
+double EnergyBalance::error() const {
   double worst = 0;
   for (int k = 0; k < 3; ++k)
-    if (emitted.c[k] > 0) worst = std::max(worst, std::abs(excess.c[k]) / emitted.c[k]);
+    if (emitted_.c[k] > 0) worst = std::max(worst, std::abs(excess_.c[k]) / emitted_.c[k]);
   return worst;
+}
+
+Spectrum EnergyBalance::missing_power(const SpectrumField& missing) const {
+  Spectrum power = excess_;
+  for (std::size_t i = 0; i < areas_.size(); ++i)
+    power += (reflectance_[i] * row_sums_[i] * missing[i] - missing[i]) * Spectrum(areas_[i]);
+  return power;
 }
 
 }  // namespace patchlight

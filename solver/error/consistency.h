@@ -10,12 +10,26 @@ std::vector<double> visible_areas(const PatchSet& scene, const Transport& transp
 /// the sum of row j, as an area-weighted relative L2 norm. 0 for exact form factors.
 double reciprocity_error(const Transport& transport, const FormFactorRows& rows, const std::vector<double>& areas);
 
-/// Violation of the energy balance: power that leaves patches and by the row sums reaches patches, minus the power that
-/// patches receive, over the emitted power, of the worst channel. 0 for exact form factors; 0 without emission.
-/// `external_irradiance`, that of lights and the environment, counts as emitted and is part of `irradiance`.
-/// All fields are sums over the light groups, W/m2. Shape: [n].
-double balance_error(const FormFactorRows& rows, const std::vector<double>& areas, const SpectrumField& reflectance,
-                     const SpectrumField& emission, const SpectrumField& external_irradiance,
-                     const SpectrumField& irradiance);
+/// Violation of the energy balance by a solution. All fields are sums over the light groups, W/m2. Shape: [n].
+class EnergyBalance {
+ public:
+  /// `external_irradiance`, that of lights and the environment, counts as emitted and is part of `irradiance`.
+  EnergyBalance(const PatchSet& scene, const FormFactorRows& rows, const std::vector<double>& areas,
+                const SpectrumField& reflectance, SpectrumField external_irradiance, const SpectrumField& irradiance);
+
+  /// Power that leaves patches and by the row sums reaches patches, minus the power that patches receive, over the
+  /// emitted power, of the worst channel. 0 for exact form factors; 0 without emission.
+  double error() const;
+
+  /// The power, W, that patches receive too little in all, once an error of the irradiance is mended by adding
+  /// `missing`, W/m2. Shape: [n].
+  Spectrum missing_power(const SpectrumField& missing) const;
+
+ private:
+  const std::vector<double>& areas_;
+  const SpectrumField& reflectance_;
+  const SpectrumField row_sums_;
+  Spectrum emitted_, excess_;  ///< W.
+};
 
 }  // namespace patchlight

@@ -140,6 +140,11 @@ void add_reflected_light(const RadiositySystem& system, std::span<GroupSolution>
     groups[g].linear = std::move(solves[g]);
   }
   system.rows.gather(fields, &system.reflectance, precision);
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    groups[g].residual = std::move(indirect[g]);
+    for (std::size_t i = 0; i < n; ++i) groups[g].residual[i] = groups[g].reflected[i] - groups[g].residual[i];
+    add(groups[g].mirrored, groups[g].residual);
+  }
 }
 
 }  // namespace

@@ -30,6 +30,7 @@ struct GroupSolution {
   SpectrumField by_photons;       ///< The part of `mirrored` that photons brought.
   SpectrumField reflected;        ///< Light that patches reflect diffusely.
   SpectrumField explicit_deviation, gathered_deviation, mirrored_deviation, reflected_deviation;
+  SpectrumField residual;             ///< What is left of the linear system: F rho (D + H) - H of the solved H.
   SpectrumField external_irradiance;  ///< The light of lights and the environment, which no patch emits.
   bool has_sky = false;               ///< Whether gathered_direct has light of the environment.
   LinearSolve linear;

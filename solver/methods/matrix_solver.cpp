@@ -61,6 +61,7 @@ class FilteredComponents {
     add(indirect, total.irradiance);
     add(group.gathered_deviation, total.deviation);
     add(group.explicit_deviation, total.deviation);
+    add(group.residual, total.residual);
     energy.groups.push_back(
         {name, to_colors(direct, name), to_colors(indirect, name), to_colors(group.gathered_direct, name)});
     if (mirrored_filter_ && !group.by_photons.empty())
@@ -69,9 +70,9 @@ class FilteredComponents {
 
   /// The filters with the components' unfiltered deviations, for the error estimate.
   std::vector<SampledSolution::Filtered> filtered() const {
-    std::vector<SampledSolution::Filtered> result{{&*reflected_filter_, reflected_.deviation}};
-    if (mirrored_filter_) result.push_back({&*mirrored_filter_, mirrored_.deviation});
-    if (sky_filter_) result.push_back({&*sky_filter_, sky_.deviation});
+    std::vector<SampledSolution::Filtered> result{{&*reflected_filter_, &reflected_.deviation}};
+    if (mirrored_filter_) result.push_back({&*mirrored_filter_, &mirrored_.deviation});
+    if (sky_filter_) result.push_back({&*sky_filter_, &sky_.deviation});
     return result;
   }
 
@@ -106,20 +107,20 @@ EnergyField solve_matrix(const PatchSet& scene, const SolveConfig& config, int r
   const std::size_t n = system.areas.size();
   std::vector<GroupSolution> groups = solve_groups(system, config.tolerance, progress);
   record_convergence(scene, groups, config, energy, progress);
-  SpectrumField emission, external_irradiance(n);
-  for (const Patch& patch : scene.patches) emission.emplace_back(patch.emission);
+  SpectrumField external_irradiance(n);
   for (const GroupSolution& group : groups) add(group.external_irradiance, external_irradiance);
 
   const FilteredComponents components(system, groups);
-  SampledSolution total{SpectrumField(n), SpectrumField(n), components.filtered(), energy.residual};
+  SampledSolution total{SpectrumField(n), SpectrumField(n), components.filtered(), SpectrumField(n)};
   for (std::size_t g = 0; g < groups.size(); ++g)
     components.add_group(scene.light_groups[g], std::move(groups[g]), energy, total);
 
-  energy.estimate = estimate_error(scene, system.rows, system.reflectance, system.areas, total);
   const std::vector<double> areas = visible_areas(scene, transport);
+  const EnergyBalance balance(scene, system.rows, areas, system.reflectance, std::move(external_irradiance),
+                              total.irradiance);
+  energy.estimate = estimate_error(scene, system.rows, system.reflectance, system.areas, total, balance);
   energy.estimate->reciprocity = reciprocity_error(transport, system.rows, areas);
-  energy.estimate->balance =
-      balance_error(system.rows, areas, system.reflectance, emission, external_irradiance, total.irradiance);
+  energy.estimate->balance = balance.error();
   return energy;
 }
 

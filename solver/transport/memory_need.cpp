@@ -14,7 +14,7 @@ namespace {
 
 // Bytes, measured: peak resident sets of solves with 10,000 to 1,000,000 patches, 1 to 3 light groups, 16 to 1024 rays.
 constexpr double kBaseBytes = 40e6;
-constexpr double kBytesPerPatch = 600;
+constexpr double kBytesPerPatch = 650;
 constexpr double kBytesPerShardPatch = 150;        // of a patch of a shard's scene, without its row
 constexpr double kBytesPerGroup = 300;             // of a patch and light group, for the matrix method
 constexpr double kBytesPerEmitter = 10;            // of a patch and emitter

@@ -146,10 +146,16 @@ std::string convergence(const Job& job, const EnergyField& energy) {
 std::string error_budget(const EnergyField& energy) {
   std::vector<std::vector<std::string>> rows{{"source", "size", "of what"}};
   if (const auto& e = energy.estimate) {
-    rows.push_back({"sampling", percent(e->error), "reflected radiosity, relative L2 over the patches; expected"});
-    rows.push_back({"sampling, bound", percent(e->error_bound), "95% upper bound of the error"});
+    rows.push_back({"error", percent(e->error), "reflected radiosity, relative L2 over the patches; expected"});
+    rows.push_back({"error, bound", percent(e->error_bound), "95% upper bound of the error"});
+    if (e->error_local != e->kUnknown) {
+      rows.push_back({"error by the residual", percent(e->error_residual), "the part that solve.tolerance leaves"});
+      rows.push_back({"local error", percent(e->error_local_estimate),
+                      "reflected radiosity, relative, below which 95% of the area stays; expected"});
+      rows.push_back({"local error, bound", percent(e->error_local), "95% upper bound of the local error"});
+    }
   } else {
-    rows.push_back({"sampling", "not stated", "only `matrix` states its error"});
+    rows.push_back({"error", "not stated", "only `matrix` states its error"});
   }
   rows.push_back({"residual", fmt::format("{:.2g}", energy.residual),
                   "norm of the remaining residual over the norm of the source term"});

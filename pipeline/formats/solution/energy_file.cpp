@@ -53,6 +53,21 @@ std::vector<EnergyField::Convergence> parse_convergence(const std::string& text)
   return convergence;
 }
 
+EnergyField::Estimate read_estimate(const H5Reader& reader, std::int64_t rows) {
+  EnergyField::Estimate estimate;
+  estimate.error = reader.real("error");
+  estimate.error_bound = reader.real("error_bound");
+  if (reader.has_attribute("error_local")) {  // earlier files have none
+    estimate.error_residual = reader.real("error_residual");
+    estimate.error_local = reader.real("error_local");
+    estimate.error_local_estimate = reader.real("error_local_estimate");
+  }
+  estimate.balance = reader.real("balance");
+  estimate.reciprocity = reader.real("reciprocity");
+  estimate.deviation = read_colors(reader, "/deviation", rows);
+  return estimate;
+}
+
 EnergyField read_fields(const H5Reader& reader, const std::vector<std::string>& groups, std::int64_t rows) {
   EnergyField energy;
   energy.key = reader.text("key");
@@ -65,9 +80,7 @@ EnergyField read_fields(const H5Reader& reader, const std::vector<std::string>& 
   energy.residual = reader.real("residual");
   if (reader.has_attribute("convergence")) energy.convergence = parse_convergence(reader.text("convergence"));
   energy.made = read_provenance(reader);
-  if (reader.has("/deviation"))
-    energy.estimate = {reader.real("error"), reader.real("error_bound"), reader.real("balance"),
-                       reader.real("reciprocity"), read_colors(reader, "/deviation", rows)};
+  if (reader.has("/deviation")) energy.estimate = read_estimate(reader, rows);
   if (reader.has("/display/mesh/roots")) energy.display = read_display_mesh(reader, rows);
   for (const auto& name : groups) {
     const std::string folder = "/groups/" + name + "/";
@@ -111,6 +124,9 @@ void write_energy(const std::filesystem::path& file, const PatchSet& scene, cons
     write_colors(writer, "/deviation", energy.estimate->deviation);
     writer.attribute("error", energy.estimate->error);
     writer.attribute("error_bound", energy.estimate->error_bound);
+    writer.attribute("error_residual", energy.estimate->error_residual);
+    writer.attribute("error_local", energy.estimate->error_local);
+    writer.attribute("error_local_estimate", energy.estimate->error_local_estimate);
     writer.attribute("balance", energy.estimate->balance);
     writer.attribute("reciprocity", energy.estimate->reciprocity);
   }

@@ -80,8 +80,9 @@ TEST_F(ReportPage, AgreesWithTheFiles) {
   EXPECT_THAT(page_, HasSubstr(row("patches", std::to_string(scene.patches.size()))));
   EXPECT_THAT(page_, HasSubstr(row("rays cast by the last solve", std::to_string(energy.rays))));
   EXPECT_THAT(page_, HasSubstr(row("iterations", std::to_string(energy.iterations))));
-  EXPECT_THAT(page_, HasSubstr(row("sampling", fmt::format("{:.2g}%", 100 * energy.estimate->error))));
-  EXPECT_THAT(page_, HasSubstr(row("sampling, bound", fmt::format("{:.2g}%", 100 * energy.estimate->error_bound))));
+  EXPECT_THAT(page_, HasSubstr(row("error", fmt::format("{:.2g}%", 100 * energy.estimate->error))));
+  EXPECT_THAT(page_, HasSubstr(row("error, bound", fmt::format("{:.2g}%", 100 * energy.estimate->error_bound))));
+  EXPECT_THAT(page_, HasSubstr(row("local error, bound", fmt::format("{:.2g}%", 100 * energy.estimate->error_local))));
   EXPECT_THAT(page_, HasSubstr(row("residual", fmt::format("{:.2g}", energy.residual))));
   EXPECT_THAT(page_, HasSubstr(row("balance", fmt::format("{:.2g}%", 100 * energy.estimate->balance))));
   EXPECT_THAT(page_, HasSubstr(row("reciprocity", fmt::format("{:.2g}%", 100 * energy.estimate->reciprocity))));
@@ -150,7 +151,7 @@ TEST_F(ReportPage, HasASectionForEveryVariant) {
     EXPECT_TRUE(shows(std::string("out/") + variant + "/frames/camera.0001.png"));
   }
   EXPECT_THAT(page_, HasSubstr("unshot</text>"));
-  EXPECT_THAT(page_, HasSubstr(row("sampling", "not stated")));
+  EXPECT_THAT(page_, HasSubstr(row("error", "not stated")));
 }
 
 TEST_F(ReportPage, ShowsEveryCameraAndLightGroupOfALargerScene) {
@@ -167,7 +168,7 @@ TEST_F(ReportPage, ShowsEveryCameraAndLightGroupOfALargerScene) {
   const EnergyField energy = read_energy(folder_ / "out/energy.h5");
   for (const auto& group : energy.groups) EXPECT_THAT(page_, HasSubstr(group.name + "</text>"));
   EXPECT_THAT(page_, HasSubstr(row("iterations", std::to_string(energy.iterations))));
-  EXPECT_THAT(page_, HasSubstr(row("sampling", fmt::format("{:.2g}%", 100 * energy.estimate->error))));
+  EXPECT_THAT(page_, HasSubstr(row("error", fmt::format("{:.2g}%", 100 * energy.estimate->error))));
   EXPECT_THAT(page_, HasSubstr("7 triangles without area are skipped"));
 }
 

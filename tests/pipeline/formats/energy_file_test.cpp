@@ -60,6 +60,22 @@ TEST(EnergyFile, ReadsBackWhatWasWritten) {
   EXPECT_EQ(read_energy(folder / "energy.h5").groups[0].name, "light");
 }
 
+TEST(EnergyFile, ReadsBackTheEstimateOfItsError) {
+  const TemporaryFolder folder;
+  Solved solved;
+  solved.energy.estimate = {0.01, 0.02, 0.003, 0.4, 0.3, 0.005, 0.06, {Color(0.1f), Color(0.2f)}};
+  write_energy(folder / "energy.h5", solved.scene, solved.energy);
+  const EnergyField::Estimate read = read_energy(folder / "energy.h5", solved.scene).estimate.value();
+  EXPECT_EQ(read.error, 0.01);
+  EXPECT_EQ(read.error_bound, 0.02);
+  EXPECT_EQ(read.error_residual, 0.003);
+  EXPECT_EQ(read.error_local, 0.4);
+  EXPECT_EQ(read.error_local_estimate, 0.3);
+  EXPECT_EQ(read.balance, 0.005);
+  EXPECT_EQ(read.reciprocity, 0.06);
+  EXPECT_EQ(read.deviation, solved.energy.estimate->deviation);
+}
+
 TEST(EnergyFile, ReadsBackHowItCameToBe) {
   const TemporaryFolder folder;
   Solved solved;

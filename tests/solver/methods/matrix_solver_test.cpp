@@ -175,6 +175,8 @@ TEST(MatrixSolver, GivesTheSameBitsForAnyNumberOfThreads) {
     EXPECT_EQ(solved.energy.groups[0].direct, all[0].energy.groups[0].direct);
     EXPECT_EQ(solved.energy.groups[0].indirect, all[0].energy.groups[0].indirect);
     EXPECT_EQ(solved.energy.estimate->error, all[0].energy.estimate->error);
+    EXPECT_EQ(solved.energy.estimate->error_bound, all[0].energy.estimate->error_bound);
+    EXPECT_EQ(solved.energy.estimate->error_local, all[0].energy.estimate->error_local);
   }
 }
 
