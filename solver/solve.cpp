@@ -9,6 +9,7 @@
 #include "pipeline/job/job_check.h"
 #include "pipeline/job/stage_keys.h"
 #include "solver/display/display_solution.h"
+#include "solver/error/error_warnings.h"
 #include "solver/form_factors/ray_form_factors.h"
 #include "solver/hemicube/hemicube.h"
 #include "solver/methods/matrix_solver.h"
@@ -88,6 +89,8 @@ EnergyField solve(const PatchSet& scene, const SolveConfig& config, Transport& t
   EnergyField energy = config.method == "matrix"
                            ? solve_to_target(scene, config, transport, progress)
                            : progressive_refinement(scene, config, *make_form_factors(scene, config), progress);
+  if (energy.estimate && config.error_target == 0)
+    for (const std::string& warning : error_warnings(config, *energy.estimate)) progress.warning(warning);
   if (config.display) add_display_solution(scene, config, transport, energy, progress);
   energy.key = energy_key(scene.key, config);
   energy.patches_key = scene.key;

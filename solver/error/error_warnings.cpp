@@ -1,0 +1,38 @@
+#include "solver/error/error_warnings.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace patchlight {
+
+namespace {
+
+constexpr double kMaxBound = 0.05, kMaxBalance = 0.01;
+
+/// What brings a sampling error down by `factor`: the square of that in samples.
+std::string more_samples(const SolveConfig& config, double factor) {
+  if (config.form_factors == "hemicube")
+    return fmt::format("raise solve.hemicube_resolution (now {})", config.hemicube_resolution);
+  const double rays = std::ceil(factor * factor * config.rays / 32) * 32;
+  return fmt::format("raise solve.rays (now {}) to about {:.0f}", config.rays, rays);
+}
+
+}  // namespace
+
+std::vector<std::string> error_warnings(const SolveConfig& config, const EnergyField::Estimate& estimate) {
+  std::vector<std::string> warnings;
+  const bool by_residual = estimate.error_residual > 0.5 * estimate.error;
+  const auto mend = [&](double factor) {
+    return by_residual ? fmt::format("lower solve.tolerance (now {})", config.tolerance) : more_samples(config, factor);
+  };
+  if (estimate.error_bound > kMaxBound)
+    warnings.push_back(fmt::format("the error may reach {:.2g}%: {}", 100 * estimate.error_bound,
+                                   mend(estimate.error_bound / kMaxBound)));
+  if (estimate.balance > kMaxBalance)
+    warnings.push_back(fmt::format("the energy balance is {:.2g}% off: {}", 100 * estimate.balance,
+                                   mend(estimate.balance / kMaxBalance)));
+  return warnings;
+}
+
+}  // namespace patchlight
