@@ -40,6 +40,14 @@ struct TransportRows {
   std::int64_t rows() const { return starts.empty() ? 0 : std::int64_t(starts.size() / 2); }
 };
 
+/// Form factors to patches of emitters that are too many to be sampled individually, by samples that a LightTree chose
+/// (see further_emitters()). Segments are those of TransportRows. Empty: no such emitters.
+struct LightRows {
+  std::vector<std::uint64_t> starts;  ///< [2 rows + 1] First entry of each segment.
+  std::vector<std::int32_t> patches;
+  std::vector<float> weights;  ///< Form factor within its sample set.
+};
+
 /// The content of transport.h5: form factors between patches, to explicitly sampled emitters, and of the display mesh.
 /// With it, a solve with other colours or other emission casts no rays.
 struct Transport : TransportRows {
@@ -58,9 +66,12 @@ struct Transport : TransportRows {
   struct Display {
     DisplayMesh mesh;
     TransportRows rows;  ///< From the mesh's gathered vertices to elements (see Elements).
+    LightRows lights;    ///< From the mesh's gathered vertices.
   };
 
   std::vector<Emitter> emitters;  ///< Sorted by first patch; lights without a surface last.
+  LightRows lights;
+  std::int64_t lights_id = 0;  ///< Hash of the emitters of `lights`; 0: none.
   std::optional<Display> display;
   int sky = 0;  ///< Number of cells of the environment.
   std::string key;

@@ -85,12 +85,13 @@ SpectrumField leaf_reflectance(const PatchSet& scene, const DisplayMesh& mesh, c
 class Gather {
  public:
   Gather(const PatchSet& scene, const Transport& transport, const std::vector<Emitter>& emitters,
-         const LeafElements& leaves, const SpectrumField& leaf_reflectance, EnergyField::Group& group,
-         RadiosityTable& radiosity, std::size_t field)
+         const std::vector<Emitter>& further, const LeafElements& leaves, const SpectrumField& leaf_reflectance,
+         EnergyField::Group& group, RadiosityTable& radiosity, std::size_t field)
       : scene_(scene),
         transport_(transport),
         mesh_(transport.display->mesh),
         emitters_(emitters),
+        further_(further),
         leaves_(leaves),
         leaf_reflectance_(leaf_reflectance),
         group_(group),
@@ -125,15 +126,14 @@ class Gather {
     return {&at_vertices_};
   }
 
-  /// Adds specular reflections of explicitly sampled emitters.
+  /// Adds the direct light of emitters that a LightTree chose, and specular reflections of sampled emitters.
   void end_pass(const FormFactorRows& rows) {
-    if (!group_.by_photons.empty()) {
-      for (std::int32_t i = 0; i < mesh_.gathered; ++i) at_vertices_[i] += by_photons_[i];
-    } else if (!transport_.display->rows.mirrored.empty()) {
-      SpectrumField mirrored(mesh_.gathered), deviation(mesh_.gathered);
-      rows.gather_mirrored(explicit_exitance(), mirrored, deviation);
-      for (std::int32_t i = 0; i < mesh_.gathered; ++i) at_vertices_[i] += mirrored[i];
-    }
+    for (std::size_t i = 0; i < sampled_direct_.size(); ++i) at_vertices_[i] += sampled_direct_[i];
+    for (std::size_t i = 0; i < by_photons_.size(); ++i) at_vertices_[i] += by_photons_[i];
+    if (transport_.display->rows.mirrored.empty()) return;
+    SpectrumField mirrored(mesh_.gathered), deviation(mesh_.gathered);
+    rows.gather_mirrored(sampled_exitance(), mirrored, deviation);
+    for (std::int32_t i = 0; i < mesh_.gathered; ++i) at_vertices_[i] += mirrored[i];
   }
 
   void store_result() { group_.display = to_colors(at_vertices_, group_.name); }
@@ -145,6 +145,14 @@ class Gather {
     direct_.assign(mesh_.elements, Color(0.0f));
     for (std::size_t i = 0; i < patches_; ++i)
       if (is_of_group(i)) gathered_emission_[i] = Spectrum(scene_.patches[i].emission);
+    SpectrumField sampled(patches_);
+    for (const Emitter& emitter : further_)
+      for (std::int32_t i = emitter.first_patch; i < emitter.first_patch + emitter.patches; ++i)
+        std::swap(sampled[i], gathered_emission_[i]);
+    if (!further_.empty()) {
+      sampled_direct_.resize(mesh_.gathered);
+      gather_lights(transport_.display->lights, sampled, sampled_direct_, nullptr);
+    }
     for (std::size_t e = 0; e < emitters_.size(); ++e) {
       const Transport::Emitter& emitter = transport_.emitters[e];
       const Color exitance = exitance_of(emitters_[e]);
@@ -171,12 +179,16 @@ class Gather {
       radiosity_.set(field_, patches_ + mesh_.elements + k, Spectrum(sky.cells[k]) * Spectrum(kPi));
   }
 
-  /// Exitance of explicitly sampled patches and of their elements. Shape: [elements].
-  SpectrumField explicit_exitance() const {
+  /// Exitance of sampled patches and of their elements whose specular reflections no photons bring. Shape: [elements].
+  SpectrumField sampled_exitance() const {
     SpectrumField exitance(radiosity_.elements());
-    for (const auto& emitter : transport_.emitters)
-      for (std::int32_t j = emitter.first_patch; j < emitter.first_patch + emitter.patches; ++j)
+    const auto add = [&](std::int32_t first, std::int32_t count) {
+      for (std::int32_t j = first; j < first + count; ++j)
         if (is_of_group(j)) exitance[j] = Spectrum(scene_.patches[j].emission);
+    };
+    if (group_.by_photons.empty())
+      for (const auto& emitter : transport_.emitters) add(emitter.first_patch, emitter.patches);
+    for (const Emitter& emitter : further_) add(emitter.first_patch, emitter.patches);
     leaves_.for_each(
         [&](std::size_t patch, std::int32_t element, auto) { exitance[patches_ + element] = exitance[patch]; });
     return exitance;
@@ -216,6 +228,7 @@ class Gather {
   const Transport& transport_;
   const DisplayMesh& mesh_;
   const std::vector<Emitter>& emitters_;  ///< As in `transport_`.
+  const std::vector<Emitter>& further_;   ///< See further_emitters().
   const LeafElements& leaves_;
   const SpectrumField& leaf_reflectance_;
   EnergyField::Group& group_;
@@ -223,7 +236,8 @@ class Gather {
   const std::size_t patches_;
   RadiosityTable& radiosity_;  ///< [patches, mesh elements, environment cells].
   const std::size_t field_;
-  SpectrumField gathered_emission_;  ///< [patches] Exitance of emitters that are not sampled explicitly.
+  SpectrumField gathered_emission_;  ///< [patches] Exitance of emitters that are not sampled.
+  SpectrumField sampled_direct_;     ///< [gathered] Direct light of emitters that a LightTree chose; empty: none.
   SpectrumField by_photons_;         ///< [gathered] Light of explicitly sampled emitters by metals; empty: none.
   std::vector<Color> direct_;        ///< [mesh elements] Direct irradiance by explicitly sampled emitters.
   SpectrumField at_vertices_;        ///< [gathered]; empty before the first pass.
@@ -233,7 +247,7 @@ class Gather {
 
 void gather_display(const PatchSet& scene, const Transport& transport, std::vector<EnergyField::Group>& groups) {
   const FormFactorRows rows(transport.display->rows);
-  const std::vector<Emitter> emitters = explicit_emitters(scene);
+  const std::vector<Emitter> emitters = explicit_emitters(scene), further = further_emitters(scene);
   const LeafElements leaves(scene, transport.display->mesh);
   const SpectrumField reflectance = leaf_reflectance(scene, transport.display->mesh, leaves);
   const std::size_t elements = scene.patches.size() + transport.display->mesh.elements + scene.sky_cells();
@@ -242,7 +256,7 @@ void gather_display(const PatchSet& scene, const Transport& transport, std::vect
     RadiosityTable radiosity(count, elements, RadiosityTable::Precision::single);
     std::vector<Gather> gathers;
     for (std::size_t f = 0; f < count; ++f)
-      gathers.emplace_back(scene, transport, emitters, leaves, reflectance, groups[first + f], radiosity, f);
+      gathers.emplace_back(scene, transport, emitters, further, leaves, reflectance, groups[first + f], radiosity, f);
     for (int pass = 0; pass < kPasses; ++pass) {
       std::vector<FormFactorRows::Output> outputs;
       for (Gather& gather : gathers) outputs.push_back(gather.begin_pass());

@@ -6,6 +6,7 @@
 #include "pipeline/optics/surface/smooth_normals.h"
 #include "pipeline/optics/transport/elements.h"
 #include "solver/direct/direct_factors.h"
+#include "solver/direct/light_samples.h"
 #include "solver/display/display_gather.h"
 #include "solver/display/display_mesh_builder.h"
 #include "solver/form_factors/ray_rows.h"
@@ -45,9 +46,15 @@ int leaf_neighbours(const std::vector<Patch>& leaves, std::int32_t i, DirectFact
 /// Casts and samples what `transport` lacks for the display solution. Returns the number of rays.
 std::int64_t complete_display(const PatchSet& scene, const SolveConfig& config, int rays, Transport& transport,
                               Progress& progress) {
+  const std::vector<Emitter> further = further_emitters(scene);
+  const std::int64_t id = emitters_id(further);
+  const auto has_lights = [&] {
+    return transport.lights_id == id && (id == 0 || !transport.display->lights.starts.empty());
+  };
   const auto is_complete = [&] {
-    return transport.display && std::all_of(transport.emitters.begin(), transport.emitters.end(),
-                                            [](const Transport::Emitter& e) { return !e.display.empty(); });
+    return transport.display && has_lights() &&
+           std::all_of(transport.emitters.begin(), transport.emitters.end(),
+                       [](const Transport::Emitter& e) { return !e.display.empty(); });
   };
   if (is_complete()) return 0;
   const RayScene ray_scene(scene);
@@ -55,6 +62,12 @@ std::int64_t complete_display(const PatchSet& scene, const SolveConfig& config, 
   if (!transport.display) {
     cast = cast_display(scene, ray_scene, config, rays, transport.display.emplace(), mesh_rays, progress);
     cast += mesh_rays;
+  }
+  if (!has_lights()) {
+    const std::vector<Patch> points = receivers(scene, transport.display->mesh);
+    transport.display->lights =
+        LightSampler(scene, ray_scene, further, display_seed(config)).sample(points, {}, light_rays(rays), cast);
+    transport.lights_id = id;
   }
   const std::vector<Patch> leaves = leaf_patches(scene, transport.display->mesh);
   const DirectFactors direct(

@@ -148,4 +148,16 @@ SpectrumField FormFactorRows::row_sums() const {
   return sums;
 }
 
+void gather_lights(const LightRows& lights, const SpectrumField& emission, SpectrumField& irradiance,
+                   SpectrumField* deviation) {
+  for (std::size_t i = 0; 2 * i + 1 < lights.starts.size(); ++i) {
+    std::array<Spectrum, 2> sums;
+    for (std::size_t set = 0; set < 2; ++set)
+      for (std::uint64_t at = lights.starts[2 * i + set]; at < lights.starts[2 * i + set + 1]; ++at)
+        sums[set] += emission[lights.patches[at]] * Spectrum(double(lights.weights[at]));
+    irradiance[i] += (sums[0] + sums[1]) * Spectrum(0.5);
+    if (deviation) (*deviation)[i] += (sums[0] - sums[1]) * Spectrum(0.5);
+  }
+}
+
 }  // namespace patchlight

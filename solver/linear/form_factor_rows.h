@@ -58,4 +58,9 @@ class FormFactorRows {
   std::vector<std::uint64_t> mirrored_starts_;  ///< [2 n + 1]; empty without mirrors.
 };
 
+/// Adds the irradiance of emitters that were sampled by a LightTree, and the deviation: half the difference of a row's
+/// sample sets. `emission`: [patches] W/m2. The outputs have shape [rows]; `deviation` may be null.
+void gather_lights(const LightRows& lights, const SpectrumField& emission, SpectrumField& irradiance,
+                   SpectrumField* deviation);
+
 }  // namespace patchlight

@@ -17,12 +17,13 @@ constexpr int kMaxIterations = 500;
 /// Emission of a light group, W/m2.
 struct Emission {
   std::vector<Spectrum> explicit_exitances;  ///< [emitters] Of the explicitly sampled emitters.
+  SpectrumField sampled;                     ///< [n] Of emitters that a LightTree chose; empty: none in the group.
   SpectrumField gathered;                    ///< [n] Of other patches, then of the environment's cells if in the group.
 };
 
 Emission emission_of(const RadiositySystem& system, std::int32_t group) {
   const std::size_t n = system.areas.size();
-  Emission emission{{}, SpectrumField(n)};
+  Emission emission{{}, {}, SpectrumField(n)};
   for (std::size_t i = 0; i < n; ++i)
     if (const Patch& patch = system.scene.patches[i]; system.scene.primitives[patch.primitive].light_group == group)
       emission.gathered[i] = Spectrum(patch.emission);
@@ -34,6 +35,12 @@ Emission emission_of(const RadiositySystem& system, std::int32_t group) {
     }
     emission.explicit_exitances.push_back(emission.gathered[emitter.first_patch]);
     std::fill_n(emission.gathered.begin() + emitter.first_patch, emitter.patches, Spectrum());
+  }
+  for (const Emitter& emitter : system.further) {
+    if (system.scene.primitives[emitter.primitive].light_group != group) continue;
+    emission.sampled.resize(n);
+    for (std::int32_t i = emitter.first_patch; i < emitter.first_patch + emitter.patches; ++i)
+      std::swap(emission.sampled[i], emission.gathered[i]);
   }
   if (const auto& sky = system.scene.environment; sky && sky->light_group == group)
     for (const Color& cell : sky->cells) emission.gathered.push_back(Spectrum(cell) * Spectrum(kPi));
@@ -56,6 +63,18 @@ void add_explicit_light(const RadiositySystem& system, const Emission& emission,
   }
 }
 
+/// Adds light of emitters that a LightTree chose, direct and by specular reflection.
+void add_sampled_light(const RadiositySystem& system, const Emission& emission, GroupSolution& solution) {
+  const std::size_t n = system.areas.size();
+  if (emission.sampled.empty()) return;
+  solution.sampled_direct.resize(n);
+  solution.sampled_deviation.resize(n);
+  gather_lights(system.transport.lights, emission.sampled, solution.sampled_direct, &solution.sampled_deviation);
+  if (system.transport.mirrored.empty()) return;
+  solution.resize_mirrored(n);
+  system.rows.gather_mirrored(emission.sampled, solution.mirrored, solution.mirrored_deviation);
+}
+
 /// Adds light of emitters that is gathered with the form factors, direct and by specular reflection.
 void add_gathered_light(const RadiositySystem& system, const Emission& emission, GroupSolution& solution) {
   const std::size_t n = system.areas.size();
@@ -65,12 +84,15 @@ void add_gathered_light(const RadiositySystem& system, const Emission& emission,
   const Field field{&emission.gathered, {&solution.gathered_direct, &solution.gathered_deviation}};
   system.rows.gather({&field, 1}, nullptr, FormFactorRows::Precision::full);
   if (!system.transport.mirrored.empty()) {
-    solution.resize_mirrored(n);
-    system.rows.gather_mirrored(emission.gathered, solution.mirrored, solution.mirrored_deviation);
+    SpectrumField mirrored(n), deviation(n);
+    system.rows.gather_mirrored(emission.gathered, mirrored, deviation);
     for (std::size_t i = 0; i < n; ++i) {
-      solution.gathered_direct[i] -= solution.mirrored[i];
-      solution.gathered_deviation[i] -= solution.mirrored_deviation[i];
+      solution.gathered_direct[i] -= mirrored[i];
+      solution.gathered_deviation[i] -= deviation[i];
     }
+    solution.resize_mirrored(n);
+    add(mirrored, solution.mirrored);
+    add(deviation, solution.mirrored_deviation);
   }
   if (emission.gathered.size() == n) return;
   solution.has_sky = true;
@@ -109,6 +131,7 @@ GroupSolution emitted_light(const RadiositySystem& system, std::int32_t group) {
        {&solution.explicit_direct, &solution.explicit_deviation, &solution.reflected, &solution.reflected_deviation})
     field->resize(system.areas.size());
   add_explicit_light(system, emission, solution);
+  add_sampled_light(system, emission, solution);
   add_gathered_light(system, emission, solution);
   add_photons(system, emission, solution);
   return solution;
@@ -120,7 +143,10 @@ void add_reflected_light(const RadiositySystem& system, std::span<GroupSolution>
   const std::size_t n = system.areas.size();
   const auto precision = FormFactorRows::precision_for(tolerance);
   std::vector<SpectrumField> irradiance, sources(groups.size(), SpectrumField(n)), indirect(sources);
-  for (const GroupSolution& group : groups) add(group.gathered_direct, irradiance.emplace_back(group.explicit_direct));
+  for (const GroupSolution& group : groups) {
+    add(group.gathered_direct, irradiance.emplace_back(group.explicit_direct));
+    add(group.sampled_direct, irradiance.back());
+  }
   std::vector<Field> fields;
   for (std::size_t g = 0; g < groups.size(); ++g) fields.push_back({&irradiance[g], {&sources[g]}});
   system.rows.gather(fields, &system.reflectance, precision);
@@ -150,7 +176,11 @@ void add_reflected_light(const RadiositySystem& system, std::span<GroupSolution>
 }  // namespace
 
 RadiositySystem::RadiositySystem(const PatchSet& patches, const Transport& from)
-    : scene(patches), transport(from), rows(from, patches.sky_cells()), emitters(explicit_emitters(patches)) {
+    : scene(patches),
+      transport(from),
+      rows(from, patches.sky_cells()),
+      emitters(explicit_emitters(patches)),
+      further(further_emitters(patches)) {
   for (const Patch& patch : scene.patches) {
     areas.push_back(patch.covered_area());
     reflectance.emplace_back(patch.reflectance);

@@ -15,6 +15,7 @@ struct RadiositySystem {
   const Transport& transport;
   const FormFactorRows rows;
   const std::vector<Emitter> emitters;  ///< As in `transport`.
+  const std::vector<Emitter> further;   ///< See further_emitters().
   std::vector<double> areas;            ///< [n] Covered area, m2.
   SpectrumField reflectance;            ///< [n].
 
@@ -26,10 +27,11 @@ struct RadiositySystem {
 struct GroupSolution {
   SpectrumField explicit_direct;  ///< Direct light of explicitly sampled emitters.
   SpectrumField gathered_direct;  ///< Direct light of the other emitters and the environment.
+  SpectrumField sampled_direct;   ///< Direct light of emitters that a LightTree chose.
   SpectrumField mirrored;         ///< Light of emitters by specular reflection.
   SpectrumField by_photons;       ///< The part of `mirrored` that photons brought.
   SpectrumField reflected;        ///< Light that patches reflect diffusely.
-  SpectrumField explicit_deviation, gathered_deviation, mirrored_deviation, reflected_deviation;
+  SpectrumField explicit_deviation, gathered_deviation, sampled_deviation, mirrored_deviation, reflected_deviation;
   SpectrumField residual;             ///< What is left of the linear system: F rho (D + H) - H of the solved H.
   SpectrumField external_irradiance;  ///< The light of lights and the environment, which no patch emits.
   bool has_sky = false;               ///< Whether gathered_direct has light of the environment.

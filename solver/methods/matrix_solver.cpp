@@ -54,6 +54,11 @@ class FilteredComponents {
       group.gathered_direct = sky_filter_->apply(group.gathered_direct);
       group.gathered_deviation.clear();
     }
+    if (!group.sampled_direct.empty()) {
+      group.gathered_direct.resize(group.sampled_direct.size());
+      add(group.sampled_direct, group.gathered_direct);
+      add(group.sampled_deviation, total.deviation);
+    }
     SpectrumField direct = std::move(group.explicit_direct), indirect = reflected_filter_->apply(group.reflected);
     add(group.gathered_direct, direct);
     if (mirrored_filter_ && !group.mirrored.empty()) add(mirrored_filter_->apply(group.mirrored), indirect);

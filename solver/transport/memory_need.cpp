@@ -21,6 +21,7 @@ constexpr double kBytesPerEmitter = 10;            // of a patch and emitter
 constexpr double kBytesOfPhotons = 26;             // of a patch and emitter in scenes with metals
 constexpr double kBytesPerProgressiveGroup = 350;  // of a patch and light group, for progressive refinement
 constexpr double kBytesPerRay = 4;                 // of a row's ray: its column
+constexpr double kBytesPerLightRay = 8;            // to one of many emitters: its patch and weight
 constexpr double kBytesOfDisplay = 250;            // of a patch, for the display solution
 constexpr double kDisplayRayRatio = 1.2;  // upper bound of the rays of the display mesh over the rays of the patches
 constexpr double kBytesPerHemicubePatch = 16;  // of a patch visible in a row's two hemicubes: column and weight
@@ -45,8 +46,10 @@ double memory_needed(const PatchSet& scene, const SolveConfig& config, int rays)
   const double row = config.form_factors == "rays" ? kBytesPerRay * rays : kBytesPerHemicubePatch * std::min(n, cells);
   const bool photons = config.form_factors == "rays" && has_metals(scene);
   const double emitter = kBytesPerEmitter + (photons ? kBytesOfPhotons : 0.0);
+  const double light_rays =
+      further_emitters(scene).empty() ? 0.0 : 0.5 * rays * (config.display ? 1 + kDisplayRayRatio : 1.0);
   return kBaseBytes + n * (kBytesPerPatch + display + kBytesPerGroup * groups +
-                           emitter * double(explicit_emitters(scene).size()) + row);
+                           emitter * double(explicit_emitters(scene).size()) + row + kBytesPerLightRay * light_rays);
 }
 
 double shard_memory_needed(const PatchSet& scene, const SolveConfig& config, int shards) {

@@ -11,6 +11,7 @@
 #include "pipeline/job/stage_keys.h"
 #include "pipeline/optics/sampling/random.h"
 #include "solver/direct/direct_factors.h"
+#include "solver/direct/light_samples.h"
 #include "solver/direct/photons.h"
 #include "solver/form_factors/harmonic_distance.h"
 #include "solver/form_factors/ray_rows.h"
@@ -116,7 +117,12 @@ std::int64_t complete_transport(const PatchSet& scene, const SolveConfig& config
   const bool hemicubes = config.form_factors == "hemicube";
   const bool same_rows =
       transport.key == key && transport.sky == scene.sky_cells() && (hemicubes || transport.rays >= rays);
-  if (same_rows &&
+  const std::vector<Emitter> further = further_emitters(scene);
+  const std::int64_t further_id = emitters_id(further);
+  const auto has_lights = [&] {
+    return transport.lights_id == further_id && (further_id == 0 || !transport.lights.starts.empty());
+  };
+  if (same_rows && has_lights() &&
       std::equal(transport.emitters.begin(), transport.emitters.end(), emitters.begin(), emitters.end(), is_same))
     return 0;
 
@@ -136,9 +142,15 @@ std::int64_t complete_transport(const PatchSet& scene, const SolveConfig& config
     transport.key = key;
     transport.sky = scene.sky_cells();
   }
-  std::vector<Transport::Emitter> sampled;
   const VisibleDensities densities(scene, ray_scene, transport.visible_fractions, seed);
   const DirectFactors direct(scene, ray_scene, scene.patches, grid_neighbours(scene, lookup), seed, densities);
+  if (!has_lights()) {
+    transport.lights =
+        LightSampler(scene, ray_scene, further, seed).sample(scene.patches, densities, light_rays(rays), cast);
+    if (transport.display) transport.display->lights = {};
+    transport.lights_id = further_id;
+  }
+  std::vector<Transport::Emitter> sampled;
   const Photons photons(scene, ray_scene, seed);
   for (const Emitter& emitter : emitters) {
     const auto at =

@@ -101,7 +101,7 @@ Transport merge_transport_shards(const Job& job, const PatchSet& scene, int coun
     append_rows(transport, shard.rows);
     if (shard.mesh) {
       const std::int32_t vertices = shard.mesh->gathered;
-      transport.display = {std::move(*shard.mesh), reserved_rows(*shard.display_rows, vertices)};
+      transport.display = {std::move(*shard.mesh), reserved_rows(*shard.display_rows, vertices), {}};
     }
     if (shard.display_rows) append_rows(transport.display->rows, *shard.display_rows);
     cast += shard.cast;

@@ -70,6 +70,29 @@ void read_display(const H5Reader& reader, std::int64_t patches, Transport& trans
     reader.refuse("unequal numbers of rows and vertices", "/display/rows/start");
 }
 
+void write_lights(H5Writer& writer, const std::string& folder, const LightRows& lights) {
+  if (lights.starts.empty()) return;
+  writer.dataset<std::int64_t>(folder + "/lights/start",
+                               std::vector<std::int64_t>(lights.starts.begin(), lights.starts.end()));
+  writer.dataset<std::int32_t>(folder + "/lights/patch", lights.patches);
+  writer.dataset<float>(folder + "/lights/weight", lights.weights);
+}
+
+LightRows read_lights(const H5Reader& reader, const std::string& folder, std::int64_t rows, std::int64_t patches) {
+  LightRows lights;
+  if (!reader.has(folder + "/lights/start")) return lights;
+  const auto starts = reader.dataset<std::int64_t>(folder + "/lights/start", 2 * rows + 1);
+  lights.patches = reader.dataset<std::int32_t>(folder + "/lights/patch", -1);
+  lights.weights = reader.dataset<float>(folder + "/lights/weight", std::int64_t(lights.patches.size()));
+  if (starts.front() != 0 || starts.back() != std::int64_t(lights.patches.size()) ||
+      !std::is_sorted(starts.begin(), starts.end()))
+    reader.refuse("row starts that are not ascending", folder + "/lights/start");
+  lights.starts.assign(starts.begin(), starts.end());
+  check_all(reader, folder + "/lights/patch", lights.patches, [=](std::int32_t j) { return j >= 0 && j < patches; });
+  check_all(reader, folder + "/lights/weight", lights.weights, is_factor);
+  return lights;
+}
+
 Transport read_all(const H5Reader& reader) {
   Transport transport;
   transport.key = reader.text("key");
@@ -81,6 +104,12 @@ Transport read_all(const H5Reader& reader) {
   read_rows(reader, "", transport.sky, true, reader.integer("rays"), transport);
   transport.visible_fractions = read_visible_fractions(reader, transport.rows());
   read_display(reader, transport.rows(), transport);
+  if (reader.has_attribute("lights")) {
+    transport.lights_id = reader.integer("lights");
+    transport.lights = read_lights(reader, "", transport.rows(), transport.rows());
+    if (transport.display)
+      transport.display->lights = read_lights(reader, "/display", transport.display->mesh.gathered, transport.rows());
+  }
   read_emitters(reader, transport.rows(), transport);
   return transport;
 }
@@ -94,7 +123,9 @@ void write_transport(const std::filesystem::path& file, const Transport& transpo
   if (transport.display) {
     write_display_mesh(writer, transport.display->mesh);
     write_rows(writer, "/display", transport.display->rows);
+    write_lights(writer, "/display", transport.display->lights);
   }
+  write_lights(writer, "", transport.lights);
   std::vector<std::int32_t> ranges;
   std::vector<std::int64_t> lights;
   for (std::size_t k = 0; k < transport.emitters.size(); ++k) {
@@ -118,6 +149,7 @@ void write_transport(const std::filesystem::path& file, const Transport& transpo
   writer.attribute("key", transport.key);
   write_provenance(writer, transport.made);
   writer.attribute("rays", std::int64_t(transport.rays));
+  if (transport.lights_id != 0) writer.attribute("lights", transport.lights_id);
   if (transport.sky > 0) writer.attribute("sky", std::int64_t(transport.sky));
   if (transport.display) writer.attribute("display_rays", std::int64_t(transport.display->rows.rays));
   writer.commit();

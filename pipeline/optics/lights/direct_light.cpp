@@ -84,12 +84,16 @@ struct ClippedPolygon {
 
 }  // namespace
 
-std::vector<Emitter> explicit_emitters(const PatchSet& scene) {
-  struct Candidate {
-    std::int32_t first = 0, end = 0;
-    double area = 0.0;
-    bool uniform = true;
-  };
+namespace {
+
+/// A primitive that may be an emitter.
+struct Candidate {
+  std::int32_t first = 0, end = 0;
+  double area = 0.0;
+  bool uniform = true;
+};
+
+std::vector<Candidate> candidates_of(const PatchSet& scene) {
   std::vector<Candidate> candidates;
   for (std::int32_t i = 0; i < std::int32_t(scene.patches.size()); ++i) {
     const Patch& patch = scene.patches[i];
@@ -102,6 +106,13 @@ std::vector<Emitter> explicit_emitters(const PatchSet& scene) {
     last.area += patch.area;
     last.uniform = last.uniform && patch.emission == scene.patches[last.first].emission;
   }
+  return candidates;
+}
+
+}  // namespace
+
+std::vector<Emitter> explicit_emitters(const PatchSet& scene) {
+  std::vector<Candidate> candidates = candidates_of(scene);
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& a, const Candidate& b) { return a.area > b.area; });
   std::vector<Emitter> emitters;
@@ -119,6 +130,17 @@ std::vector<Emitter> explicit_emitters(const PatchSet& scene) {
             [](const Emitter& a, const Emitter& b) { return a.first_patch < b.first_patch; });
   for (std::size_t k = 0; k < scene.lights.size(); ++k)
     emitters.push_back({-1, std::int32_t(scene.patches.size()), 0, 0.0, std::int32_t(k)});
+  return emitters;
+}
+
+std::vector<Emitter> further_emitters(const PatchSet& scene) {
+  std::vector<std::uint8_t> is_explicit(scene.primitives.size(), 0);
+  for (const Emitter& emitter : explicit_emitters(scene))
+    if (emitter.primitive >= 0) is_explicit[emitter.primitive] = 1;
+  std::vector<Emitter> emitters;
+  for (const Candidate& c : candidates_of(scene))
+    if (const std::int32_t primitive = scene.patches[c.first].primitive; is_explicit[primitive] == 0)
+      emitters.push_back({primitive, c.first, c.end - c.first, c.area});
   return emitters;
 }
 
@@ -170,6 +192,11 @@ DirectLight::DirectLight(const Light& light) : kind_(Kind::point), center_(light
   if (light.kind != Light::Kind::spot) return;
   cos_outer_ = std::cos(light.outer);
   inverse_cos_range_ = 1 / std::max(0.001, std::cos(light.inner) - cos_outer_);
+}
+
+LightBounds DirectLight::bounds() const {
+  if (kind_ == Kind::polygon) return {center_, radius_, normal_, 0.0, area_};
+  return {center_, radius_, Vec3d(0, 0, 1), kPi, kPi * radius_ * radius_};
 }
 
 double DirectLight::form_factor(const Vec3d& point, const Vec3f& normal) const {

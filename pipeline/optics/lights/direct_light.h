@@ -8,6 +8,7 @@
 
 #include "pipeline/model/patch_set.h"
 #include "pipeline/optics/intersect/ray_scene.h"
+#include "pipeline/optics/lights/light_tree.h"
 
 namespace patchlight {
 
@@ -22,9 +23,12 @@ struct Emitter {
 
 /// The emitters of a scene that are sampled individually: unmasked quads, and unmasked spheres that are lit outside. A
 /// primitive with uniform emission is one emitter; other quads are one emitter per patch. The largest primitives are
-/// chosen, up to 64 emitters. All Lights are added. Sorted by first patch. Further emitters are gathered with the form
-/// factors and are noisier.
+/// chosen, up to 64 emitters. All Lights are added. Sorted by first patch.
 std::vector<Emitter> explicit_emitters(const PatchSet& scene);
+
+/// The other unmasked quads and spheres that emit, of which a LightTree chooses some for each receiver: all patches of
+/// a primitive together. Sorted by first patch.
+std::vector<Emitter> further_emitters(const PatchSet& scene);
 
 /// Unoccluded direct light of one emitter at a point, and shadow ray samples towards it.
 ///
@@ -46,6 +50,8 @@ class DirectLight {
       : kind_(Kind::sphere), end_offset_(0.0), center_(center), radius_(radius) {}
 
   explicit DirectLight(const Light& light);
+
+  LightBounds bounds() const;
 
   /// Centre and radius of the bounding sphere.
   const Vec3d& center() const { return center_; }

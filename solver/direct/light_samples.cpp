@@ -1,0 +1,161 @@
+#include "solver/direct/light_samples.h"
+
+#include <tbb/parallel_for.h>
+#include <xmmintrin.h>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "pipeline/optics/sampling/patch_sampling.h"
+#include "pipeline/optics/sampling/random.h"
+#include "pipeline/stage/progress.h"
+
+namespace patchlight {
+
+namespace {
+
+constexpr int kRowsPerTask = 64;
+constexpr double kAreaSamplingDistance = 1.5;  // in radii of an emitter, beyond which it is sampled by area
+
+std::vector<DirectLight> lights_of(const PatchSet& scene, const RayScene& ray_scene,
+                                   const std::vector<Emitter>& emitters) {
+  std::vector<DirectLight> lights;
+  lights.reserve(emitters.size());
+  for (const Emitter& emitter : emitters) lights.emplace_back(scene, ray_scene, emitter);
+  return lights;
+}
+
+LightTree tree_of(const std::vector<DirectLight>& lights) {
+  std::vector<LightBounds> bounds;
+  bounds.reserve(lights.size());
+  for (const DirectLight& light : lights) bounds.push_back(light.bounds());
+  return LightTree(bounds);
+}
+
+/// The sphere around a receiver, and its normal if it is a plane.
+LightTree::Receiver bounds_of(const PatchSet& scene, const Patch& patch) {
+  const Primitive& primitive = scene.primitives[patch.primitive];
+  LightTree::Receiver receiver{patch.center, 0.0, Vec3d(patch.normal)};
+  for (int k = 0; k < 4; ++k) {
+    const SurfacePoint corner = point_at(primitive, k % 2 ? patch.u1 : patch.u0, k / 2 ? patch.v1 : patch.v0);
+    receiver.radius = std::max(receiver.radius, (corner.position - patch.center).length());
+  }
+  if (primitive.shape == Primitive::Shape::sphere && receiver.radius > 0) receiver.normal = Vec3d(0.0);
+  return receiver;
+}
+
+}  // namespace
+
+/// Entries of a task's rows.
+struct LightSampler::Entries {
+  std::vector<std::pair<std::int32_t, float>> patches;  ///< And weights.
+  std::vector<std::size_t> ends;                        ///< Of each segment.
+  std::int64_t cast = 0;
+
+  /// Ends a segment: adds up the weights of each patch.
+  void end_segment() {
+    const auto first = patches.begin() + std::ptrdiff_t(ends.empty() ? 0 : ends.back());
+    std::stable_sort(first, patches.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    auto last = first;
+    for (auto entry = first; entry != patches.end(); ++entry) {
+      if (last != first && std::prev(last)->first == entry->first)
+        std::prev(last)->second += entry->second;
+      else
+        *last++ = *entry;
+    }
+    patches.erase(last, patches.end());
+    ends.push_back(patches.size());
+  }
+};
+
+LightSampler::LightSampler(const PatchSet& scene, const RayScene& ray_scene, const std::vector<Emitter>& emitters,
+                           std::uint64_t seed)
+    : scene_(scene),
+      ray_scene_(ray_scene),
+      emitters_(emitters),
+      lookup_(scene),
+      lights_(lights_of(scene, ray_scene, emitters)),
+      tree_(tree_of(lights_)),
+      seed_(hash64(~seed)) {}
+
+LightRows LightSampler::sample(std::span<const Patch> receivers, const VisibleDensities& densities, int rays,
+                               std::int64_t& cast) const {
+  LightRows rows;
+  if (emitters_.empty()) return rows;
+  const int count = int(receivers.size()), tasks = (count + kRowsPerTask - 1) / kRowsPerTask;
+  std::vector<Entries> all(tasks);
+  tbb::parallel_for(0, tasks, [&](int task) {
+    _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree requires denormals to be flushed
+    for (int row = task * kRowsPerTask; row < std::min((task + 1) * kRowsPerTask, count); ++row)
+      for (int set = 0; set < 2; ++set) {
+        sample_set(receivers[row], densities.find(row), rays, hash64(seed_ ^ hash64(2 * std::uint64_t(row) + set)),
+                   all[task]);
+        all[task].end_segment();
+      }
+  });
+  Progress::check_interrupted();
+  rows.starts.push_back(0);
+  for (const Entries& entries : all) {
+    const std::uint64_t before = rows.patches.size();
+    for (const auto& [patch, weight] : entries.patches) {
+      rows.patches.push_back(patch);
+      rows.weights.push_back(weight);
+    }
+    for (const std::size_t end : entries.ends) rows.starts.push_back(before + end);
+    cast += entries.cast;
+  }
+  return rows;
+}
+
+void LightSampler::sample_set(const Patch& receiver, const VisibleDensity* density, int rays, std::uint64_t random,
+                              Entries& entries) const {
+  const auto choices = tree_.choose(bounds_of(scene_, receiver), rays, uniform01(random));
+  const Primitive& primitive = scene_.primitives[receiver.primitive];
+  const PatchSampler sampler(primitive, receiver);
+  const double offset = ray_scene_.offset(receiver.primitive);
+  RayPacket packet;
+  packet.clear();
+  std::array<std::pair<std::int32_t, float>, RayPacket::kSize> targets;  // primitives and weights
+  int lane = 0;
+  const auto cast = [&] {
+    if (lane == 0) return;
+    ray_scene_.intersect(packet, false);
+    for (int k = 0; k < lane; ++k) {
+      const SurfaceHit hit = ray_scene_.hit(packet, k);
+      if (hit.front && hit.primitive == targets[k].first)
+        entries.patches.emplace_back(lookup_.patch(hit.primitive, hit.u, hit.v), targets[k].second);
+    }
+    entries.cast += lane;
+    packet.clear();
+    lane = 0;
+  };
+  for (std::size_t k = 0; k < choices.size(); ++k) {
+    const auto& [index, probability] = choices[k];
+    if (probability <= 0 || emitters_[index].primitive == receiver.primitive) continue;
+    Vec2f at = kronecker2(k, random), to = kronecker2(k, hash64(random + 1));
+    if (density) at = (*density)(at);
+    SurfacePoint point = sampler(at.x, at.y);
+    if (primitive.shape == Primitive::Shape::quad) point.normal = receiver.normal;
+    const Vec3d start = point.position + Vec3d(point.normal) * offset;
+    const DirectLight::Sample sample =
+        lights_[index].view(start, point.normal, kAreaSamplingDistance).sample(to.x, to.y);
+    if (sample.weight <= 0) continue;
+    packet.set(lane, ray_scene_.to_local(start), sample.direction);
+    targets[lane] = {emitters_[index].primitive, float(double(sample.weight) / (probability * double(choices.size())))};
+    if (++lane == RayPacket::kSize) cast();
+  }
+  cast();
+}
+
+int light_rays(int rays) {
+  return std::max(32, rays / 4);
+}
+
+std::int64_t emitters_id(const std::vector<Emitter>& emitters) {
+  std::uint64_t id = 0;
+  for (const Emitter& emitter : emitters) id = hash64(id ^ hash64(std::uint64_t(emitter.first_patch) + 1));
+  return emitters.empty() ? 0 : std::max<std::int64_t>(std::int64_t(id >> 1), 1);
+}
+
+}  // namespace patchlight
