@@ -87,12 +87,14 @@ LightRows LightSampler::sample(std::span<const Patch> receivers, const VisibleDe
   std::vector<Entries> all(tasks);
   tbb::parallel_for(0, tasks, [&](int task) {
     _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree requires denormals to be flushed
-    for (int row = task * kRowsPerTask; row < std::min((task + 1) * kRowsPerTask, count); ++row)
+    for (int row = task * kRowsPerTask; row < std::min((task + 1) * kRowsPerTask, count); ++row) {
+      LightTree::Cut cut(tree_, bounds_of(scene_, receivers[row]));
       for (int set = 0; set < 2; ++set) {
-        sample_set(receivers[row], densities.find(row), rays, hash64(seed_ ^ hash64(2 * std::uint64_t(row) + set)),
-                   all[task]);
+        const std::uint64_t random = hash64(seed_ ^ hash64(2 * std::uint64_t(row) + std::uint64_t(set)));
+        cast_rays(receivers[row], densities.find(row), cut.choose(rays, uniform01(random)), random, all[task]);
         all[task].end_segment();
       }
+    }
   });
   Progress::check_interrupted();
   rows.starts.push_back(0);
@@ -108,9 +110,9 @@ LightRows LightSampler::sample(std::span<const Patch> receivers, const VisibleDe
   return rows;
 }
 
-void LightSampler::sample_set(const Patch& receiver, const VisibleDensity* density, int rays, std::uint64_t random,
-                              Entries& entries) const {
-  const auto choices = tree_.choose(bounds_of(scene_, receiver), rays, uniform01(random));
+void LightSampler::cast_rays(const Patch& receiver, const VisibleDensity* density,
+                             const std::vector<LightTree::Choice>& choices, std::uint64_t random,
+                             Entries& entries) const {
   const Primitive& primitive = scene_.primitives[receiver.primitive];
   const PatchSampler sampler(primitive, receiver);
   const double offset = ray_scene_.offset(receiver.primitive);
@@ -118,7 +120,7 @@ void LightSampler::sample_set(const Patch& receiver, const VisibleDensity* densi
   packet.clear();
   std::array<std::pair<std::int32_t, float>, RayPacket::kSize> targets;  // primitives and weights
   int lane = 0;
-  const auto cast = [&] {
+  const auto cast_packet = [&] {
     if (lane == 0) return;
     ray_scene_.intersect(packet, false);
     for (int k = 0; k < lane; ++k) {
@@ -143,9 +145,9 @@ void LightSampler::sample_set(const Patch& receiver, const VisibleDensity* densi
     if (sample.weight <= 0) continue;
     packet.set(lane, ray_scene_.to_local(start), sample.direction);
     targets[lane] = {emitters_[index].primitive, float(double(sample.weight) / (probability * double(choices.size())))};
-    if (++lane == RayPacket::kSize) cast();
+    if (++lane == RayPacket::kSize) cast_packet();
   }
-  cast();
+  cast_packet();
 }
 
 int light_rays(int rays) {

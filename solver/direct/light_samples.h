@@ -26,8 +26,8 @@ class LightSampler {
  private:
   struct Entries;
 
-  void sample_set(const Patch& receiver, const VisibleDensity* density, int rays, std::uint64_t random,
-                  Entries& entries) const;
+  void cast_rays(const Patch& receiver, const VisibleDensity* density, const std::vector<LightTree::Choice>& choices,
+                 std::uint64_t random, Entries& entries) const;
 
   const PatchSet& scene_;
   const RayScene& ray_scene_;

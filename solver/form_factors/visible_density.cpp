@@ -122,7 +122,9 @@ Vec2f VisibleDensity::operator()(const Vec2f& at) const {
   const auto [row, y] = invert(row_sums_.data(), at.y);
   const auto [column, x] = invert(cell_sums_.data() + row * kCells, at.x);
   const Vec2f around = point(row * kCells + column) + Vec2f(x - 0.5f, y - 0.5f) * kReach;
-  return {std::clamp(around.x, 0.0f, 1.0f), std::clamp(around.y, 0.0f, 1.0f)};
+  // Mirrored at the border, since a start on it may lie outside of the scene.
+  const auto inside = [](float u) { return u < 0.0f ? -u : u > 1.0f ? 2.0f - u : u; };
+  return {inside(around.x), inside(around.y)};
 }
 
 VisibleDensities::VisibleDensities(const PatchSet& scene, const RayScene& ray_scene,

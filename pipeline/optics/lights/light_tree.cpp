@@ -1,7 +1,6 @@
 #include "pipeline/optics/lights/light_tree.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -9,7 +8,7 @@ namespace patchlight {
 
 namespace {
 
-constexpr std::int32_t kMaxLeaf = 16;  // emitters of a leaf
+constexpr std::int32_t kMaxLeaf = 32;  // emitters of a leaf
 constexpr int kMaxParts = 64;          // of a cut
 constexpr double kMinSpread = 0.1;     // radius over distance of a node below which it is not divided for a cut
 
@@ -115,41 +114,45 @@ std::pair<double, double> LightTree::importance(const Bounds& light, const Recei
   return {result, spread};
 }
 
-/// Divides the nodes that are important and near, until there are kMaxParts. In the order of the tree.
-std::vector<LightTree::Part> LightTree::cut(const Receiver& receiver) const {
+LightTree::Cut::Cut(const LightTree& tree, const Receiver& receiver) : tree_(tree), receiver_(receiver) {
+  if (!tree.nodes_.empty()) divide();
+}
+
+/// Divides nodes until there are kMaxParts.
+void LightTree::Cut::divide() {
   const auto part = [&](std::int32_t node) {
-    const auto [value, spread] = importance(nodes_[node].bounds, receiver);
-    return Part{node, value, nodes_[node].count > 0 ? 0.0 : spread};
+    const auto [value, spread] = importance(tree_.nodes_[node].bounds, receiver_);
+    return Part{node, value, tree_.nodes_[node].count > 0 ? 0.0 : spread};
   };
   const auto less_urgent = [](const Part& a, const Part& b) {
     return a.importance * a.spread < b.importance * b.spread;
   };
-  std::vector<Part> parts{part(0)}, done;
-  while (!parts.empty() && parts.size() + done.size() < kMaxParts) {
+  std::vector<Part> parts{part(0)};
+  while (!parts.empty() && parts.size() + parts_.size() < kMaxParts) {
     std::pop_heap(parts.begin(), parts.end(), less_urgent);
     const Part top = parts.back();
     parts.pop_back();
     if (top.spread < kMinSpread) {
-      if (top.importance > 0) done.push_back(top);
+      parts_.push_back(top);
       continue;
     }
     for (int k = 0; k < 2; ++k)
-      if (const Part child = part(nodes_[top.node].first + k); child.importance > 0) {
+      if (const Part child = part(tree_.nodes_[top.node].first + k); child.importance > 0) {
         parts.push_back(child);
         std::push_heap(parts.begin(), parts.end(), less_urgent);
       }
   }
-  parts.insert(parts.end(), done.begin(), done.end());
-  std::erase_if(parts, [](const Part& p) { return p.importance <= 0; });
-  std::sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) { return a.node < b.node; });
-  return parts;
+  parts_.insert(parts_.end(), parts.begin(), parts.end());
+  std::erase_if(parts_, [](const Part& p) { return p.importance <= 0; });
+  std::sort(parts_.begin(), parts_.end(), [](const Part& a, const Part& b) { return a.node < b.node; });
 }
 
-LightTree::Choice LightTree::descend(const Receiver& receiver, std::int32_t node, double at, double probability) const {
-  while (nodes_[node].count == 0) {
-    const std::int32_t child = nodes_[node].first;
-    const double left = importance(nodes_[child].bounds, receiver).first;
-    const double right = importance(nodes_[child + 1].bounds, receiver).first;
+LightTree::Choice LightTree::Cut::descend(std::int32_t node, double at, double probability) {
+  const std::vector<Node>& nodes = tree_.nodes_;
+  while (nodes[node].count == 0) {
+    const std::int32_t child = nodes[node].first;
+    const double left = importance(nodes[child].bounds, receiver_).first;
+    const double right = importance(nodes[child + 1].bounds, receiver_).first;
     if (left + right <= 0) return {};
     const double part = left / (left + right);
     const bool goes_left = at < part;
@@ -157,31 +160,36 @@ LightTree::Choice LightTree::descend(const Receiver& receiver, std::int32_t node
     probability *= goes_left ? part : 1 - part;
     node = goes_left ? child : child + 1;
   }
-  const std::span<const Bounds> lights = std::span(emitters_).subspan(nodes_[node].first, nodes_[node].count);
-  std::array<double, kMaxLeaf> sums;
-  double sum = 0;
-  for (std::size_t k = 0; k < lights.size(); ++k) sums[k] = sum += importance(lights[k], receiver).first;
-  if (sum <= 0) return {};
-  const auto last = sums.begin() + std::ptrdiff_t(lights.size());
-  const auto k = std::min(std::upper_bound(sums.begin(), last, at * sum) - sums.begin(), last - sums.begin() - 1);
-  const double own = sums[k] - (k > 0 ? sums[k - 1] : 0.0);
-  return {index_[nodes_[node].first + k], probability * own / sum};
+  return choose_in_leaf(node, at, probability);
 }
 
-std::vector<LightTree::Choice> LightTree::choose(const Receiver& receiver, int count, double shift) const {
+LightTree::Choice LightTree::Cut::choose_in_leaf(std::int32_t node, double at, double probability) {
+  const std::int32_t first = tree_.nodes_[node].first, count = tree_.nodes_[node].count;
+  if (leaf_ != node) {
+    sums_.assign(std::size_t(count), 0.0);
+    double sum = 0;
+    for (std::int32_t k = 0; k < count; ++k) sums_[k] = sum += importance(tree_.emitters_[first + k], receiver_).first;
+    leaf_ = node;
+  }
+  const double sum = sums_.back();
+  if (sum <= 0) return {};
+  const auto k = std::min(std::upper_bound(sums_.begin(), sums_.end(), at * sum), sums_.end() - 1) - sums_.begin();
+  const double own = sums_[k] - (k > 0 ? sums_[k - 1] : 0.0);
+  return {tree_.index_[first + k], probability * own / sum};
+}
+
+std::vector<LightTree::Choice> LightTree::Cut::choose(int count, double shift) {
   std::vector<Choice> choices;
-  if (nodes_.empty()) return choices;
-  const std::vector<Part> parts = cut(receiver);
   double total = 0;
-  for (const Part& part : parts) total += part.importance;
+  for (const Part& part : parts_) total += part.importance;
   if (total <= 0) return choices;
   std::size_t p = 0;
   double below = 0;
   for (int k = 0; k < count; ++k) {
     const double at = (double(k) + shift) / count * total;
-    while (p + 1 < parts.size() && at >= below + parts[p].importance) below += parts[p++].importance;
-    const double inside = std::clamp((at - below) / parts[p].importance, 0.0, 1.0 - 1e-9);
-    choices.push_back(descend(receiver, parts[p].node, inside, parts[p].importance / total));
+    while (p + 1 < parts_.size() && at >= below + parts_[p].importance) below += parts_[p++].importance;
+    const double inside = std::clamp((at - below) / parts_[p].importance, 0.0, 1.0 - 1e-9);
+    choices.push_back(descend(parts_[p].node, inside, parts_[p].importance / total));
   }
   return choices;
 }

@@ -37,9 +37,7 @@ class LightTree {
     double probability = 0.0;
   };
 
-  /// `count` choices for a receiver, stratified: choice k by the point (k + shift) / count of the unit interval, which
-  /// maps to the emitters in the order of the tree. Empty if no emitter can light the receiver.
-  std::vector<Choice> choose(const Receiver& receiver, int count, double shift) const;
+  class Cut;
 
  private:
   /// LightBounds with the sine and the cosine of the cone's half angle.
@@ -61,12 +59,32 @@ class LightTree {
 
   static std::pair<double, double> importance(const Bounds& light, const Receiver& receiver);
   void build(std::int32_t node, std::int32_t begin, std::int32_t end);
-  std::vector<Part> cut(const Receiver& receiver) const;
-  Choice descend(const Receiver& receiver, std::int32_t node, double at, double probability) const;
 
   std::vector<Node> nodes_;
   std::vector<Bounds> emitters_;     ///< In the order of the leaves.
   std::vector<std::int32_t> index_;  ///< Of these emitters.
+};
+
+/// The nodes of a LightTree from which the emitters of one receiver are chosen: near and important ones are divided.
+/// The tree must outlive it.
+class LightTree::Cut {
+ public:
+  Cut(const LightTree& tree, const Receiver& receiver);
+
+  /// `count` choices, stratified: choice k by the point (k + shift) / count of the unit interval, which maps to the
+  /// emitters in the order of the tree. Empty if no emitter can light the receiver.
+  std::vector<Choice> choose(int count, double shift);
+
+ private:
+  void divide();
+  Choice descend(std::int32_t node, double at, double probability);
+  Choice choose_in_leaf(std::int32_t node, double at, double probability);
+
+  const LightTree& tree_;
+  const Receiver receiver_;
+  std::vector<Part> parts_;   ///< In the order of the tree.
+  std::int32_t leaf_ = -1;    ///< The last leaf,
+  std::vector<double> sums_;  ///< and the importance of its emitters up to each.
 };
 
 }  // namespace patchlight

@@ -81,7 +81,7 @@ DisplayMesh cut_patch() {
 
 Transport sample_with_display() {
   Transport transport = sample();
-  transport.display = {cut_patch(), {}};
+  transport.display = {cut_patch(), {}, {}};
   transport.display->rows.starts = {0, 1, 2, 4, 6};
   transport.display->rows.columns = {7, 8, 0, 1, 2, 3};  // 2 patches, 7 elements of leaves
   transport.display->rows.hit_weights = {1.0f, 1.0f, 0.5f, 0.5f};
@@ -89,6 +89,24 @@ Transport sample_with_display() {
   transport.display->rows.mirrored = {{1, 0, 8, Color(0.5f)}};
   for (auto& emitter : transport.emitters) emitter.display.assign(14, 0.125f);
   return transport;
+}
+
+TEST(TransportFile, ReadsBackSamplesOfManyLights) {
+  const TemporaryFolder folder;
+  Transport written = sample_with_display();
+  written.lights = {{0, 1, 1, 2, 3}, {1, 0, 1}, {0.5f, 0.25f, 0.125f}};
+  written.display->lights = {{0, 0, 1, 1, 2}, {1, 0}, {0.5f, 0.25f}};
+  written.lights_id = 77;
+  write_transport(folder / "transport.h5", written);
+  const Transport read = read_transport(folder / "transport.h5");
+  EXPECT_EQ(read.lights_id, 77);
+  EXPECT_EQ(read.lights.starts, written.lights.starts);
+  EXPECT_EQ(read.lights.patches, written.lights.patches);
+  EXPECT_EQ(read.lights.weights, written.lights.weights);
+  EXPECT_EQ(read.display->lights.patches, written.display->lights.patches);
+  written.lights.patches[0] = 2;
+  write_transport(folder / "bad.h5", written);
+  EXPECT_THROW(read_transport(folder / "bad.h5"), Error) << "a patch out of bounds";
 }
 
 TEST(TransportFile, ReadsBackWhatTheDisplaySolutionNeeds) {

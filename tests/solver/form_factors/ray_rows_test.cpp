@@ -99,6 +99,20 @@ TEST(RayRows, InAClosedRoomHitOnlyPatchesOfOtherPlanes) {
   for (int wall = 0; wall < 6; ++wall) EXPECT_EQ(form_factor(transport, 16 * wall, 16, 16 * wall, 16), 0);
 }
 
+TEST(RayRows, LeaveNoClosedRoom) {
+  for (const double half : {0.7, 1.0, 1.37}) {
+    PatchScene builder;
+    builder.room(half, 4, {});
+    PatchSet& scene = builder.get();
+    scene.environment.emplace();
+    scene.environment->texels.assign(1, Color(1.0f));
+    scene.environment->cells.assign(1, Color(1.0f));
+    const Transport transport = cast(scene, 1 << 14);
+    const auto sky = std::int32_t(scene.patches.size());
+    EXPECT_EQ(std::count(transport.columns.begin(), transport.columns.end(), sky), 0) << half;
+  }
+}
+
 TEST(RayRows, AgreeWithTheClosedFormOfParallelSquares) {
   PatchScene builder;
   builder.quad({{{0, 0, 0}, {0, 0, 1}, {1, 0, 1}, {1, 0, 0}}}, 3, 3, {});
