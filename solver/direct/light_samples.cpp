@@ -7,6 +7,7 @@
 #include <array>
 #include <utility>
 
+#include "pipeline/optics/intersect/quad_shape.h"
 #include "pipeline/optics/sampling/patch_sampling.h"
 #include "pipeline/optics/sampling/random.h"
 #include "pipeline/stage/progress.h"
@@ -118,16 +119,13 @@ void LightSampler::cast_rays(const Patch& receiver, const VisibleDensity* densit
   const double offset = ray_scene_.offset(receiver.primitive);
   RayPacket packet;
   packet.clear();
-  std::array<std::pair<std::int32_t, float>, RayPacket::kSize> targets;  // primitives and weights
+  std::array<std::pair<std::int32_t, float>, RayPacket::kSize> targets;  // patches and weights
   int lane = 0;
   const auto cast_packet = [&] {
     if (lane == 0) return;
-    ray_scene_.intersect(packet, false);
-    for (int k = 0; k < lane; ++k) {
-      const SurfaceHit hit = ray_scene_.hit(packet, k);
-      if (hit.front && hit.primitive == targets[k].first)
-        entries.patches.emplace_back(lookup_.patch(hit.primitive, hit.u, hit.v), targets[k].second);
-    }
+    const std::uint32_t occluded = ray_scene_.occluded(packet);
+    for (int k = 0; k < lane; ++k)
+      if (!(occluded >> k & 1u)) entries.patches.push_back(targets[k]);
     entries.cast += lane;
     packet.clear();
     lane = 0;
@@ -143,8 +141,9 @@ void LightSampler::cast_rays(const Patch& receiver, const VisibleDensity* densit
     const DirectLight::Sample sample =
         lights_[index].view(start, point.normal, kAreaSamplingDistance).sample(to.x, to.y);
     if (sample.weight <= 0) continue;
-    packet.set(lane, ray_scene_.to_local(start), sample.direction);
-    targets[lane] = {emitters_[index].primitive, float(double(sample.weight) / (probability * double(choices.size())))};
+    packet.set_shadow(lane, ray_scene_.to_local(start), sample.direction, sample.distance);
+    targets[lane] = {patch_at(emitters_[index], start + Vec3d(sample.direction) * double(sample.distance)),
+                     float(double(sample.weight) / (probability * double(choices.size())))};
     if (++lane == RayPacket::kSize) cast_packet();
   }
   cast_packet();
@@ -152,6 +151,22 @@ void LightSampler::cast_rays(const Patch& receiver, const VisibleDensity* densit
 
 int light_rays(int rays) {
   return std::max(32, rays / 4);
+}
+
+std::int32_t LightSampler::patch_at(const Emitter& emitter, const Vec3d& position) const {
+  if (emitter.patches == 1) return emitter.first_patch;
+  const Primitive& p = scene_.primitives[emitter.primitive];
+  if (p.shape == Primitive::Shape::sphere) {
+    const Vec2f uv = sphere_uv(Vec3f(position - p.sphere_center));
+    return lookup_.patch(emitter.primitive, uv.x, uv.y);
+  }
+  const Vec3d e1 = p.corners[1] - p.corners[0], e3 = p.corners[3] - p.corners[0], at = position - p.corners[0];
+  const Vec3d normal = e1 % e3;
+  const double scale = 1 / normal.length2();
+  const Vec2f shape = quad_shape(p.corners);
+  const Vec2f uv =
+      inverse_bilinear(shape.x, shape.y, float(((at % e3) ^ normal) * scale), float(((e1 % at) ^ normal) * scale));
+  return lookup_.patch(emitter.primitive, uv.x, uv.y);
 }
 
 std::int64_t emitters_id(const std::vector<Emitter>& emitters) {

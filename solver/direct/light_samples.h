@@ -29,6 +29,9 @@ class LightSampler {
   void cast_rays(const Patch& receiver, const VisibleDensity* density, const std::vector<LightTree::Choice>& choices,
                  std::uint64_t random, Entries& entries) const;
 
+  /// The patch of an emitter at a position on it.
+  std::int32_t patch_at(const Emitter& emitter, const Vec3d& position) const;
+
   const PatchSet& scene_;
   const RayScene& ray_scene_;
   const std::vector<Emitter>& emitters_;
