@@ -70,7 +70,8 @@ void trace_frames(const Job& job, const PatchSet& scene, const EnergyField& ener
   for (std::size_t i = std::size_t(shard.index) - 1; i < all.size(); i += std::size_t(shard.count))
     frames.push_back(all[i]);
   if (frames.empty()) return progress.note(fmt::format("this shard has none of the {} frames", all.size()));
-  const FrameWriter writer(job, scene, energy.key);
+  FrameWriter writer(job, scene, energy.key);
+  if (energy.estimate) writer.state_error(*energy.estimate);
   const Integrator integrator(scene, energy, job);
   const auto render = [&](const Frame& frame) {
     const auto start = std::chrono::steady_clock::now();

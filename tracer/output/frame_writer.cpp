@@ -65,6 +65,12 @@ FrameWriter::FrameWriter(const Job& job, const PatchSet& scene, std::string ener
       view_(job.trace.view, job.trace.exposure),
       view_config_(view_config_key()) {}
 
+void FrameWriter::state_error(const EnergyField::Estimate& estimate) {
+  stated_errors_ = {{"patchlight:error_bound", fmt::format("{:.4g}", estimate.error_bound)},
+                    {"patchlight:error_local", fmt::format("{:.4g}", estimate.error_local)},
+                    {"patchlight:balance", fmt::format("{:.4g}", estimate.balance)}};
+}
+
 std::string FrameWriter::key(const Frame& frame) const {
   return frame_key(scene_, energy_key_, job_, frame.camera, frame.number, view_config_);
 }
@@ -106,6 +112,7 @@ void FrameWriter::write(const Frame& frame, Image image, double seconds, const s
       {"patchlight:view_config", view_config_},
       {"patchlight:job", effective_job(job)},
   };
+  image.metadata.insert(stated_errors_.begin(), stated_errors_.end());
   if (is_black(image.pixels)) image.metadata[kBlackFrame] = "yes";
   if (!relit_from.empty()) {
     image.metadata["patchlight:key"] = relit_key(key(frame));

@@ -1,6 +1,10 @@
 #pragma once
+#include <map>
+#include <string>
+
 #include "pipeline/frames/frame_list.h"
 #include "pipeline/image/image_file.h"
+#include "pipeline/model/energy_field.h"
 #include "tracer/output/view_transform.h"
 
 namespace patchlight {
@@ -10,6 +14,9 @@ class FrameWriter {
  public:
   /// Throws: Error (bad_config, bad_data, missing_input) if the view cannot be loaded.
   FrameWriter(const Job& job, const PatchSet& scene, std::string energy_key);
+
+  /// States the solution's error in the headers of the frames.
+  void state_error(const EnergyField::Estimate& estimate);
 
   /// Key that the frame's files hold while they are up to date.
   std::string key(const Frame& frame) const;
@@ -25,8 +32,9 @@ class FrameWriter {
   const PatchSet& scene_;
   std::string energy_key_;
   ViewTransform view_;
-  std::string view_config_;                ///< Key of the OpenColorIO config.
-  mutable double last_cpu_seconds_ = 0.0;  ///< CPU time of the process when it wrote the previous frame.
+  std::map<std::string, std::string> stated_errors_;  ///< Attributes of the header.
+  std::string view_config_;                           ///< Key of the OpenColorIO config.
+  mutable double last_cpu_seconds_ = 0.0;             ///< CPU time of the process when it wrote the previous frame.
 };
 
 }  // namespace patchlight

@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <sys/stat.h>
 
@@ -151,6 +152,9 @@ TEST_F(Rerun, WritesKeyAndEffectiveJobIntoEveryOutput) {
   EXPECT_EQ(read_transport_key(folder_ / "out/transport.h5"), transport_key(scene.geometry_key, job.solve));
   EXPECT_EQ(frame.metadata["patchlight:key"],
             frame_key(scene, energy.key, job, scene.cameras.at(0), 1, view_config_key()));
+  ASSERT_TRUE(energy.estimate);
+  EXPECT_EQ(frame.metadata["patchlight:error_bound"], fmt::format("{:.4g}", energy.estimate->error_bound));
+  EXPECT_EQ(frame.metadata["patchlight:error_local"], fmt::format("{:.4g}", energy.estimate->error_local));
   for (const std::string& made_for : {scene.made.job, energy.made.job, frame.metadata["patchlight:job"]}) {
     Job read = parse_effective_job(made_for);
     EXPECT_EQ(read.scene, "box.glb");
