@@ -115,8 +115,8 @@ std::string describe(const PatchSet& scene) {
 
 std::string describe(const Transport& transport) {
   const auto n = double(std::max<std::int64_t>(transport.rows(), 1));
-  std::string text =
-      fmt::format("rows        {}, {:.4g} form factors each\n", transport.rows(), double(transport.columns.size()) / n);
+  std::string text = fmt::format("rows        {}, {:.4g} form factors each\n", transport.rows(),
+                                 double(transport.columns.size() + transport.sky_columns.size()) / n);
   if (!transport.mirrored.empty())
     text += fmt::format("by mirrors  {:.4g} each\n", double(transport.mirrored.size()) / n);
   text += fmt::format("emitters    {} sampled apart\n", transport.emitters.size());

@@ -19,6 +19,9 @@ namespace patchlight {
 /// The weight of a column is its entry in `weights` (hemicubes), or, for rows by rays, `hit_weights` of its segment:
 /// one column per ray that hits a lit surface, so that a column may repeat. A segment's weights and mirrored weights
 /// add up to 1 minus the part that escapes, hits an unlit back, or is absorbed by mirrors.
+///
+/// Where rays rarely find the environment, as through a window, further rays look for it: see SkyGuide. Where they do,
+/// its cells are in `sky_columns`, from sky_starts[k] to sky_starts[k + 1], with the weight `sky_weights`.
 struct TransportRows {
   /// An extended form factor: light from `patch` that reaches a row over mirrors.
   struct Mirrored {
@@ -36,6 +39,9 @@ struct TransportRows {
   /// [2 rows] Visible area fraction of each patch, in (0,1], estimated by each sample set; empty: 1 everywhere.
   std::vector<float> visible_fractions;
   int rays = 0;  ///< Rays of both sample sets of a row that hits a surface in all directions; 0: rows by hemicubes.
+  std::vector<std::uint64_t> sky_starts;  ///< [2 rows + 1] First entry of each segment in `sky_columns`; empty: none.
+  std::vector<std::int32_t> sky_columns;  ///< As `columns`, of the environment.
+  std::vector<float> sky_weights;         ///< [2 rows] Form factor of every sky column of a segment; empty: none.
 
   std::int64_t rows() const { return starts.empty() ? 0 : std::int64_t(starts.size() / 2); }
 };

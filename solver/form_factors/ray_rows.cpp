@@ -4,86 +4,23 @@
 #include <xmmintrin.h>
 
 #include <algorithm>
-#include <optional>
 
-#include "pipeline/optics/intersect/alpha_mask.h"
-#include "pipeline/optics/sampling/patch_sampling.h"
-#include "pipeline/optics/sampling/random.h"
 #include "pipeline/optics/transport/mirror_path.h"
 #include "pipeline/system/prefaulted_memory.h"
-#include "solver/form_factors/quad_rays.h"
-#include "solver/form_factors/visible_density.h"
+#include "solver/form_factors/row_samples.h"
 
 namespace patchlight {
 
 namespace {
 
 constexpr int kRowsPerTask = 16;
-constexpr std::int64_t kRaysAtOnce = 1 << 18;  // between two checks for an interrupt
+constexpr std::int64_t kRaysAtOnce = 1 << 18;           // between two checks for an interrupt
+constexpr std::int64_t kRaysAtOnceForGuides = 1 << 21;  // since rows around them are cast for guides only
 
 constexpr int kMaxSequenceBlocks = 8;  // for a row most of whose rays hit nothing
 constexpr int kRaysPerBackHit = 64;    // with more hits of unlit backs, rays start with a VisibleDensity
 
 }  // namespace
-
-/// Buffers of a row's sample sets, reused from row to row.
-struct RayRows::Scratch {
-  std::array<std::vector<std::int32_t>, 2> columns;
-  std::array<std::vector<TransportRows::Mirrored>, 2> mirrored;
-};
-
-/// One sample set of a row while it is cast.
-struct RayRows::SampleSet {
-  SampleSet(const RayRows& rows, std::int32_t row_index, int sample_set, Scratch& scratch)
-      : row(row_index),
-        index(sample_set),
-        random(hash64(rows.seed_ ^ hash64(2 * std::uint64_t(row_index) + std::uint64_t(sample_set)))),
-        patch(rows.receivers_[row_index]),
-        primitive(rows.scene_.primitives[patch.primitive]),
-        offset(rows.ray_scene_.offset(patch.primitive)),
-        columns(scratch.columns[sample_set]),
-        mirrored(scratch.mirrored[sample_set]) {
-    columns.clear();
-    mirrored.clear();
-    const std::uint64_t shift_bits = rows.independent_ ? random : hash64(rows.seed_ ^ std::uint64_t(row_index));
-    for (int k = 0; k < 4; ++k)
-      digital_shift[k] = std::uint32_t((k < 2 ? shift_bits : hash64(shift_bits)) >> 32 * (k % 2));
-    has_mask = has_alpha_mask(rows.scene_, patch);
-    if (primitive.shape != Primitive::Shape::quad || has_mask) {
-      sampler.emplace(primitive, patch);
-      return;
-    }
-    quad = make_quad_patch(rows.ray_scene_, primitive, patch, offset);
-  }
-
-  std::int32_t row;
-  int index;  ///< 0 or 1.
-  std::uint64_t random;
-  std::array<std::uint32_t, 4> digital_shift;  ///< Of the whole sequence.
-  const Patch& patch;
-  const Primitive& primitive;
-  float offset;
-  std::optional<PatchSampler> sampler;  ///< Of spheres and of patches with alpha masks.
-  bool has_mask = false;
-  QuadPatch quad{};
-
-  int block = 0;                                   ///< Block of the sequence that is being cast.
-  std::array<std::uint32_t, 4> shift;              ///< Of this block, with the digital shift.
-  std::int32_t cast = 0, back_hits = 0;            ///< Numbers of cast rays and of hits on unlit backs.
-  std::vector<std::int32_t>& columns;              ///< Elements that rays hit.
-  std::vector<TransportRows::Mirrored>& mirrored;  ///< Weighted as single rays.
-
-  const VisibleDensity* density = nullptr;  ///< Of the rays' starts; null: uniform.
-
-  /// Forgets all rays.
-  void restart() {
-    cast = back_hits = 0;
-    columns.clear();
-    mirrored.clear();
-  }
-
-  std::uint64_t sample_number(int ray) const { return std::uint64_t(block) << 32 | std::uint64_t(ray); }
-};
 
 RayRows::RayRows(const PatchSet& scene, const RayScene& ray_scene, std::span<const Patch> receivers,
                  const Elements& elements, std::uint64_t seed, SampleSets sets, bool visible_fractions)
@@ -100,48 +37,82 @@ RayRows::RayRows(const PatchSet& scene, const RayScene& ray_scene, std::span<con
   }
 }
 
+/// Rows `first` to `last` - 1; with an environment also, for their guides, those around them.
+std::vector<RayRows::RowBlock> RayRows::row_blocks(std::int32_t first, std::int32_t last) const {
+  const std::int32_t around = scene_.environment ? kRowsForGuides : 0, count = std::int32_t(receivers_.size());
+  std::vector<RowBlock> blocks;
+  const auto add = [&](std::int32_t from, std::int32_t to) {
+    for (; from < to; from += kRowsPerTask) {
+      RowBlock& block = blocks.emplace_back();
+      block.first = from;
+      block.last = std::min(from + kRowsPerTask, to);
+    }
+  };
+  add(std::max(0, first - around), first);
+  add(first, last);
+  add(last, std::min(count, last + around));
+  return blocks;
+}
+
 std::int64_t RayRows::cast(int rays, TransportRows& rows, Progress& progress, Shard shard) const {
   const auto start = std::int32_t(shard.first(receivers_.size())), end = std::int32_t(shard.last(receivers_.size()));
-  const std::int32_t count = end - start;
   const int set_rays = std::max(16, (rays + 31) / 32 * 16);
   const DirectionTable table(set_rays);
   rows = {};
   rows.rays = 2 * set_rays;
   rows.starts.push_back(0);
-  rows.columns.reserve(std::size_t(count) * std::size_t(rows.rays));
-  const int tasks = (count + kRowsPerTask - 1) / kRowsPerTask;
-  const int tasks_at_once = std::max(1, int(kRaysAtOnce / (2 * set_rays * kRowsPerTask)));
+  rows.sky_starts.push_back(0);
+  rows.columns.reserve(std::size_t(end - start) * std::size_t(rows.rays));
+  const std::int64_t rays_at_once = scene_.environment ? kRaysAtOnceForGuides : kRaysAtOnce;
+  const auto rows_at_once =
+      std::int32_t(std::max(std::int64_t(1), rays_at_once / (rows.rays * kRowsPerTask)) * kRowsPerTask);
   std::int64_t cast = 0;
-  for (int done = 0; done < tasks; done += tasks_at_once) {
-    std::vector<RowBlock> blocks(std::min(tasks_at_once, tasks - done));
-    tbb::parallel_for(0, int(blocks.size()), [&](int index) {
+  for (std::int32_t first = start; first < end; first += rows_at_once) {
+    const std::int32_t last = std::min(first + rows_at_once, end);
+    std::vector<RowBlock> blocks = row_blocks(first, last);
+    tbb::parallel_for(std::size_t(0), blocks.size(), [&](std::size_t index) {
       _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree requires denormals to be flushed
-      const std::int32_t first = start + (done + index) * kRowsPerTask, last = std::min(first + kRowsPerTask, end);
+      RowBlock& block = blocks[index];
       Scratch scratch;
-      blocks[index].columns.reserve(std::size_t(last - first) * std::size_t(rows.rays));
-      for (std::int32_t row = first; row < last; ++row) cast_row(row, table, scratch, blocks[index]);
+      block.columns.reserve(std::size_t(block.last - block.first) * std::size_t(rows.rays));
+      for (std::int32_t row = block.first; row < block.last; ++row) cast_row(row, table, scratch, block);
     });
-    std::size_t more = 0;
-    for (const RowBlock& block : blocks) more += block.columns.size();
-    if (rows.columns.size() + more <= rows.columns.capacity()) prefault(rows.columns, more);
-    for (const RowBlock& block : blocks) {
-      rows.columns.insert(rows.columns.end(), block.columns.begin(), block.columns.end());
-      for (TransportRows::Mirrored m : block.mirrored) {
-        m.row -= start;
-        rows.mirrored.push_back(m);
-      }
-      rows.hit_weights.insert(rows.hit_weights.end(), block.hit_weights.begin(), block.hit_weights.end());
-      rows.visible_fractions.insert(rows.visible_fractions.end(), block.visible_fractions.begin(),
-                                    block.visible_fractions.end());
-      for (const std::int32_t hits : block.hits) rows.starts.push_back(rows.starts.back() + std::uint64_t(hits));
-      cast += block.rays;
-    }
-    progress.update(double(done) / tasks, "rows of form factors", cast);
+    if (scene_.environment) guide_to_sky(blocks, table);
+    std::erase_if(blocks, [&](const RowBlock& block) { return block.first < first || block.first >= last; });
+    append(blocks, start, rows);
+    for (const RowBlock& block : blocks) cast += block.rays;
+    progress.update(double(last - start) / double(end - start), "rows of form factors", cast);
   }
   if (std::all_of(rows.visible_fractions.begin(), rows.visible_fractions.end(),
                   [](float fraction) { return fraction == 1.0f; }))
     rows.visible_fractions.clear();
+  if (rows.sky_columns.empty()) {
+    rows.sky_starts.clear();
+    rows.sky_weights.clear();
+  }
   return cast;
+}
+
+/// Appends blocks to `rows`, whose first row is row `start` of the receivers.
+void RayRows::append(std::span<const RowBlock> blocks, std::int32_t start, TransportRows& rows) {
+  const auto add = [](auto& values, const auto& more) { values.insert(values.end(), more.begin(), more.end()); };
+  std::size_t more = 0;
+  for (const RowBlock& block : blocks) more += block.columns.size();
+  if (rows.columns.size() + more <= rows.columns.capacity()) prefault(rows.columns, more);
+  for (const RowBlock& block : blocks) {
+    add(rows.columns, block.columns);
+    for (TransportRows::Mirrored m : block.mirrored) {
+      m.row -= start;
+      rows.mirrored.push_back(m);
+    }
+    add(rows.hit_weights, block.hit_weights);
+    add(rows.visible_fractions, block.visible_fractions);
+    for (const std::int32_t hits : block.hits) rows.starts.push_back(rows.starts.back() + std::uint64_t(hits));
+    add(rows.sky_columns, block.sky_columns);
+    add(rows.sky_weights, block.sky_weights);
+    for (const std::int32_t hits : block.sky_hits)
+      rows.sky_starts.push_back(rows.sky_starts.back() + std::uint64_t(hits));
+  }
 }
 
 /// Casts blocks of rays until about as many rays have hit something as a block has rays. Each sample set takes its
@@ -179,11 +150,24 @@ void RayRows::cast_row(std::int32_t row, const DirectionTable& table, Scratch& s
       result.mirrored.push_back(m);
     }
   }
+  if (!scene_.environment) return;
+  result.sky_hits.insert(result.sky_hits.end(), 2, 0);
+  result.sky_weights.insert(result.sky_weights.end(), 2, 0.0f);
+  SkyRow& sky = result.sky.emplace_back();
+  const Patch& patch = receivers_[row];
+  sky.position = ray_scene_.to_local(
+      point_at(scene_.primitives[patch.primitive], 0.5f * (patch.u0 + patch.u1), 0.5f * (patch.v0 + patch.v1))
+          .position);
+  sky.normal = patch.normal;
+  for (SampleSet& set : sets) {
+    sky.found[set.index] = std::move(set.sky);
+    sky.cast[set.index] = set.cast;
+  }
+  if (density && !density->is_uniform()) sky.density = std::move(density);
 }
 
-void RayRows::start_packet(const SampleSet& set, const DirectionTable& table, int first, RayPacket& packet) const {
-  QuadSamples samples;
-  shift_samples(table, first, set.shift, samples);
+/// Starts rays from the samples, which are the block's from `first` on.
+void RayRows::start_packet(const SampleSet& set, QuadSamples& samples, int first, RayPacket& packet) const {
   if (set.sampler) {
     for (int lane = 0; lane < RayPacket::kSize; ++lane) {
       Vec2f uv(samples.u[lane], samples.v[lane]);
@@ -206,22 +190,24 @@ void RayRows::start_packet(const SampleSet& set, const DirectionTable& table, in
 
 void RayRows::cast_block(SampleSet& set, const DirectionTable& table, int block) const {
   const bool coherent = table.count() >= 128;  // measured: neighbours in a coarser table diverge too much
-  set.block = block;
-  set.shift = table.block(std::uint32_t(block));
-  for (int k = 0; k < 4; ++k) set.shift[k] ^= set.digital_shift[k];
+  set.begin(table, block);
   set.cast += table.count();
   RayPacket packet;
   for (int first = 0; first < table.count(); first += RayPacket::kSize) {
-    start_packet(set, table, first, packet);
+    QuadSamples samples;
+    shift_samples(table, first, set.shift, samples);
+    start_packet(set, samples, first, packet);
     ray_scene_.intersect(packet, coherent);
     for (int lane = 0; lane < RayPacket::kSize; ++lane) {
       const SurfaceHit hit = ray_scene_.hit(packet, lane);
-      if (hit.front)
+      if (hit.front) {
         set.columns.push_back(elements_.at(hit.primitive, hit.u, hit.v));
-      else if (hit.primitive >= 0)
+      } else if (hit.primitive >= 0) {
         ++set.back_hits;
-      else if (scene_.environment)
+      } else if (scene_.environment) {
         set.columns.push_back(elements_.sky(packet.direction(lane)));
+        set.sky.push_back(set.direction_sample(table, first + lane));
+      }
     }
     if (has_metals_) trace_reflections(set, first, packet);
   }

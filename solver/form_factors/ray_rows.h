@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <span>
 
 #include "pipeline/model/shard.h"
@@ -8,6 +9,8 @@
 #include "pipeline/stage/progress.h"
 #include "solver/form_factors/direction_table.h"
 #include "solver/form_factors/harmonic_distance.h"
+#include "solver/form_factors/quad_rays.h"
+#include "solver/form_factors/sky_guide.h"
 
 namespace patchlight {
 
@@ -17,6 +20,12 @@ namespace patchlight {
 ///
 /// Metals reflect rays; the elements hit afterwards are weighted by the specular reflectances on the path, after
 /// Russian roulette: extended form factors (Sillion and Puech 1989).
+///
+/// Where a sample set finds the environment by less than a quarter of its rays, as through a window, the other set
+/// casts as many rays again by a SkyGuide to what the first set of this row and of its neighbours found: so a set's
+/// guide does not depend on its own rays, and its mean stays unbiased. Hits in these directions, by rays of either
+/// kind, have the weights of the balance heuristic (Veach and Guibas 1995); the rest of the hemisphere is shared out
+/// among all other rays, so that form factors of an open row still add up to 1.
 class RayRows {
  public:
   enum class SampleSets {
@@ -39,19 +48,27 @@ class RayRows {
  private:
   struct SampleSet;
   struct Scratch;
+  struct RowBlock;
+  struct SkyRow;
 
-  /// Results of a thread's rows, in order of rows and sample sets.
-  struct RowBlock {
-    std::vector<std::int32_t> columns, hits;
-    std::vector<float> hit_weights, visible_fractions;
-    std::vector<TransportRows::Mirrored> mirrored;
-    std::int64_t rays = 0;
-  };
-
+  std::vector<RowBlock> row_blocks(std::int32_t first, std::int32_t last) const;
+  static void append(std::span<const RowBlock> blocks, std::int32_t start, TransportRows& rows);
   void cast_row(std::int32_t row, const DirectionTable& table, Scratch& scratch, RowBlock& result) const;
   void cast_block(SampleSet& set, const DirectionTable& table, int block) const;
-  void start_packet(const SampleSet& set, const DirectionTable& table, int first, RayPacket& packet) const;
+  void start_packet(const SampleSet& set, QuadSamples& samples, int first, RayPacket& packet) const;
   void trace_reflections(SampleSet& set, int first, RayPacket& packet) const;
+
+  static constexpr int kGuideReach = 64;  ///< Neighbours of a row are at most so many rows before or after it.
+  static constexpr int kGuideSweeps = 3;  ///< In which rows learn from each other.
+  static constexpr int kRowsForGuides = kGuideReach * (kGuideSweeps + 1);  ///< That a row's guide depends on.
+
+  static void find_neighbours(std::span<SkyRow> rows, std::size_t at);
+  static std::optional<SkyGuide> guide(std::span<const SkyRow> rows, std::size_t at, int sample_set);
+  void guide_to_sky(std::span<RowBlock> blocks, const DirectionTable& table) const;
+  void learn_sky(std::span<SkyRow> rows, std::int32_t first, int sweep) const;
+  void add_guided(std::span<const SkyRow> rows, std::int32_t first, const DirectionTable& table, RowBlock& block) const;
+  template <class Act>
+  void cast_guided(SampleSet& set, const SkyGuide& guide, const DirectionTable& table, Act act) const;
 
   const PatchSet& scene_;
   const RayScene& ray_scene_;

@@ -17,6 +17,11 @@ TransportRows sky_rows(const PatchSet& scene, const RayScene& ray_scene, int ray
       sky.columns.push_back(all.columns[at]);
       sky.weights.push_back(all.hit_weights[k]);
     }
+    if (!all.sky_starts.empty())
+      for (std::uint64_t at = all.sky_starts[k]; at < all.sky_starts[k + 1]; ++at) {
+        sky.columns.push_back(all.sky_columns[at]);
+        sky.weights.push_back(all.sky_weights[k]);
+      }
     sky.starts.push_back(sky.columns.size());
   }
   return sky;

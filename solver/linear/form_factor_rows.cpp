@@ -59,6 +59,13 @@ void FormFactorRows::gather_packed(const RadiosityTable& radiosity, std::span<co
       add_unweighted<Number, kWidth>(columns, table, sum);
       for (int c = 0; c < kWidth; ++c) sum[c] *= double(transport_.hit_weights[k]);
     }
+    if (!transport_.sky_starts.empty()) {
+      const std::uint64_t sky = transport_.sky_starts[k];
+      double found[kWidth] = {};
+      add_unweighted<Number, kWidth>(std::span(transport_.sky_columns).subspan(sky, transport_.sky_starts[k + 1] - sky),
+                                     table, found);
+      for (int c = 0; c < kWidth; ++c) sum[c] += found[c] * double(transport_.sky_weights[k]);
+    }
     if (mirrored_starts_.empty()) return;
     for (std::uint64_t at = mirrored_starts_[k]; at < mirrored_starts_[k + 1]; ++at) {
       const auto& m = transport_.mirrored[at];

@@ -22,6 +22,7 @@ constexpr double kBytesOfPhotons = 26;             // of a patch and emitter in 
 constexpr double kBytesPerProgressiveGroup = 350;  // of a patch and light group, for progressive refinement
 constexpr double kBytesPerRay = 4;                 // of a row's ray: its column
 constexpr double kBytesPerLightRay = 8;            // to one of many emitters: its patch and weight
+constexpr double kGuidedRays = 2;                  // rays of a row with a guide over those of others
 constexpr double kBytesOfDisplay = 250;            // of a patch, for the display solution
 constexpr double kDisplayRayRatio = 1.2;  // upper bound of the rays of the display mesh over the rays of the patches
 constexpr double kBytesPerHemicubePatch = 16;  // of a patch visible in a row's two hemicubes: column and weight
@@ -31,6 +32,11 @@ bool has_metals(const PatchSet& scene) {
                      [&](const Primitive& p) { return scene.materials[p.material].specular != Color(0.0f); });
 }
 
+/// Upper bound of the bytes of a row by `rays` rays.
+double row_bytes(const PatchSet& scene, int rays) {
+  return kBytesPerRay * rays * (scene.environment ? kGuidedRays : 1.0);
+}
+
 double gibibytes(double bytes) {
   return bytes / double(1 << 30);
 }
@@ -38,12 +44,13 @@ double gibibytes(double bytes) {
 }  // namespace
 
 double memory_needed(const PatchSet& scene, const SolveConfig& config, int rays) {
-  const double display = config.display ? kBytesOfDisplay + kDisplayRayRatio * kBytesPerRay * rays : 0.0;
+  const double display = config.display ? kBytesOfDisplay + kDisplayRayRatio * row_bytes(scene, rays) : 0.0;
   const auto n = double(scene.patches.size()), groups = double(scene.light_groups.size());
   if (config.method == "progressive")
     return kBaseBytes + n * (kBytesPerPatch + display + kBytesPerProgressiveGroup * groups);
   const double cells = 3.0 * config.hemicube_resolution * config.hemicube_resolution;
-  const double row = config.form_factors == "rays" ? kBytesPerRay * rays : kBytesPerHemicubePatch * std::min(n, cells);
+  const double row =
+      config.form_factors == "rays" ? row_bytes(scene, rays) : kBytesPerHemicubePatch * std::min(n, cells);
   const bool photons = config.form_factors == "rays" && has_metals(scene);
   const double emitter = kBytesPerEmitter + (photons ? kBytesOfPhotons : 0.0);
   const double light_rays =
@@ -53,7 +60,7 @@ double memory_needed(const PatchSet& scene, const SolveConfig& config, int rays)
 }
 
 double shard_memory_needed(const PatchSet& scene, const SolveConfig& config, int shards) {
-  const double rows = kBytesPerRay * config.rays * (config.display ? 1 + kDisplayRayRatio : 1.0);
+  const double rows = row_bytes(scene, config.rays) * (config.display ? 1 + kDisplayRayRatio : 1.0);
   return kBaseBytes + double(scene.patches.size()) *
                           (kBytesPerShardPatch + (config.display ? kBytesOfDisplay : 0.0) + rows / shards);
 }

@@ -5,7 +5,7 @@
 namespace patchlight {
 
 /// Upper bound of the memory of a solve with `rays` rays a row, bytes, within 20%; for hemicubes within a factor of 3,
-/// since the number of visible patches is unknown.
+/// since the number of visible patches is unknown, and with an environment within a factor of 2.
 double memory_needed(const PatchSet& scene, const SolveConfig& config, int rays);
 
 /// Upper bound of the memory for casting one of `shards` shards of the rows, bytes.

@@ -20,6 +20,20 @@ void append(Values& values, const Values& more) {
   values.insert(values.end(), more.begin(), more.end());
 }
 
+/// Appends the sky columns of the next shard to those of `rows`, which has its rows already.
+void append_sky(TransportRows& rows, const TransportRows& more) {
+  if (rows.sky_starts.empty() && more.sky_starts.empty()) return;
+  const std::size_t before = rows.starts.size() - more.starts.size();
+  rows.sky_starts.resize(before + 1, rows.sky_columns.size());
+  rows.sky_weights.resize(before, 0.0f);
+  for (std::size_t k = 1; k < more.sky_starts.size(); ++k)
+    rows.sky_starts.push_back(rows.sky_columns.size() + more.sky_starts[k]);
+  append(rows.sky_weights, more.sky_weights);
+  append(rows.sky_columns, more.sky_columns);
+  rows.sky_starts.resize(rows.starts.size(), rows.sky_columns.size());
+  rows.sky_weights.resize(rows.starts.size() - 1, 0.0f);
+}
+
 /// Appends the rows of the next shard.
 void append_rows(TransportRows& rows, const TransportRows& more) {
   const auto first_row = std::int32_t(rows.rows());
@@ -31,6 +45,7 @@ void append_rows(TransportRows& rows, const TransportRows& more) {
     m.row += first_row;
     rows.mirrored.push_back(m);
   }
+  append_sky(rows, more);
   if (rows.visible_fractions.empty() && more.visible_fractions.empty()) return;
   rows.visible_fractions.resize(2 * std::size_t(first_row), 1.0f);
   append(rows.visible_fractions, more.visible_fractions);

@@ -26,6 +26,31 @@ void read_mirrored(const H5Reader& reader, const std::string& folder, std::int64
   }
 }
 
+void check_starts(const H5Reader& reader, const std::string& dataset, const std::vector<std::int64_t>& starts,
+                  std::size_t columns) {
+  if (starts.size() % 2 == 0 || starts.front() != 0 || starts.back() != std::int64_t(columns) ||
+      !std::is_sorted(starts.begin(), starts.end()))
+    reader.refuse("row starts that are not ascending", dataset);
+}
+
+bool is_share(float weight) {
+  return weight >= 0 && weight <= 1;
+}
+
+/// `elements`: number of all elements, of which the environment's cells are the last.
+void read_sky(const H5Reader& reader, const std::string& folder, std::int64_t elements, TransportRows& rows) {
+  if (!reader.has(folder + "/sky/start")) return;
+  const std::vector<std::int64_t> starts =
+      reader.dataset<std::int64_t>(folder + "/sky/start", std::int64_t(rows.starts.size()));
+  rows.sky_columns = reader.dataset<std::int32_t>(folder + "/sky/patch", -1);
+  check_starts(reader, folder + "/sky/start", starts, rows.sky_columns.size());
+  rows.sky_starts.assign(starts.begin(), starts.end());
+  check_all(reader, folder + "/sky/patch", rows.sky_columns,
+            [=](std::int32_t j) { return j >= 0 && std::int64_t(j) < elements; });
+  rows.sky_weights = reader.dataset<float>(folder + "/sky/share", std::int64_t(starts.size() - 1));
+  check_all(reader, folder + "/sky/share", rows.sky_weights, is_share);
+}
+
 }  // namespace
 
 void write_rows(H5Writer& writer, const std::string& folder, const TransportRows& rows) {
@@ -36,6 +61,12 @@ void write_rows(H5Writer& writer, const std::string& folder, const TransportRows
     writer.dataset<float>(folder + "/rows/weight", rows.weights);
   else
     writer.dataset<float>(folder + "/rows/share", rows.hit_weights);
+  if (!rows.sky_starts.empty()) {
+    const std::vector<std::int64_t> sky_starts(rows.sky_starts.begin(), rows.sky_starts.end());
+    writer.dataset<std::int64_t>(folder + "/sky/start", sky_starts);
+    writer.dataset<std::int32_t>(folder + "/sky/patch", rows.sky_columns);
+    writer.dataset<float>(folder + "/sky/share", rows.sky_weights);
+  }
   if (rows.mirrored.empty()) return;
   std::vector<std::int32_t> entries;
   std::vector<float> weights;
@@ -52,9 +83,7 @@ void read_rows(const H5Reader& reader, const std::string& folder, std::int64_t e
   if (rays < 0 || rays > kMaxRays) reader.refuse("a number of rays out of bounds", folder + "/rows/share");
   const std::vector<std::int64_t> starts = reader.dataset<std::int64_t>(folder + "/rows/start", -1);
   rows.columns = reader.dataset<std::int32_t>(folder + "/rows/patch", -1);
-  if (starts.size() % 2 == 0 || starts.front() != 0 || starts.back() != std::int64_t(rows.columns.size()) ||
-      !std::is_sorted(starts.begin(), starts.end()))
-    reader.refuse("row starts that are not ascending", folder + "/rows/start");
+  check_starts(reader, folder + "/rows/start", starts, rows.columns.size());
   rows.starts.assign(starts.begin(), starts.end());
   if (own) elements += rows.rows();
   const auto count = std::uint32_t(std::min<std::int64_t>(elements, std::numeric_limits<std::int32_t>::max()));
@@ -65,9 +94,9 @@ void read_rows(const H5Reader& reader, const std::string& folder, std::int64_t e
   } else {
     rows.rays = int(rays);
     rows.hit_weights = reader.dataset<float>(folder + "/rows/share", std::int64_t(starts.size() - 1));
-    check_all(reader, folder + "/rows/share", rows.hit_weights,
-              [](float weight) { return weight >= 0 && weight <= 1; });
+    check_all(reader, folder + "/rows/share", rows.hit_weights, is_share);
   }
+  read_sky(reader, folder, elements, rows);
   read_mirrored(reader, folder, elements, rows);
 }
 

@@ -3,6 +3,7 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <vector>
 
 #include "pipeline/model/math.h"
 
@@ -29,6 +30,30 @@ class VisibleCells {
       const std::uint32_t row = other.rows_[y], wide = row | row << 1 | row >> 1;
       for (int v = std::max(0, y - 1); v <= std::min(kSide - 1, y + 1); ++v) rows_[v] |= wide;
     }
+  }
+
+  /// Adds the cells at most `across` cells to the side and `up` cells above and below.
+  void widen(int across, int up) {
+    const auto rows = rows_;
+    auto wide = rows;
+    for (int k = 1; k <= across; ++k)
+      for (int y = 0; y < kSide; ++y) wide[y] |= rows[y] << k | rows[y] >> k;
+    rows_ = wide;
+    for (int k = 1; k <= up; ++k)
+      for (int y = k; y < kSide; ++y) {
+        rows_[y] |= wide[y - k];
+        rows_[y - k] |= wide[y];
+      }
+  }
+
+  /// Lower corners of the cells, row by row, in cells.
+  std::vector<std::array<std::uint8_t, 2>> corners() const {
+    std::vector<std::array<std::uint8_t, 2>> list;
+    list.reserve(kSide * kSide);
+    for (int y = 0; y < kSide; ++y)
+      for (std::uint32_t row = rows_[y]; row != 0; row &= row - 1)
+        list.push_back({std::uint8_t(std::countr_zero(row)), std::uint8_t(y)});
+    return list;
   }
 
   /// Maps uniform points of the unit square to uniform points of the cells, of which there must be some.

@@ -36,6 +36,8 @@ class Elements {
     return scene_.environment ? first_sky_ + sky_cell(*scene_.environment, direction) : -1;
   }
 
+  bool is_sky(std::int32_t element) const { return element >= first_sky_; }
+
  private:
   static constexpr int kLeafGrid = 8;
   using Nearest = std::array<std::uint8_t, kLeafGrid * kLeafGrid>;  ///< Corner of each grid cell of a leaf.

@@ -195,8 +195,19 @@ TEST(TransportFile, HoldsLightsAndWhatRowsSeeOfTheSky) {
   written.sky = 3;
   written.columns[0] = 4;                 // 2 patches, 3 cells
   written.display->rows.columns[0] = 11;  // behind 7 elements
+  for (TransportRows* rows : {static_cast<TransportRows*>(&written), &written.display->rows}) {
+    rows->sky_starts = {0, 1, 1, 3, 3};
+    rows->sky_columns = {4, 3, 4};
+    rows->sky_weights = {0.25f, 0.0f, 0.5f, 0.0f};
+  }
   write_transport(folder / "transport.h5", written);
   const Transport read = read_transport(folder / "transport.h5");
+  EXPECT_EQ(read.sky_starts, written.sky_starts);
+  EXPECT_EQ(read.sky_columns, written.sky_columns);
+  EXPECT_EQ(read.sky_weights, written.sky_weights);
+  EXPECT_EQ(read.display->rows.sky_starts, written.sky_starts);
+  EXPECT_EQ(read.display->rows.sky_columns, written.sky_columns);
+  EXPECT_EQ(read.display->rows.sky_weights, written.sky_weights);
   ASSERT_EQ(read.emitters.size(), 4u);
   for (std::size_t k = 0; k < 4; ++k) {
     EXPECT_EQ(read.emitters[k].first_patch, written.emitters[k].first_patch);
@@ -213,6 +224,19 @@ TEST(TransportFile, HoldsLightsAndWhatRowsSeeOfTheSky) {
     ++(display ? broken.display->rows.columns[0] : broken.columns[0]);
     write_transport(folder / "transport.h5", broken);
     EXPECT_ERROR(read_transport(folder / "transport.h5"), ExitCode::bad_data, "rows/patch");
+  }
+  const std::vector<std::function<void(Transport&)>> faults{
+      [](Transport& t) { t.sky_columns[1] = 5; },      [](Transport& t) { t.sky_columns[1] = -1; },
+      [](Transport& t) { t.sky_starts[2] = 0; },       [](Transport& t) { t.sky_starts.push_back(3); },
+      [](Transport& t) { t.sky_weights[0] = 1.5f; },   [](Transport& t) { t.sky_weights.pop_back(); },
+      [](Transport& t) { t.sky_weights[0] = -0.25f; }, [](Transport& t) { t.sky_columns.pop_back(); },
+  };
+  for (std::size_t k = 0; k < faults.size(); ++k) {
+    SCOPED_TRACE(k);
+    Transport broken = written;
+    faults[k](broken);
+    write_transport(folder / "transport.h5", broken);
+    EXPECT_ERROR(read_transport(folder / "transport.h5"), ExitCode::bad_data, "sky/");
   }
 }
 

@@ -16,7 +16,7 @@ struct FacingSquares {
   SpectrumField reflectance;
 
   explicit FacingSquares(double rho)
-      : transport{{0, 1, 2, 3, 4}, {1, 1, 0, 0}, {}, {1, 1, 1, 1}, {}, {}, 2},
+      : transport{{0, 1, 2, 3, 4}, {1, 1, 0, 0}, {}, {1, 1, 1, 1}, {}, {}, 2, {}, {}, {}},
         rows(transport),
         reflectance(2, Spectrum(rho)) {
     builder.quad({{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}, 1, 1, {float(rho), 1.0f});

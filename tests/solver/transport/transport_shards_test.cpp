@@ -7,6 +7,7 @@
 #include "tests/expect_error.h"
 #include "tests/patch_scene.h"
 #include "tests/temporary_folder.h"
+#include "tests/window_room.h"
 
 namespace patchlight {
 namespace {
@@ -53,6 +54,9 @@ class TransportShards : public ::testing::Test {
     EXPECT_EQ(a.hit_weights, b.hit_weights);
     EXPECT_EQ(a.visible_fractions, b.visible_fractions);
     EXPECT_EQ(a.rays, b.rays);
+    EXPECT_EQ(a.sky_starts, b.sky_starts);
+    EXPECT_EQ(a.sky_columns, b.sky_columns);
+    EXPECT_EQ(a.sky_weights, b.sky_weights);
     ASSERT_EQ(a.mirrored.size(), b.mirrored.size());
     for (std::size_t k = 0; k < a.mirrored.size(); ++k) {
       EXPECT_EQ(a.mirrored[k].row, b.mirrored[k].row);
@@ -62,7 +66,7 @@ class TransportShards : public ::testing::Test {
     }
   }
 
-  const PatchSet scene_ = mirror_room();
+  PatchSet scene_ = mirror_room();
   TemporaryFolder folder_;
   Job job_;
   Progress progress_{{"test", true, ""}};
@@ -90,6 +94,22 @@ TEST_F(TransportShards, GiveTheRowsAndSolutionOfASingleSolve) {
     EXPECT_EQ(energy.groups[0].display, alone.groups[0].display);
     EXPECT_EQ(merged.emitters.at(0).factors, whole.emitters.at(0).factors);
     EXPECT_EQ(merged.emitters[0].mirrored, whole.emitters[0].mirrored);
+  }
+}
+
+TEST_F(TransportShards, GiveTheRowsOfASingleSolveThroughAWindow) {
+  scene_ = test::room_with_window(-0.96, 0.96, 0.8, 2.3, 0.5f);
+  Transport whole;
+  const EnergyField alone = solve(scene_, job_.solve, whole, progress_);
+  ASSERT_FALSE(whole.sky_columns.empty());
+  ASSERT_FALSE(whole.display->rows.sky_columns.empty());
+  for (const int count : {2, 5}) {
+    SCOPED_TRACE(count);
+    for (int k = 1; k <= count; ++k) cast({k, count});
+    Transport merged = merge(count);
+    expect_equal(merged, whole);
+    expect_equal(merged.display->rows, whole.display->rows);
+    EXPECT_EQ(solve(scene_, job_.solve, merged, progress_).groups[0].indirect, alone.groups[0].indirect);
   }
 }
 
