@@ -14,13 +14,6 @@ class VisibleCells {
  public:
   static constexpr int kSide = 32;  ///< Cells along a side.
 
-  /// Fraction of the square, in [0,1].
-  float area() const {
-    int count = 0;
-    for (const std::uint32_t row : rows_) count += std::popcount(row);
-    return float(count) / float(kSide * kSide);
-  }
-
   void add(const Vec2f& at) { rows_[index(at.y)] |= 1u << index(at.x); }
   bool contains(const Vec2f& at) const { return rows_[index(at.y)] >> index(at.x) & 1u; }
 
@@ -54,24 +47,6 @@ class VisibleCells {
       for (std::uint32_t row = rows_[y]; row != 0; row &= row - 1)
         list.push_back({std::uint8_t(std::countr_zero(row)), std::uint8_t(y)});
     return list;
-  }
-
-  /// Maps uniform points of the unit square to uniform points of the cells, of which there must be some.
-  Vec2f point(const Vec2f& at) const {
-    const float place = at.x * area() * float(kSide * kSide);
-    int rest = int(place);
-    for (int y = 0; y < kSide; ++y) {
-      const int count = std::popcount(rows_[y]);
-      if (rest >= count) {
-        rest -= count;
-        continue;
-      }
-      std::uint32_t row = rows_[y];
-      while (rest-- > 0) row &= row - 1;
-      const Vec2f inside(place - float(int(place)), at.y);
-      return (Vec2f(float(std::countr_zero(row)), float(y)) + inside) / float(kSide);
-    }
-    return at;
   }
 
  private:
