@@ -55,7 +55,8 @@ std::optional<SkyGuide> RayRows::guide(std::span<const SkyRow> rows, std::size_t
   return all.empty() ? std::nullopt : std::optional<SkyGuide>(all);
 }
 
-/// Casts the block's rays into the guide and calls act(point, direction) for those that find the environment.
+/// Casts a block of a sample set's rays in directions of the guide. Calls act(place, direction) for each ray that hits
+/// nothing: its place in the guide's unit square, and its direction in world space.
 template <class Act>
 void RayRows::cast_guided(SampleSet& set, const SkyGuide& guide, const DirectionTable& table, Act act) const {
   RayPacket packet;

@@ -47,7 +47,8 @@ class VisibleDensity {
 class VisibleDensities {
  public:
   VisibleDensities() = default;
-  /// `visible_fractions`: see TransportRows. The densities are those that gave the fractions.
+  /// `visible_fractions`: see TransportRows. Patches with a fraction below 1 get the density from which that fraction
+  /// was computed, if the seed is the same.
   VisibleDensities(const PatchSet& scene, const RayScene& ray_scene, const std::vector<float>& visible_fractions,
                    std::uint64_t seed);
 

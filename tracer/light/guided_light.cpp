@@ -27,7 +27,8 @@ VisibleCells GuidedLight::around(std::size_t cluster) const {
   return cells;
 }
 
-/// Casts `count` rays, a multiple of 16, and calls act(sample, weight) for those that reach the lamp.
+/// Casts `count` shadow rays, a multiple of 16, from a cluster to the lamp. Calls act(place, weight) for each ray that
+/// reaches the lamp: its place in the unit square of the lamp's samples, and its form factor.
 template <class Act>
 void GuidedLight::cast(std::size_t cluster, const Corners* guide, int count, std::uint64_t seed, Act act) const {
   const std::span<const ShadingPoint> points = clusters_[cluster].points;

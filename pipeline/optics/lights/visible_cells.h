@@ -9,7 +9,8 @@
 
 namespace patchlight {
 
-/// A set of cells of the unit square of an emitter's samples: the parts of the emitter that are known to be visible.
+/// A set of cells of the unit square that samples of an emitter, or of directions, come from: the cells whose samples
+/// are known to be visible.
 class VisibleCells {
  public:
   static constexpr int kSide = 32;  ///< Cells along a side.
