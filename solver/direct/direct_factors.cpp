@@ -17,9 +17,6 @@ namespace patchlight {
 namespace {
 
 constexpr int kRowsPerTask = 64;
-// Distance in radii of an emitter beyond which it is sampled by area instead of solid angle: there visibility varies
-// more than the form factors of the emitter's parts.
-constexpr double kAreaSamplingDistance = 1.5;
 // Distance in patch sizes from which the form factor at the centre equals the mean over the patch within 1e-4.
 constexpr double kFarForCentre = 30.0;
 

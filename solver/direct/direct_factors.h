@@ -12,6 +12,10 @@
 
 namespace patchlight {
 
+/// Distance in radii of an emitter beyond which it is sampled by area instead of solid angle: there visibility varies
+/// more than the form factors of the emitter's parts.
+constexpr double kAreaSamplingDistance = 1.5;
+
 /// Form factors from patches to explicitly sampled emitters: closed forms where an emitter is wholly visible, shadow
 /// rays where it is partly hidden.
 ///

@@ -11,13 +11,13 @@
 #include "pipeline/optics/sampling/patch_sampling.h"
 #include "pipeline/optics/sampling/random.h"
 #include "pipeline/stage/progress.h"
+#include "solver/direct/direct_factors.h"
 
 namespace patchlight {
 
 namespace {
 
 constexpr int kRowsPerTask = 64;
-constexpr double kAreaSamplingDistance = 1.5;  // in radii of an emitter, beyond which it is sampled by area
 
 std::vector<DirectLight> lights_of(const PatchSet& scene, const RayScene& ray_scene,
                                    const std::vector<Emitter>& emitters) {
