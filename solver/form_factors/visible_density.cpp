@@ -118,7 +118,7 @@ Vec2f VisibleDensity::operator()(const Vec2f& at) const {
     const float below = k > 0 ? sums[k - 1] : 0.0f, width = sums[k] - below;
     return std::pair(k, width > 0 ? std::clamp((sum - below) / width, 0.0f, 1.0f) : 0.5f);
   };
-  constexpr float kReach = 0.01f / kCells;  // starts lie beside visible points; farther off they may be covered
+  constexpr float kReach = 0.001f / kCells;  // starts lie beside visible points; farther off they may be covered
   const auto [row, y] = invert(row_sums_.data(), at.y);
   const auto [column, x] = invert(cell_sums_.data() + row * kCells, at.x);
   const Vec2f around = point(row * kCells + column) + Vec2f(x - 0.5f, y - 0.5f) * kReach;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "pipeline/optics/intersect/rounding.h"
 #include "pipeline/optics/sampling/patch_sampling.h"
 
 namespace patchlight {
@@ -175,8 +176,7 @@ DirectLight::DirectLight(const PatchSet& scene, const RayScene& ray_scene, const
   for (int k = 0; k < corner_count_; ++k) radius_ = std::max(radius_, (corners_[k] - center_).length());
   for (int k = 1; k < corner_count_; ++k) edges_[k - 1] = corners_[k] - corners_[0];
   plane_tolerance_ = ray_scene.offset(emitter.primitive);
-  for (const Vec3d& c : p.corners)
-    for (int axis = 0; axis < 3; ++axis) plane_tolerance_ = std::max(plane_tolerance_, kRounding * std::abs(c[axis]));
+  for (const Vec3d& c : p.corners) plane_tolerance_ = std::max(plane_tolerance_, kRounding * absolute_dot(c, normal_));
   for (int k = 2; k < corner_count_; ++k) {
     const double before = area_;
     area_ += 0.5 * ((edges_[k - 2] % edges_[k - 1]) ^ normal_);

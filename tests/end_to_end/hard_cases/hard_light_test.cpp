@@ -75,7 +75,7 @@ PatchSet two_rooms_cut_at_the_walls() {
 TEST_F(HardCases, PatchesThatExtendBehindAWall) {
   const auto far_room = [](const PatchSet& scene) {
     SolveConfig config = hard_case_config();
-    config.rays = 1 << 13;
+    config.rays = 1 << 15;
     const EnergyField energy = solve_quietly(scene, kConfigurations[0], config);
     double power = 0, area = 0;
     for (std::size_t i = 0; i < scene.patches.size(); ++i)
