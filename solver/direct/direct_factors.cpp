@@ -11,6 +11,7 @@
 #include "pipeline/optics/lights/shadow_rays.h"
 #include "pipeline/optics/sampling/patch_sampling.h"
 #include "pipeline/optics/sampling/random.h"
+#include "pipeline/optics/sampling/sobol.h"
 
 namespace patchlight {
 
@@ -148,13 +149,11 @@ class DirectFactors::EmitterSampler {
     const bool has_mask = has_alpha_mask(parent_.scene_, patch);
     const VisibleDensity* density = parent_.densities_.find(row);
     const std::uint64_t random = hash64(parent_.seed_ ^ hash64(4 * std::uint64_t(row) + 2 * sample_set + round));
-    const float shift_x = uniform01(hash64(random + 1)), shift_y = uniform01(hash64(random + 2));
+    const PointPairs pairs(random);
     for (int k = 0; k < total; ++k) {
-      Vec2f at = kronecker2(std::uint64_t(k), random);
+      auto [at, to] = pairs(std::uint32_t(k));
       if (density) at = (*density)(at);
-      if (has_mask) at = covered_point(parent_.scene_, patch, sampler, at, hash64(random + 3) + std::uint64_t(k));
-      const Vec2f to(shifted((float(k) + 0.5f) / float(total), shift_x),
-                     shifted(radical_inverse(std::uint32_t(k)), shift_y));
+      if (has_mask) at = covered_point(parent_.scene_, patch, sampler, at, hash64(random + 2) + std::uint64_t(k));
       const SurfacePoint point = sampler(at.x, at.y);
       const Vec3d start = point.position + Vec3d(point.normal) * offset;
       const DirectLight::Sample sample = light_.view(start, point.normal, kAreaSamplingDistance).sample(to.x, to.y);

@@ -10,6 +10,7 @@
 #include "pipeline/optics/intersect/quad_shape.h"
 #include "pipeline/optics/sampling/patch_sampling.h"
 #include "pipeline/optics/sampling/random.h"
+#include "pipeline/optics/sampling/sobol.h"
 #include "pipeline/stage/progress.h"
 #include "solver/direct/direct_factors.h"
 
@@ -117,6 +118,7 @@ void LightSampler::cast_rays(const Patch& receiver, const VisibleDensity* densit
   const Primitive& primitive = scene_.primitives[receiver.primitive];
   const PatchSampler sampler(primitive, receiver);
   const double offset = ray_scene_.offset(receiver.primitive);
+  const PointPairs pairs(random);
   RayPacket packet;
   packet.clear();
   std::array<std::pair<std::int32_t, float>, RayPacket::kSize> targets;  // patches and weights
@@ -133,7 +135,7 @@ void LightSampler::cast_rays(const Patch& receiver, const VisibleDensity* densit
   for (std::size_t k = 0; k < choices.size(); ++k) {
     const auto& [index, probability] = choices[k];
     if (probability <= 0 || emitters_[index].primitive == receiver.primitive) continue;
-    Vec2f at = kronecker2(k, random), to = kronecker2(k, hash64(random + 1));
+    auto [at, to] = pairs(std::uint32_t(k));
     if (density) at = (*density)(at);
     SurfacePoint point = sampler(at.x, at.y);
     if (primitive.shape == Primitive::Shape::quad) point.normal = receiver.normal;

@@ -6,7 +6,7 @@
 namespace patchlight {
 
 /// Origins and directions of the rays of a sample set before its random digital shift: the first points of the
-/// four-dimensional Sobol sequence (Joe and Kuo 2008), each coordinate as 32 bits of a number in [0,1). They are in
+/// four-dimensional Sobol sequence, each coordinate as 32 bits of a number in [0,1). They are in
 /// Morton order of their directions, so that sixteen consecutive rays are coherent.
 ///
 /// A later block of the sequence has the same points, after exclusive or of each coordinate with the block's shift.
@@ -22,10 +22,5 @@ struct DirectionTable {
   std::vector<std::uint32_t> x, y;  ///< [count] Arguments of cosine_direction.
   std::vector<std::uint32_t> u, v;  ///< [count] Arguments of PatchSampler.
 };
-
-/// 32 bits as a number in [0,1).
-inline float unit_float(std::uint32_t bits) {
-  return float(std::int32_t(bits >> 8)) * 0x1p-24f;
-}
 
 }  // namespace patchlight

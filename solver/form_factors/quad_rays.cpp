@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "pipeline/optics/sampling/patch_sampling.h"
+#include "pipeline/optics/sampling/sobol.h"
 #include "pipeline/system/vector_code.h"
 
 namespace patchlight {

@@ -5,6 +5,7 @@
 #include "pipeline/optics/intersect/alpha_mask.h"
 #include "pipeline/optics/sampling/patch_sampling.h"
 #include "pipeline/optics/sampling/random.h"
+#include "pipeline/optics/sampling/sobol.h"
 #include "solver/form_factors/ray_rows.h"
 #include "solver/form_factors/visible_density.h"
 

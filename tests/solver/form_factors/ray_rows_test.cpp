@@ -5,6 +5,7 @@
 #include <cmath>
 #include <set>
 
+#include "pipeline/optics/sampling/sobol.h"
 #include "tests/patch_scene.h"
 
 namespace patchlight {
