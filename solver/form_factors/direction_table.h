@@ -6,8 +6,7 @@
 namespace patchlight {
 
 /// Origins and directions of the rays of a sample set before its random digital shift: the first points of the
-/// four-dimensional Sobol sequence, each coordinate as 32 bits of a number in [0,1). They are in
-/// Morton order of their directions, so that sixteen consecutive rays are coherent.
+/// sequence of sobol4(). They are in Morton order of their directions, so that sixteen consecutive rays are coherent.
 ///
 /// A later block of the sequence has the same points, after exclusive or of each coordinate with the block's shift.
 struct DirectionTable {

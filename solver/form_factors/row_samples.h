@@ -1,5 +1,4 @@
 #pragma once
-#include <memory>
 #include <optional>
 
 #include "pipeline/optics/intersect/alpha_mask.h"

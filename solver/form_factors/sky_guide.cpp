@@ -52,7 +52,7 @@ SkyGuide::SkyGuide(std::span<const Vec2f> known) {
     return std::min(int(std::ceil(part * VisibleCells::kSide)), VisibleCells::kSide - 1);
   };
   cells_.widen(cells(around.x * scale.x), cells(around.y * scale.y));
-  corners_ = cells_.corners();
+  sampler_.emplace(cells_);
   low_.y += start;
 }
 
@@ -62,12 +62,8 @@ bool SkyGuide::contains(const Vec2f& at) const {
 }
 
 Vec2f SkyGuide::point(const Vec2f& at) const {
-  const float place = at.x * float(corners_.size());
-  const auto cell = std::min(std::size_t(place), corners_.size() - 1);
-  const auto [x, y] = corners_[cell];
-  const Vec2f inside{float(x) + place - float(cell), float(y) + at.y};
-  return {std::min(low_.x + inside.x * size_.x / VisibleCells::kSide, 1.0f),
-          wrapped(low_.y + inside.y * size_.y / VisibleCells::kSide)};
+  const Vec2f inside = (*sampler_)(at);
+  return {std::min(low_.x + inside.x * size_.x, 1.0f), wrapped(low_.y + inside.y * size_.y)};
 }
 
 Vec2f turned_direction(const Vec2f& at, const Vec3f& from, const Vec3f& to) {

@@ -1,6 +1,6 @@
 #pragma once
+#include <optional>
 #include <span>
-#include <vector>
 
 #include "pipeline/optics/lights/visible_cells.h"
 
@@ -14,9 +14,7 @@ class SkyGuide {
   explicit SkyGuide(std::span<const Vec2f> known);
 
   /// The guide's part of the unit square: its form factor. In (0,1].
-  float area() const {
-    return size_.x * size_.y * float(corners_.size()) / float(VisibleCells::kSide * VisibleCells::kSide);
-  }
+  float area() const { return size_.x * size_.y * sampler_->area(); }
 
   bool contains(const Vec2f& at) const;
 
@@ -26,7 +24,7 @@ class SkyGuide {
  private:
   Vec2f low_, size_;  ///< Corner and size of the rectangle that the cells divide, which may extend over a whole turn.
   VisibleCells cells_;
-  std::vector<std::array<std::uint8_t, 2>> corners_;  ///< Of the cells.
+  std::optional<CellSampler> sampler_;  ///< Of the cells; set by the constructor.
 };
 
 /// The direction `at` about the unit vector `from` as a point of the unit square about `to`; its first coordinate is

@@ -10,13 +10,6 @@ namespace {
 constexpr int kSweeps = 6;        // over the tile, to and fro, in which clusters learn from their neighbours
 constexpr int kUniformRays = 16;  // that may find what no neighbour has seen
 
-/// Maps uniform points of the unit square to uniform points of cells, of which there must be some.
-Vec2f point_in_cells(std::span<const std::array<std::uint8_t, 2>> corners, const Vec2f& at) {
-  const float place = at.x * float(corners.size());
-  const auto k = std::min(std::size_t(place), corners.size() - 1);
-  return Vec2f(float(corners[k][0]) + (place - float(k)), float(corners[k][1]) + at.y) / float(VisibleCells::kSide);
-}
-
 }  // namespace
 
 /// What the cluster and its neighbours saw, and the cells beside it.
@@ -30,7 +23,7 @@ VisibleCells GuidedLight::around(std::size_t cluster) const {
 /// Casts `count` shadow rays, a multiple of 16, from a cluster to the lamp. Calls act(place, weight) for each ray that
 /// reaches the lamp: its place in the unit square of the lamp's samples, and its form factor.
 template <class Act>
-void GuidedLight::cast(std::size_t cluster, const Corners* guide, int count, std::uint64_t seed, Act act) const {
+void GuidedLight::cast(std::size_t cluster, const CellSampler* guide, int count, std::uint64_t seed, Act act) const {
   const std::span<const ShadingPoint> points = clusters_[cluster].points;
   for (int first = 0; first < count; first += RayPacket::kSize) {
     RayPacket packet;
@@ -40,7 +33,7 @@ void GuidedLight::cast(std::size_t cluster, const Corners* guide, int count, std
     for (int lane = 0; lane < RayPacket::kSize; ++lane) {
       const ShadingPoint& point = points[std::size_t(lane) * points.size() / RayPacket::kSize];
       at[lane] = kronecker2(std::uint64_t(first + lane), seed);
-      if (guide) at[lane] = point_in_cells(*guide, at[lane]);
+      if (guide) at[lane] = (*guide)(at[lane]);
       const DirectLight::Sample sample =
           light_.view(point.position, point.normal, kFarLamp).sample(at[lane].x, at[lane].y);
       weights[lane] = sample.weight;
@@ -59,7 +52,7 @@ std::vector<GuidedLight::Factor> GuidedLight::factors(std::span<const std::uint3
     for (std::size_t k = 0; k < listed.size(); ++k) {
       const std::size_t s = listed[sweep % 2 == 0 ? k : listed.size() - 1 - k];
       if (!is_found(s)) continue;
-      const Corners guide = around(s).corners();
+      const CellSampler guide(around(s));
       cast(s, &guide, RayPacket::kSize, hash64(seed ^ hash64(kSweeps * s + std::size_t(sweep))),
            [&](const Vec2f& at, float) { add(s, at); });
     }
@@ -70,9 +63,8 @@ std::vector<GuidedLight::Factor> GuidedLight::factors(std::span<const std::uint3
     factor.found = is_found(s);
     if (!factor.found) continue;
     const VisibleCells guide = around(s);
-    const Corners corners = guide.corners();
-    const double area = double(corners.size()) / (VisibleCells::kSide * VisibleCells::kSide);
-    const double inside = kUniformRays + guided_rays / area;
+    const CellSampler sampler(guide);
+    const double inside = kUniformRays + guided_rays / double(sampler.area());
     const auto add = [&](const Vec2f& at, float weight) {
       if (guide.contains(at))
         factor.guided += weight / inside;
@@ -80,7 +72,7 @@ std::vector<GuidedLight::Factor> GuidedLight::factors(std::span<const std::uint3
         factor.rest += double(weight) / kUniformRays;
     };
     cast(s, nullptr, kUniformRays, hash64(~seed ^ hash64(2 * std::uint64_t(s))), add);
-    cast(s, &corners, guided_rays, hash64(~seed ^ hash64(2 * std::uint64_t(s) + 1)), add);
+    cast(s, &sampler, guided_rays, hash64(~seed ^ hash64(2 * std::uint64_t(s) + 1)), add);
   }
   return factors;
 }

@@ -44,11 +44,9 @@ class GuidedLight {
     return std::any_of(neighbours_[cluster].begin(), neighbours_[cluster].end(),
                        [&](std::int32_t s) { return s >= 0 && sees_[s]; });
   }
-  using Corners = std::vector<std::array<std::uint8_t, 2>>;  ///< Of the cells where rays go.
-
   VisibleCells around(std::size_t cluster) const;
   template <class Act>
-  void cast(std::size_t cluster, const Corners* guide, int count, std::uint64_t seed, Act act) const;
+  void cast(std::size_t cluster, const CellSampler* guide, int count, std::uint64_t seed, Act act) const;
 
   const RayScene& ray_scene_;
   const DirectLight& light_;

@@ -56,4 +56,24 @@ class VisibleCells {
   std::array<std::uint32_t, kSide> rows_{};
 };
 
+/// Samples a set of cells uniformly. Lists them once for many samples.
+class CellSampler {
+ public:
+  /// `cells`: at least one.
+  explicit CellSampler(const VisibleCells& cells) : corners_(cells.corners()) {}
+
+  /// Fraction of the unit square, in (0,1].
+  float area() const { return float(corners_.size()) / float(VisibleCells::kSide * VisibleCells::kSide); }
+
+  /// Maps uniform points of the unit square to uniform points of the cells.
+  Vec2f operator()(const Vec2f& at) const {
+    const float place = at.x * float(corners_.size());
+    const auto k = std::min(std::size_t(place), corners_.size() - 1);
+    return Vec2f(float(corners_[k][0]) + (place - float(k)), float(corners_[k][1]) + at.y) / float(VisibleCells::kSide);
+  }
+
+ private:
+  std::vector<std::array<std::uint8_t, 2>> corners_;
+};
+
 }  // namespace patchlight
