@@ -154,11 +154,8 @@ void RayRows::cast_row(std::int32_t row, const DirectionTable& table, Scratch& s
   result.sky_hits.insert(result.sky_hits.end(), 2, 0);
   result.sky_weights.insert(result.sky_weights.end(), 2, 0.0f);
   SkyRow& sky = result.sky.emplace_back();
-  const Patch& patch = receivers_[row];
-  sky.position = ray_scene_.to_local(
-      point_at(scene_.primitives[patch.primitive], 0.5f * (patch.u0 + patch.u1), 0.5f * (patch.v0 + patch.v1))
-          .position);
-  sky.normal = patch.normal;
+  sky.position = ray_scene_.to_local(receivers_[row].center);
+  sky.normal = receivers_[row].normal;
   for (SampleSet& set : sets) {
     sky.found[set.index] = std::move(set.sky);
     sky.cast[set.index] = set.cast;
