@@ -22,9 +22,9 @@ struct EnergyField {
     std::vector<Color> gathered_direct{};
     /// [display->gathered] W/m2, `indirect` + `gathered_direct` at the display mesh's gathered vertices.
     std::vector<Color> display{};
-    /// [patches] W/m2, the part of `indirect` that photons carried from explicitly sampled emitters over mirrors. For
-    /// the display solution; not stored in energy.h5. Empty: none, or the rows of form factors contain it.
-    std::vector<Color> by_photons{};
+    /// [patches] W/m2, the part of `indirect` from explicitly sampled emitters over metals alone. For the display
+    /// solution; not stored in energy.h5. Empty: none, or the rows of form factors contain it.
+    std::vector<Color> over_metals{};
   };
 
   /// A solve's estimate of its own error.

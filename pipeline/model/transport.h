@@ -63,7 +63,7 @@ struct Transport : TransportRows {
     std::int32_t patches = 0;      ///< Number of patches, which all have the same emission.
     std::vector<float> factors;    ///< [2 rows] One per row and sample set.
     std::vector<float> display{};  ///< [2 mesh elements] For the display mesh; empty without one.
-    /// [2 rows] Extended form factors over mirrors, times their reflectance; empty if photons follow no mirrors.
+    /// [2 rows] Extended form factors over metals, times their reflectance; empty: no metals, or they are ignored.
     std::vector<Color> mirrored{};
     std::int64_t light = 0;  ///< Hash of kind, position, direction and cone of a Light; 0: a surface.
   };

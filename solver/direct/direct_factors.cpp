@@ -5,6 +5,7 @@
 #include <xmmintrin.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "pipeline/optics/intersect/alpha_mask.h"
@@ -29,7 +30,7 @@ struct SampleCounts {
   SampleCounts(int rays, std::size_t emitters) {
     const double share = std::min(1.0, 4.0 / double(emitters));
     pilot = std::max(emitters > 4 ? 2 : 4, int(share * rays / 32));
-    partial = std::max(4, int(share * rays / 2));
+    partial = std::max(4, int(share * rays));
   }
 };
 
@@ -38,10 +39,11 @@ struct SampleCounts {
 /// Samples the form factors of all receivers to one emitter.
 class DirectFactors::EmitterSampler {
  public:
-  EmitterSampler(const DirectFactors& parent, const Emitter& emitter, SampleCounts counts)
+  EmitterSampler(const DirectFactors& parent, const Emitter& emitter, const PlaneMirror* mirror, SampleCounts counts)
       : parent_(parent),
-        emitter_(emitter),
-        light_(parent.scene_, parent.ray_scene_, emitter),
+        mirror_(mirror),
+        dark_(mirror ? mirror->primitive() : emitter.primitive),
+        light_(light_of(parent, emitter, mirror)),
         counts_(counts),
         rows_(std::int32_t(parent.receivers_.size())),
         unoccluded_(rows_),
@@ -50,7 +52,7 @@ class DirectFactors::EmitterSampler {
 
   std::vector<float> factors() {
     for_each_row([&](std::int32_t row, ShadowRays& rays) {
-      if (is_on_emitter(row) || cannot_illuminate(row)) return;
+      if (is_dark(row) || cannot_illuminate(row)) return;
       unoccluded_[row] = float(mean_form_factor(row));
       const PatchSampler sampler = patch_sampler(row);
       for (int sample_set = 0; sample_set < 2; ++sample_set)
@@ -63,14 +65,14 @@ class DirectFactors::EmitterSampler {
       if (!partial[0] && !partial[1]) return;
       // Sample counts proportional to the standard deviation (Neyman 1934).
       const double scale = rms > 0 ? std::clamp(unoccluded_[row] / rms, 0.125, 4.0) : 1.0;
-      const int total = std::max(4, int(scale * counts_.partial));
+      const int total = std::max(4, int(std::bit_floor(unsigned(1.4142 * scale * counts_.partial))));
       const PatchSampler sampler = patch_sampler(row);
       for (int sample_set = 0; sample_set < 2; ++sample_set)
         if (partial[sample_set]) add_samples(row, sample_set, 1, sampler, total, refined_[2 * row + sample_set], rays);
     });
     std::vector<float> values(2 * std::size_t(rows_), 0.0f);
     for (std::int32_t row = 0; row < rows_; ++row)
-      for (int sample_set = 0; sample_set < 2 && !is_on_emitter(row); ++sample_set) {
+      for (int sample_set = 0; sample_set < 2 && !is_dark(row); ++sample_set) {
         const std::size_t k = 2 * std::size_t(row) + sample_set;
         const LightSamples& samples = refined_[k].count > 0 ? refined_[k] : pilots_[k];
         if (samples.count == 0) continue;
@@ -89,11 +91,16 @@ class DirectFactors::EmitterSampler {
   }
 
  private:
+  static DirectLight light_of(const DirectFactors& parent, const Emitter& emitter, const PlaneMirror* mirror) {
+    const DirectLight light(parent.scene_, parent.ray_scene_, emitter);
+    return mirror ? light.image(*mirror) : light;
+  }
+
   template <class Act>
   void for_each_row(Act act) {
     tbb::parallel_for(0, (rows_ + kRowsPerTask - 1) / kRowsPerTask, [&](int block) {
       _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree requires denormals to be flushed
-      ShadowRays rays(parent_.ray_scene_);
+      ShadowRays rays(parent_.ray_scene_, mirror_);
       for (std::int32_t row = block * kRowsPerTask; row < std::min((block + 1) * kRowsPerTask, rows_); ++row)
         act(row, rays);
       rays.cast();
@@ -105,14 +112,14 @@ class DirectFactors::EmitterSampler {
     const Patch& patch = parent_.receivers_[row];
     const Primitive& primitive = parent_.scene_.primitives[patch.primitive];
     if (primitive.shape != Primitive::Shape::quad) return false;
-    if (!light_.cannot_illuminate(std::array{patch.center}, patch.normal)) return false;
+    if (!mirror_ && !light_.cannot_illuminate(std::array{patch.center}, patch.normal)) return false;
     std::array<Vec3d, 4> corners;
     for (int k = 0; k < 4; ++k)
       corners[k] = position_at(primitive.corners, k % 2 ? patch.u1 : patch.u0, k / 2 ? patch.v1 : patch.v0);
-    return light_.cannot_illuminate(corners, patch.normal);
+    return light_.cannot_illuminate(corners, patch.normal) || (mirror_ && mirror_->is_behind(corners));
   }
 
-  bool is_on_emitter(std::int32_t row) const { return parent_.receivers_[row].primitive == emitter_.primitive; }
+  bool is_dark(std::int32_t row) const { return parent_.receivers_[row].primitive == dark_; }
 
   /// Visibility that the pilot samples near a row found, without those of the given sample set.
   Visibility nearby_visibility(std::int32_t row, int sample_set) const {
@@ -130,7 +137,7 @@ class DirectFactors::EmitterSampler {
   double rms_of_partially_visible() const {
     double sum = 0, count = 0;
     for (std::int32_t row = 0; row < rows_; ++row)
-      if (!is_on_emitter(row) && nearby_visibility(row, 0).partial()) {
+      if (!is_dark(row) && nearby_visibility(row, 0).partial()) {
         sum += double(unoccluded_[row]) * unoccluded_[row];
         ++count;
       }
@@ -197,8 +204,9 @@ class DirectFactors::EmitterSampler {
   }
 
   const DirectFactors& parent_;
-  const Emitter& emitter_;
-  const DirectLight light_;
+  const PlaneMirror* const mirror_;  ///< Null: direct light.
+  const std::int32_t dark_;          ///< The primitive whose own points get no light: the emitter, or the mirror.
+  const DirectLight light_;          ///< The emitter, or its virtual image.
   const SampleCounts counts_;
   const std::int32_t rows_;
   std::vector<float> unoccluded_;               ///< [rows] Unoccluded form factors.
@@ -207,10 +215,18 @@ class DirectFactors::EmitterSampler {
 
 Transport::Emitter DirectFactors::sample(const Emitter& emitter, std::size_t emitters, int rays,
                                          std::int64_t& cast) const {
-  EmitterSampler sampler(*this, emitter, SampleCounts(rays, emitters));
+  EmitterSampler sampler(*this, emitter, nullptr, SampleCounts(rays, emitters));
   Transport::Emitter result{emitter.first_patch, emitter.patches, sampler.factors(), {}};
   cast += sampler.rays();
   return result;
+}
+
+std::vector<float> DirectFactors::sample_image(const Emitter& emitter, const PlaneMirror& mirror, std::size_t images,
+                                               int rays, std::int64_t& cast) const {
+  EmitterSampler sampler(*this, emitter, &mirror, SampleCounts(rays, images));
+  std::vector<float> factors = sampler.factors();
+  cast += sampler.rays();
+  return factors;
 }
 
 DirectFactors::FindNeighbours grid_neighbours(const PatchSet& scene, const PatchLookup& lookup) {

@@ -25,13 +25,17 @@ std::vector<Emitter> primitive_surfaces(const PatchSet& scene) {
 
 }  // namespace
 
-PhotonTargets::PhotonTargets(const PatchSet& scene, const RayScene& ray_scene)
-    : target_of_(scene.primitives.size(), -1) {
+PhotonTargets::PhotonTargets(const PatchSet& scene, const RayScene& ray_scene, std::span<const PlaneMirror> imaged)
+    : imaged_(int(imaged.size())), target_of_(scene.primitives.size(), -1) {
   const std::vector<Emitter> all = primitive_surfaces(scene);
+  for (const PlaneMirror& mirror : imaged) {
+    target_of_[mirror.primitive()] = count();
+    targets_.push_back({DirectLight(scene, ray_scene, all[mirror.primitive()]), false});
+  }
   std::vector<std::vector<std::int32_t>> planes(scene.nodes.size());
   for (std::int32_t i = 0; i < std::int32_t(all.size()); ++i) {
     const Primitive& p = scene.primitives[i];
-    if (scene.materials[p.material].specular == Color(0.0f) || all[i].patches == 0) continue;
+    if (scene.materials[p.material].specular == Color(0.0f) || all[i].patches == 0 || target_of_[i] >= 0) continue;
     if (p.shape == Primitive::Shape::quad) {
       planes[p.node].push_back(i);
     } else if (p.back >= 0 && p.back < i && target_of_[p.back] >= 0) {

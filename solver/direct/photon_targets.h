@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "pipeline/optics/lights/direct_light.h"
@@ -12,12 +13,16 @@ namespace patchlight {
 /// to one target. A photon that first hits a surface outside its target is dropped, so no light counts twice.
 class PhotonTargets {
  public:
-  PhotonTargets(const PatchSet& scene, const RayScene& ray_scene);
+  /// `imaged`: mirrors by which emitters have virtual images; each becomes a target of its own.
+  PhotonTargets(const PatchSet& scene, const RayScene& ray_scene, std::span<const PlaneMirror> imaged);
 
   int count() const { return int(targets_.size()); }
 
   /// Index of the target that a primitive belongs to; -1: not metallic.
   std::int32_t target_of(std::int32_t primitive) const { return target_of_[primitive]; }
+
+  /// Whether patches get the light that is reflected at the target alone by virtual images.
+  bool is_imaged(int target) const { return target < imaged_; }
 
   struct Aim {
     Vec3f direction;      ///< Unit length.
@@ -42,7 +47,8 @@ class PhotonTargets {
     bool is_sphere;  ///< A sphere may contain the emitter.
   };
 
-  std::vector<Target> targets_;
+  std::vector<Target> targets_;  ///< Those of imaged mirrors first.
+  int imaged_;
   std::vector<std::int32_t> target_of_;  ///< [primitives]; -1: none.
 };
 

@@ -106,8 +106,25 @@ struct Photons::Deposit {
   Color flux;
 };
 
-Photons::Photons(const PatchSet& scene, const RayScene& ray_scene, std::uint64_t seed)
-    : scene_(scene), ray_scene_(ray_scene), lookup_(scene), targets_(scene, ray_scene), seed_(hash64(~seed)) {}
+Photons::Photons(const PatchSet& scene, const RayScene& ray_scene, std::uint64_t seed,
+                 std::span<const PlaneMirror> imaged)
+    : scene_(scene),
+      ray_scene_(ray_scene),
+      lookup_(scene),
+      targets_(scene, ray_scene, imaged),
+      has_paths_(has_paths(imaged)),
+      seed_(hash64(~seed)) {}
+
+bool Photons::has_paths(std::span<const PlaneMirror> imaged) const {
+  if (targets_.count() > int(imaged.size())) return true;
+  const auto sees = [&](const PlaneMirror& a, const PlaneMirror& b) {
+    return !a.is_behind(scene_.primitives[b.primitive()].corners);
+  };
+  for (const PlaneMirror& a : imaged)
+    for (const PlaneMirror& b : imaged)
+      if (sees(a, b) && sees(b, a)) return true;
+  return false;
+}
 
 /// Starts sixteen photons of a batch and traces them to their first hit.
 void Photons::start(const Source& source, const Batch& batch, std::uint32_t first, RayPacket& packet,
@@ -126,21 +143,32 @@ void Photons::start(const Source& source, const Batch& batch, std::uint32_t firs
   ray_scene_.intersect(packet, false);
 }
 
-/// Estimates with a few photons the power that the metals of a target reflect, as a form factor.
+/// Estimates with a few photons the power that the metals of a target reflect, as a form factor; of an imaged mirror,
+/// to other metals.
 float Photons::pilot_power(const Source& source, int target) const {
   const Batch batch{target, 0, 0, kPilots, kPilots, hash64(source.random ^ hash64(~std::uint64_t(target)))};
   RayPacket packet;
   std::array<Color, RayPacket::kSize> flux;
   float power = 0;
+  const auto power_of = [&](int lane) { return std::max({flux[lane].x, flux[lane].y, flux[lane].z}) / float(kPilots); };
   for (std::uint32_t first = 0; first < kPilots; first += RayPacket::kSize) {
     start(source, batch, first, packet, flux);
     for (int lane = 0; lane < RayPacket::kSize; ++lane) {
       if (packet.valid[lane] == 0) continue;
-      power += kUnoccludedPower * flux[lane].x / float(kPilots);
+      power += kUnoccludedPower * power_of(lane);
+      packet.valid[lane] = 0;
       const SurfaceHit hit = ray_scene_.hit(packet, lane);
       if (!hit.front || targets_.target_of(hit.primitive) != target) continue;
-      const Color& specular = scene_.materials[scene_.primitives[hit.primitive].material].specular;
-      power += std::max({specular.x, specular.y, specular.z}) * flux[lane].x / float(kPilots);
+      const std::uint64_t random = hash64(batch.random ^ hash64(std::uint64_t(first + lane) << 8));
+      if (continue_at_mirror(scene_, ray_scene_, hit, random, lane, packet, flux[lane]) && !targets_.is_imaged(target))
+        power += power_of(lane);
+    }
+    if (!targets_.is_imaged(target)) continue;
+    ray_scene_.intersect(packet, false);
+    for (int lane = 0; lane < RayPacket::kSize; ++lane) {
+      if (packet.valid[lane] == 0) continue;
+      const SurfaceHit hit = ray_scene_.hit(packet, lane);
+      if (hit.front && targets_.target_of(hit.primitive) >= 0) power += power_of(lane);
     }
   }
   return power;
@@ -181,7 +209,8 @@ void Photons::trace(const Source& source, const Batch& batch, std::vector<Deposi
         const SurfaceHit hit = ray_scene_.hit(packet, lane);
         packet.valid[lane] = 0;
         if (!hit.front) continue;
-        if (bounce > 0) deposits.push_back({lookup_.patch(hit.primitive, hit.u, hit.v), flux[lane]});
+        if (bounce > (targets_.is_imaged(batch.target) ? 1 : 0))
+          deposits.push_back({lookup_.patch(hit.primitive, hit.u, hit.v), flux[lane]});
         const std::int32_t metal = targets_.target_of(hit.primitive);
         if (bounce > 0 ? metal < 0 : metal != batch.target) continue;
         const std::uint64_t random = hash64(batch.random ^ hash64(std::uint64_t(first + lane) << 8 | bounce));

@@ -16,10 +16,12 @@ namespace patchlight {
 /// photons in proportion to their power in a pilot pass, but each a minimum, so that none is missed.
 class Photons {
  public:
-  Photons(const PatchSet& scene, const RayScene& ray_scene, std::uint64_t seed);
+  /// `imaged`: mirrors by which emitters have virtual images. Light that only one of them reflects is left out.
+  Photons(const PatchSet& scene, const RayScene& ray_scene, std::uint64_t seed,
+          std::span<const PlaneMirror> imaged = {});
 
-  /// Without metals no photons are needed.
-  bool has_metals() const { return targets_.count() > 0; }
+  /// Whether any light needs photons: not without metals, nor with mirrors alone that see no other.
+  bool has_paths() const { return has_paths_; }
 
   /// Irradiance of each patch by specular reflection, over the emitter's exitance or a light's strength, from two
   /// independent sample sets with at least `photons` photons together. The result does not depend on the number of
@@ -31,6 +33,7 @@ class Photons {
   struct Batch;
   struct Deposit;
 
+  bool has_paths(std::span<const PlaneMirror> imaged) const;
   float pilot_power(const Source& source, int target) const;
   std::vector<Batch> batches(const Source& source, std::int64_t photons) const;
   void start(const Source& source, const Batch& batch, std::uint32_t first, RayPacket& packet,
@@ -41,6 +44,7 @@ class Photons {
   const RayScene& ray_scene_;
   const PatchLookup lookup_;
   const PhotonTargets targets_;
+  const bool has_paths_;
   std::uint64_t seed_;
 };
 

@@ -129,7 +129,7 @@ class Gather {
   /// Adds the direct light of emitters that a LightTree chose, and specular reflections of sampled emitters.
   void end_pass(const FormFactorRows& rows) {
     for (std::size_t i = 0; i < sampled_direct_.size(); ++i) at_vertices_[i] += sampled_direct_[i];
-    for (std::size_t i = 0; i < by_photons_.size(); ++i) at_vertices_[i] += by_photons_[i];
+    for (std::size_t i = 0; i < over_metals_.size(); ++i) at_vertices_[i] += over_metals_[i];
     if (transport_.display->rows.mirrored.empty()) return;
     SpectrumField mirrored(mesh_.gathered), deviation(mesh_.gathered);
     rows.gather_mirrored(sampled_exitance(), mirrored, deviation);
@@ -186,7 +186,7 @@ class Gather {
       for (std::int32_t j = first; j < first + count; ++j)
         if (is_of_group(j)) exitance[j] = Spectrum(scene_.patches[j].emission);
     };
-    if (group_.by_photons.empty())
+    if (group_.over_metals.empty())
       for (const auto& emitter : transport_.emitters) add(emitter.first_patch, emitter.patches);
     for (const Emitter& emitter : further_) add(emitter.first_patch, emitter.patches);
     leaves_.for_each(
@@ -196,10 +196,10 @@ class Gather {
 
   /// Interpolates caustics, which are patch means, at the vertices.
   void interpolate_photons() {
-    if (group_.by_photons.empty()) return;
+    if (group_.over_metals.empty()) return;
     const PatchLookup lookup(scene_);
     for (const auto& vertex : std::span(mesh_.vertices).first(mesh_.gathered))
-      by_photons_.push_back(interpolate(scene_, lookup, vertex.patch, vertex.u, vertex.v, group_.by_photons));
+      over_metals_.push_back(interpolate(scene_, lookup, vertex.patch, vertex.u, vertex.v, group_.over_metals));
   }
 
   bool is_of_group(std::size_t i) const {
@@ -238,7 +238,7 @@ class Gather {
   const std::size_t field_;
   SpectrumField gathered_emission_;  ///< [patches] Exitance of emitters that are not sampled.
   SpectrumField sampled_direct_;     ///< [gathered] Direct light of emitters that a LightTree chose; empty: none.
-  SpectrumField by_photons_;         ///< [gathered] Light of explicitly sampled emitters by metals; empty: none.
+  SpectrumField over_metals_;        ///< [gathered] Light of explicitly sampled emitters by metals; empty: none.
   std::vector<Color> direct_;        ///< [mesh elements] Direct irradiance by explicitly sampled emitters.
   SpectrumField at_vertices_;        ///< [gathered]; empty before the first pass.
 };

@@ -104,18 +104,18 @@ void add_gathered_light(const RadiositySystem& system, const Emission& emission,
 }
 
 /// Adds specularly reflected light of explicitly sampled emitters.
-void add_photons(const RadiositySystem& system, const Emission& emission, GroupSolution& solution) {
+void add_light_over_metals(const RadiositySystem& system, const Emission& emission, GroupSolution& solution) {
   const std::size_t n = system.areas.size();
   for (std::size_t k = 0; k < system.emitters.size(); ++k) {
     const Transport::Emitter& emitter = system.transport.emitters[k];
     const Spectrum exitance = emission.explicit_exitances[k];
     if (emitter.mirrored.empty() || exitance.sum() == 0) continue;
-    solution.by_photons.resize(n);
+    solution.over_metals.resize(n);
     solution.resize_mirrored(n);
     for (std::size_t i = 0; i < n; ++i) {
       const Spectrum a(emitter.mirrored[2 * i]), b(emitter.mirrored[2 * i + 1]);
       const Spectrum received = exitance * (a + b) * Spectrum(0.5);
-      solution.by_photons[i] += received;
+      solution.over_metals[i] += received;
       solution.mirrored[i] += received;
       solution.mirrored_deviation[i] += exitance * (a - b) * Spectrum(0.5);
     }
@@ -133,7 +133,7 @@ GroupSolution emitted_light(const RadiositySystem& system, std::int32_t group) {
   add_explicit_light(system, emission, solution);
   add_sampled_light(system, emission, solution);
   add_gathered_light(system, emission, solution);
-  add_photons(system, emission, solution);
+  add_light_over_metals(system, emission, solution);
   return solution;
 }
 

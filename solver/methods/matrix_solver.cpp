@@ -69,8 +69,8 @@ class FilteredComponents {
     add(group.residual, total.residual);
     energy.groups.push_back(
         {name, to_colors(direct, name), to_colors(indirect, name), to_colors(group.gathered_direct, name)});
-    if (mirrored_filter_ && !group.by_photons.empty())
-      energy.groups.back().by_photons = to_colors(mirrored_filter_->apply(group.by_photons), name);
+    if (mirrored_filter_ && !group.over_metals.empty())
+      energy.groups.back().over_metals = to_colors(mirrored_filter_->apply(group.over_metals), name);
   }
 
   /// The filters with the components' unfiltered deviations, for the error estimate.

@@ -12,7 +12,7 @@
 #include "pipeline/optics/sampling/random.h"
 #include "solver/direct/direct_factors.h"
 #include "solver/direct/light_samples.h"
-#include "solver/direct/photons.h"
+#include "solver/direct/mirrored_light.h"
 #include "solver/form_factors/harmonic_distance.h"
 #include "solver/form_factors/ray_rows.h"
 #include "solver/form_factors/sky_rows.h"
@@ -22,8 +22,6 @@
 namespace patchlight {
 
 namespace {
-
-constexpr double kPhotonsPerRay = 0.125;  // photons of all emitters, relative to the rays of all rows
 
 /// Draws two hemicubes for each row, one for each sample set.
 void draw_rows(const PatchSet& scene, const SolveConfig& config, const VisibleDensities& densities,
@@ -151,7 +149,7 @@ std::int64_t complete_transport(const PatchSet& scene, const SolveConfig& config
     transport.lights_id = further_id;
   }
   std::vector<Transport::Emitter> sampled;
-  const Photons photons(scene, ray_scene, seed);
+  const MirroredLight mirrored(scene, ray_scene, direct, seed);
   for (const Emitter& emitter : emitters) {
     const auto at =
         std::find_if(transport.emitters.begin(), transport.emitters.end(),
@@ -161,10 +159,8 @@ std::int64_t complete_transport(const PatchSet& scene, const SolveConfig& config
     } else {
       Transport::Emitter& added = sampled.emplace_back(direct.sample(emitter, emitters.size(), rays, cast));
       added.light = light_id(scene, emitter);
-      const double count = kPhotonsPerRay * rays * double(scene.patches.size()) / double(emitters.size());
-      if (!hemicubes && photons.has_metals()) added.mirrored = photons.shoot(emitter, std::int64_t(count), cast);
-      for (std::size_t k = 0; k < added.mirrored.size() && !transport.visible_fractions.empty(); ++k)
-        added.mirrored[k] /= transport.visible_fractions[k];
+      if (!hemicubes)
+        added.mirrored = mirrored.sample(emitter, emitters.size(), rays, transport.visible_fractions, cast);
     }
     progress.update(double(sampled.size()) / double(emitters.size()), "direct light");
   }

@@ -194,6 +194,17 @@ DirectLight::DirectLight(const Light& light) : kind_(Kind::point), center_(light
   inverse_cos_range_ = 1 / std::max(0.001, std::cos(light.inner) - cos_outer_);
 }
 
+DirectLight DirectLight::image(const PlaneMirror& mirror) const {
+  DirectLight image = *this;
+  image.center_ = mirror.image_of(center_);
+  image.normal_ = mirror.reflect(normal_);
+  for (int k = 0; k < corner_count_; ++k)  // a reflection turns the order around
+    image.corners_[k] = mirror.image_of(corners_[(corner_count_ - k) % corner_count_]);
+  for (int k = 1; k < corner_count_; ++k) image.edges_[k - 1] = image.corners_[k] - image.corners_[0];
+  if (corner_count_ == 4) image.first_triangle_part_ = 1 - first_triangle_part_;
+  return image;
+}
+
 LightBounds DirectLight::bounds() const {
   if (kind_ == Kind::polygon) return {center_, radius_, normal_, 0.0, area_};
   return {center_, radius_, Vec3d(0, 0, 1), kPi, kPi * radius_ * radius_};

@@ -9,6 +9,7 @@
 #include "pipeline/model/patch_set.h"
 #include "pipeline/optics/intersect/ray_scene.h"
 #include "pipeline/optics/lights/light_tree.h"
+#include "pipeline/optics/lights/plane_mirror.h"
 
 namespace patchlight {
 
@@ -50,6 +51,9 @@ class DirectLight {
       : kind_(Kind::sphere), end_offset_(0.0), center_(center), radius_(radius) {}
 
   explicit DirectLight(const Light& light);
+
+  /// The virtual image of this light that a mirror shows.
+  DirectLight image(const PlaneMirror& mirror) const;
 
   LightBounds bounds() const;
 

@@ -3,7 +3,19 @@
 namespace patchlight {
 
 void ShadowRays::add(const Vec3d& start, const DirectLight::Sample& sample, const Vec2f& at, LightSamples& sums) {
-  packet_.set_shadow(lanes_, scene_.to_local(start), sample.direction, sample.distance);
+  if (mirror_) {
+    const auto crossing = mirror_->crossing(start, sample.direction);
+    if (!crossing || crossing->leaves >= sample.distance) {
+      ++sums.hidden;
+      sums.missed += sample.weight;
+      return;
+    }
+    packet_.set_shadow(lanes_, scene_.to_local(start), sample.direction, crossing->arrives);
+    reflected_.set_shadow(lanes_, scene_.to_local(crossing->position), crossing->direction,
+                          sample.distance - crossing->leaves);
+  } else {
+    packet_.set_shadow(lanes_, scene_.to_local(start), sample.direction, sample.distance);
+  }
   weights_[lanes_] = sample.weight;
   at_[lanes_] = at;
   sums_[lanes_++] = &sums;
@@ -13,7 +25,12 @@ void ShadowRays::add(const Vec3d& start, const DirectLight::Sample& sample, cons
 void ShadowRays::cast() {
   if (lanes_ == 0) return;
   for (int lane = lanes_; lane < RayPacket::kSize; ++lane) packet_.valid[lane] = 0;
-  const std::uint32_t occluded_lanes = scene_.occluded(packet_);
+  std::uint32_t occluded_lanes = scene_.occluded(packet_);
+  if (mirror_) {
+    for (int lane = 0; lane < RayPacket::kSize; ++lane)
+      reflected_.valid[lane] = occluded_lanes >> lane & 1u ? 0 : packet_.valid[lane];
+    occluded_lanes |= scene_.occluded(reflected_);
+  }
   for (int lane = 0; lane < lanes_; ++lane) {
     const bool visible = !(occluded_lanes >> lane & 1u);
     ++(visible ? sums_[lane]->visible : sums_[lane]->hidden);

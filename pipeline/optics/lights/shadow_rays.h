@@ -36,10 +36,11 @@ struct Visibility {
   bool mostly_visible() const { return visible >= hidden; }
 };
 
-/// Collects shadow rays and casts them in full packets. The sums passed to add() must outlive the next cast().
+/// Collects shadow rays, straight or by a mirror to a virtual image, and casts them in full packets. The sums passed to
+/// add() must outlive the next cast().
 class ShadowRays {
  public:
-  explicit ShadowRays(const RayScene& scene) : scene_(scene) {}
+  explicit ShadowRays(const RayScene& scene, const PlaneMirror* mirror = nullptr) : scene_(scene), mirror_(mirror) {}
 
   /// Adds a shadow ray from `start` for `sample`, by the point `at` of the unit square; its cast updates `sums`.
   void add(const Vec3d& start, const DirectLight::Sample& sample, const Vec2f& at, LightSamples& sums);
@@ -49,7 +50,9 @@ class ShadowRays {
 
  private:
   const RayScene& scene_;
+  const PlaneMirror* const mirror_;
   RayPacket packet_;
+  RayPacket reflected_;  ///< From the mirror.
   std::array<float, RayPacket::kSize> weights_{};
   std::array<Vec2f, RayPacket::kSize> at_{};
   std::array<LightSamples*, RayPacket::kSize> sums_{};

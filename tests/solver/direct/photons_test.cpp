@@ -220,7 +220,7 @@ TEST(Photons, NeedNoRaysForOtherColoursAndExitances) {
   PatchSet& scene = builder.get();
   Solved solved;
   solved.solve_again(scene);
-  const std::vector<Color> first = solved.energy.groups[0].by_photons;
+  const std::vector<Color> first = solved.energy.groups[0].over_metals;
   for (Patch& patch : scene.patches) {
     patch.reflectance *= 0.5f;
     patch.emission *= 2.0f;
@@ -230,7 +230,7 @@ TEST(Photons, NeedNoRaysForOtherColoursAndExitances) {
   double before = 0, after = 0;
   for (std::size_t i = 0; i < first.size(); ++i) {
     before += first[i].y * scene.patches[i].area;
-    after += solved.energy.groups[0].by_photons[i].y * scene.patches[i].area;
+    after += solved.energy.groups[0].over_metals[i].y * scene.patches[i].area;
   }
   EXPECT_NEAR(after / before, 2, 0.01) << "the filter may choose other windows";
 }
@@ -241,7 +241,7 @@ TEST(Photons, CostNothingWithoutMetals) {
   Solved solved;
   solved.solve_again(builder.get());
   EXPECT_TRUE(solved.transport.emitters.at(0).mirrored.empty());
-  EXPECT_TRUE(solved.energy.groups[0].by_photons.empty());
+  EXPECT_TRUE(solved.energy.groups[0].over_metals.empty());
 }
 
 TEST(Photons, CountOnceAtVerticesOfTheDisplaySolution) {

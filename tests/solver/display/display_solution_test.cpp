@@ -88,22 +88,30 @@ TEST(DisplaySolution, IsMoreAccurateThanPatchesAtCreases) {
 
 /// Patches that the wall crosses have one mean for both sides, so some of their light leaks behind it.
 TEST(DisplaySolution, LeaksLittleLightBehindAWall) {
+  constexpr int kSeeds = 4;  // the largest of some hundred values is noise
   PatchScene builder = divided_room();
-  const Solved solved(builder.get());
-  const EnergyField::Group& group = solved.energy.groups[0];
-  float largest = 0;
-  for (const Color& h : group.display) largest = std::max(largest, h.y);
-  int dark = 0;
-  for (std::size_t k = 0; k < group.display.size(); ++k) {
-    const DisplayMesh::Vertex& v = solved.energy.display->vertices[k];
-    const PatchSet& scene = builder.get();
-    const Vec3d at = point_at(scene.primitives[scene.patches[v.patch].primitive], v.u, v.v).position;
-    if (at.x > 0.03 || scene.patches[v.patch].normal.x > 0.5f) continue;
-    if (at.x == 0.03) continue;  // the wall itself
-    EXPECT_LT(group.display[k].y, 0.025f * largest) << at.x;
-    ++dark;
+  const PatchSet& scene = builder.get();
+  double leak = 0;
+  for (int seed = 1; seed <= kSeeds; ++seed) {
+    SolveConfig config;
+    config.seed = seed;
+    Progress progress({"test", true, ""});
+    const EnergyField energy = solve(scene, config, progress);
+    const EnergyField::Group& group = energy.groups[0];
+    float largest = 0, behind = 0;
+    for (const Color& h : group.display) largest = std::max(largest, h.y);
+    int dark = 0;
+    for (std::size_t k = 0; k < group.display.size(); ++k) {
+      const DisplayMesh::Vertex& v = energy.display->vertices[k];
+      const Vec3d at = point_at(scene.primitives[scene.patches[v.patch].primitive], v.u, v.v).position;
+      if (at.x >= 0.03 || scene.patches[v.patch].normal.x > 0.5f) continue;  // lit, or on the wall itself
+      behind = std::max(behind, group.display[k].y);
+      ++dark;
+    }
+    EXPECT_GT(dark, 100);
+    leak += double(behind / largest) / kSeeds;
   }
-  EXPECT_GT(dark, 100);
+  EXPECT_LT(leak, 0.025);
 }
 
 TEST(DisplaySolution, NeedsNoRaysForOtherColours) {
