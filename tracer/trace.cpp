@@ -11,6 +11,7 @@
 #include "pipeline/frames/frame_layers.h"
 #include "pipeline/frames/frame_warnings.h"
 #include "tracer/light/integrator.h"
+#include "tracer/output/errors_in_view.h"
 #include "tracer/output/frame_claims.h"
 #include "tracer/output/frame_writer.h"
 
@@ -86,6 +87,11 @@ void trace_frames(const Job& job, const PatchSet& scene, const EnergyField& ener
     render(frames[i]);
   }
   for (const std::string& warning : frame_warnings(job, scene, frames)) progress.warning(warning);
+  if (!energy.estimate) return;
+  ErrorsInView errors(scene, integrator.ray_scene(), energy);
+  const double aspect = double(job.trace.resolution[0]) / job.trace.resolution[1];
+  for (const Frame& frame : frames) errors.add(frame.camera, aspect);
+  if (const std::string warning = errors.warning(job.solve); !warning.empty()) progress.warning(warning);
 }
 
 }  // namespace patchlight

@@ -34,6 +34,8 @@ class Integrator {
   /// The pixels do not depend on the number of threads. Throws: Error (interrupted).
   Image render(const Camera& camera, Progress& progress) const;
 
+  const RayScene& ray_scene() const { return ray_scene_; }
+
  private:
   class Tile;
 
