@@ -8,8 +8,8 @@ namespace {
 
 // Raised whenever a stage computes different results from the same inputs.
 constexpr int kImportVersion = 4;
-constexpr int kTransportKeyVersion = 22;
-constexpr int kSolveVersion = 23;
+constexpr int kTransportKeyVersion = 23;
+constexpr int kSolveVersion = 24;
 constexpr int kTraceVersion = 10;
 
 void add_color(KeyHasher& hasher, const std::optional<Color>& color) {

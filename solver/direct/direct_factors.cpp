@@ -13,14 +13,13 @@
 #include "pipeline/optics/sampling/patch_sampling.h"
 #include "pipeline/optics/sampling/random.h"
 #include "pipeline/optics/sampling/sobol.h"
+#include "solver/direct/mean_form_factor.h"
 
 namespace patchlight {
 
 namespace {
 
 constexpr int kRowsPerTask = 64;
-// Distance in patch sizes from which the form factor at the centre equals the mean over the patch within 1e-4.
-constexpr double kFarForCentre = 30.0;
 
 /// Samples of each sample set: of the pilot pass, and where visibility is partial. More than four emitters share the
 /// samples that four would take.
@@ -53,8 +52,9 @@ class DirectFactors::EmitterSampler {
   std::vector<float> factors() {
     for_each_row([&](std::int32_t row, ShadowRays& rays) {
       if (is_dark(row) || cannot_illuminate(row)) return;
-      unoccluded_[row] = float(mean_form_factor(row));
       const PatchSampler sampler = patch_sampler(row);
+      unoccluded_[row] =
+          float(mean_form_factor(light_, parent_.receivers_[row], sampler, parent_.densities_.find(row)));
       for (int sample_set = 0; sample_set < 2; ++sample_set)
         add_samples(row, sample_set, 0, sampler, counts_.pilot, pilots_[2 * row + sample_set], rays);
     });
@@ -167,40 +167,6 @@ class DirectFactors::EmitterSampler {
       ++sums.count;
       if (sample.weight > 0) rays.add(start, sample, to, sums);
     }
-  }
-
-  /// Mean unoccluded form factor over a patch: weighted by its density of points if it has one, else by Gauss-Legendre
-  /// quadrature with 4 x 4 points where the emitter is near, 2 x 2 where it is farther, and one point where it is far.
-  double mean_form_factor(std::int32_t row) const {
-    constexpr std::array<float, 2> kTwo{0.2113248654f, 0.7886751346f};
-    constexpr std::array<float, 4> kFour{0.0694318442f, 0.3300094782f, 0.6699905218f, 0.9305681558f};
-    constexpr std::array<double, 2> kTwoWeights{0.5, 0.5};
-    constexpr std::array<double, 4> kFourWeights{0.1739274226, 0.3260725774, 0.3260725774, 0.1739274226};
-    const Patch& patch = parent_.receivers_[row];
-    if (light_.distance(patch.center) > kFarForCentre * std::sqrt(patch.area))
-      return light_.form_factor(patch.center, patch.normal);
-    const PatchSampler sampler = patch_sampler(row);
-    if (const VisibleDensity* density = parent_.densities_.find(row)) {
-      constexpr int kSide = 8;
-      double sum = 0;
-      for (int k = 0; k < kSide * kSide; ++k) {
-        const Vec2f at = (*density)(Vec2f(float(k % kSide) + 0.5f, float(k / kSide) + 0.5f) / float(kSide));
-        const SurfacePoint point = sampler(at.x, at.y);
-        sum += light_.form_factor(point.position, point.normal);
-      }
-      return sum / (kSide * kSide);
-    }
-    const auto integrate = [&](const auto& places, const auto& weights) {
-      double sum = 0;
-      for (std::size_t j = 0; j < places.size(); ++j)
-        for (std::size_t i = 0; i < places.size(); ++i) {
-          const SurfacePoint point = sampler(places[i], places[j]);
-          sum += weights[i] * weights[j] * light_.form_factor(point.position, point.normal);
-        }
-      return sum;
-    };
-    return light_.distance(patch.center) < 5 * std::sqrt(patch.area) ? integrate(kFour, kFourWeights)
-                                                                     : integrate(kTwo, kTwoWeights);
   }
 
   const DirectFactors& parent_;
