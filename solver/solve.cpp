@@ -89,9 +89,9 @@ EnergyField solve(const PatchSet& scene, const SolveConfig& config, Transport& t
   EnergyField energy = config.method == "matrix"
                            ? solve_to_target(scene, config, transport, progress)
                            : progressive_refinement(scene, config, *make_form_factors(scene, config), progress);
-  if (energy.estimate && config.error_target == 0)
-    for (const std::string& warning : error_warnings(config, *energy.estimate)) progress.warning(warning);
   if (config.display) add_display_solution(scene, config, transport, energy, progress);
+  if (energy.estimate)
+    for (const std::string& warning : error_warnings(config, *energy.estimate)) progress.warning(warning);
   energy.key = energy_key(scene.key, config);
   energy.patches_key = scene.key;
   energy.method = config.method;

@@ -31,9 +31,12 @@ struct EnergyField {
   struct Estimate {
     static constexpr double kUnknown = std::numeric_limits<double>::infinity();
 
-    double error = 0.0;                 ///< Expected radiosity_error() against the exact solution on the same patches.
+    /// Expected radiosity_error() against the exact solution: of the same patches, or, with a display solution, of
+    /// finer ones.
+    double error = 0.0;
     double error_bound = 0.0;           ///< 95% upper bound of the error.
     double error_residual = 0.0;        ///< Part of `error` that the linear system's residual causes.
+    double error_patches = 0.0;         ///< Part of `error` by patches that are too coarse; 0: not estimated.
     double error_local = kUnknown;      ///< 95% upper bound of the local_radiosity_error(); kUnknown in old files.
     double error_local_estimate = 0.0;  ///< Expected local_radiosity_error().
     double balance = 0.0;               ///< Emitted power minus absorbed and escaped power, over emitted power.

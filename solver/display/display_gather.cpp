@@ -3,12 +3,8 @@
 #include <algorithm>
 #include <span>
 
-#include "pipeline/optics/intersect/alpha_mask.h"
 #include "pipeline/optics/lights/direct_light.h"
-#include "pipeline/optics/sampling/patch_sampling.h"
-#include "pipeline/optics/surface/material_shader.h"
-#include "pipeline/optics/surface/texture_lookup.h"
-#include "pipeline/optics/transport/elements.h"
+#include "solver/display/display_leaves.h"
 #include "solver/linear/form_factor_rows.h"
 #include "solver/linear/linear_system.h"
 #include "solver/linear/patch_interpolation.h"
@@ -16,70 +12,6 @@
 namespace patchlight {
 
 namespace {
-
-// The first pass uses means of whole patches; the third serves surfaces that stand on divided patches.
-constexpr int kPasses = 3;
-
-/// The mesh's elements, each with its patch and the vertices around it.
-class LeafElements {
- public:
-  LeafElements(const PatchSet& scene, const DisplayMesh& mesh) : cells_(mesh.cells), patch_of_(mesh.cells.size(), -1) {
-    for (std::size_t i = 0; i < scene.patches.size(); ++i)
-      if (mesh.roots[i] >= 0) patch_of_[mesh.roots[i]] = std::int32_t(i);
-    for (std::size_t i = 0; i < cells_.size(); ++i)
-      for (int k = 0; k < 4 && cells_[i].children >= 0; ++k) patch_of_[cells_[i].children + k] = patch_of_[i];
-  }
-
-  /// Calls act(patch, element, vertices).
-  template <class Act>
-  void for_each(Act act) const {
-    for (std::size_t i = 0; i < cells_.size(); ++i) {
-      const DisplayMesh::Cell& cell = cells_[i];
-      const std::span<const std::int32_t> corners(cell.corners);
-      for (int k = 0; k < cell.elements(); ++k)
-        act(std::size_t(patch_of_[i]), cell.leaf + k, cell.cut ? corners.subspan(k, 1) : corners);
-    }
-  }
-
- private:
-  const std::vector<DisplayMesh::Cell>& cells_;
-  std::vector<std::int32_t> patch_of_;  ///< [cells].
-};
-
-/// Reflectance of the leaves' elements from textures and shaders, for patches that are not divided that of the patch.
-/// Shape: [mesh.elements].
-SpectrumField leaf_reflectance(const PatchSet& scene, const DisplayMesh& mesh, const LeafElements& leaves) {
-  constexpr int kAcross = 4;
-  std::vector<MaterialShader> shaders = compile_shaders(scene);
-  SpectrumField reflectance(mesh.elements);
-  leaves.for_each([&](std::size_t patch, std::int32_t element, auto) {
-    reflectance[element] = Spectrum(scene.patches[patch].reflectance);
-  });
-  for (std::size_t i = 0; i < scene.patches.size(); ++i) {
-    const Patch& patch = scene.patches[i];
-    const Primitive& primitive = scene.primitives[patch.primitive];
-    const bool shaded = primitive.shader >= 0 && shaders[primitive.shader].reflects();
-    const bool divided =
-        mesh.roots[i] >= 0 && (mesh.cells[mesh.roots[i]].children >= 0 || mesh.cells[mesh.roots[i]].cut);
-    if (!divided || (!shaded && !is_colored(scene, patch.primitive))) continue;
-    for_each_leaf(scene, mesh, i, [&](std::int32_t element, const Patch& leaf) {
-      const PatchSampler sampler(primitive, leaf);
-      const int across = leaf.u0 == leaf.u1 ? 1 : kAcross;  // a corner has no size
-      Spectrum sum;
-      int count = 0;
-      for (int k = 0; k < across * across; ++k) {
-        const Imath::V2d at =
-            sampler.uv((float(k % across) + 0.5f) / float(across), (float(k / across) + 0.5f) / float(across));
-        if (primitive.mask >= 0 && !passes_alpha_test(scene, patch.primitive, at.x, at.y)) continue;
-        ++count;
-        sum += Spectrum(shaded ? shaded_reflectance(scene, shaders[primitive.shader], patch.primitive, at.x, at.y)
-                               : colored_reflectance(scene, patch.primitive, at.x, at.y));
-      }
-      if (count > 0) reflectance[element] = sum * Spectrum(1.0 / count);
-    });
-  }
-  return reflectance;
-}
 
 /// Display solution of one light group while it is gathered.
 class Gather {
@@ -112,15 +44,13 @@ class Gather {
         radiosity_.set(field_, i,
                        gathered_emission_[i] + Spectrum(scene_.patches[i].reflectance) *
                                                    (Spectrum(group_.direct[i]) + Spectrum(group_.indirect[i])));
-      leaves_.for_each([&](std::size_t patch, std::int32_t element, auto) {
+      leaves_.for_each([&](std::size_t patch, std::int32_t element, auto, float) {
         set_radiosity(patch, element, irradiance_of_patch(patch));
       });
       at_vertices_.resize(mesh_.gathered);
     } else {
-      leaves_.for_each([&](std::size_t patch, std::int32_t element, std::span<const std::int32_t> corners) {
-        Spectrum sum;
-        for (const std::int32_t corner : corners) sum += irradiance_at_vertex(corner);
-        set_radiosity(patch, element, sum * Spectrum(1.0 / double(corners.size())));
+      leaves_.for_each([&](std::size_t patch, std::int32_t element, std::span<const std::int32_t> corners, float) {
+        set_radiosity(patch, element, irradiance_of_leaf(corners));
       });
     }
     return {&at_vertices_};
@@ -137,6 +67,24 @@ class Gather {
   }
 
   void store_result() { group_.display = to_colors(at_vertices_, group_.name); }
+
+  /// Adds the mean irradiance of divided patches minus that of the patches themselves. `exposure`: see
+  /// exposure_of_vertices().
+  void add_differences(const std::vector<float>& exposure, SpectrumField& differences) const {
+    SpectrumField sums(patches_);
+    std::vector<double> weights(patches_);
+    leaves_.for_each([&](std::size_t patch, auto, std::span<const std::int32_t> corners, float part) {
+      const bool covered = !transport_.visible_fractions.empty() && transport_.visible_fractions[2 * patch] < 1;
+      for (const std::int32_t corner : corners) {
+        if (mesh_.vertices[corner].hidden) continue;
+        const double weight = double(part) / double(corners.size()) * (covered ? double(exposure[corner]) : 1.0);
+        sums[patch] += irradiance_at_vertex(corner) * Spectrum(weight);
+        weights[patch] += weight;
+      }
+    });
+    for (std::size_t i = 0; i < patches_; ++i)
+      if (weights[i] > 0) differences[i] += sums[i] * Spectrum(1 / weights[i]) - irradiance_of_patch(i);
+  }
 
  private:
   /// Sets direct light of explicitly sampled emitters at leaves, and the emission that rays gather from other emitters.
@@ -190,7 +138,7 @@ class Gather {
       for (const auto& emitter : transport_.emitters) add(emitter.first_patch, emitter.patches);
     for (const Emitter& emitter : further_) add(emitter.first_patch, emitter.patches);
     leaves_.for_each(
-        [&](std::size_t patch, std::int32_t element, auto) { exitance[patches_ + element] = exitance[patch]; });
+        [&](std::size_t patch, std::int32_t element, auto, float) { exitance[patches_ + element] = exitance[patch]; });
     return exitance;
   }
 
@@ -215,6 +163,12 @@ class Gather {
     Spectrum sum(group_.indirect[i]);
     if (!group_.gathered_direct.empty()) sum += Spectrum(group_.gathered_direct[i]);
     return sum;
+  }
+
+  Spectrum irradiance_of_leaf(std::span<const std::int32_t> corners) const {
+    Spectrum sum;
+    for (const std::int32_t corner : corners) sum += irradiance_at_vertex(corner);
+    return sum * Spectrum(1.0 / double(corners.size()));
   }
 
   Spectrum irradiance_at_vertex(std::int32_t i) const {
@@ -245,7 +199,10 @@ class Gather {
 
 }  // namespace
 
-void gather_display(const PatchSet& scene, const Transport& transport, std::vector<EnergyField::Group>& groups) {
+SpectrumField gather_display(const PatchSet& scene, const Transport& transport,
+                             std::vector<EnergyField::Group>& groups) {
+  SpectrumField differences(scene.patches.size());
+  const std::vector<float> exposure = exposure_of_vertices(*transport.display);
   const FormFactorRows rows(transport.display->rows);
   const std::vector<Emitter> emitters = explicit_emitters(scene), further = further_emitters(scene);
   const LeafElements leaves(scene, transport.display->mesh);
@@ -257,14 +214,18 @@ void gather_display(const PatchSet& scene, const Transport& transport, std::vect
     std::vector<Gather> gathers;
     for (std::size_t f = 0; f < count; ++f)
       gathers.emplace_back(scene, transport, emitters, further, leaves, reflectance, groups[first + f], radiosity, f);
-    for (int pass = 0; pass < kPasses; ++pass) {
+    for (int pass = 0; pass < kDisplayPasses; ++pass) {
       std::vector<FormFactorRows::Output> outputs;
       for (Gather& gather : gathers) outputs.push_back(gather.begin_pass());
       rows.gather(radiosity, outputs);
       for (Gather& gather : gathers) gather.end_pass(rows);
     }
-    for (Gather& gather : gathers) gather.store_result();
+    for (Gather& gather : gathers) {
+      gather.add_differences(exposure, differences);
+      gather.store_result();
+    }
   }
+  return differences;
 }
 
 }  // namespace patchlight

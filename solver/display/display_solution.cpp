@@ -9,6 +9,7 @@
 #include "solver/direct/light_samples.h"
 #include "solver/display/display_gather.h"
 #include "solver/display/display_mesh_builder.h"
+#include "solver/error/discretisation.h"
 #include "solver/form_factors/ray_rows.h"
 
 namespace patchlight {
@@ -107,7 +108,8 @@ void add_display_solution(const PatchSet& scene, const SolveConfig& config, Tran
   if (scene.light_groups.empty()) return;
   energy.rays +=
       complete_display(scene, config, display_rays(std::max(config.rays, transport.rays)), transport, progress);
-  gather_display(scene, transport, energy.groups);
+  const SpectrumField difference = gather_display(scene, transport, energy.groups);
+  if (energy.estimate) add_discretisation_error(scene, transport, difference, kDisplayPasses, energy);
   energy.display = transport.display->mesh;
 }
 

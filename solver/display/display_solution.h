@@ -9,8 +9,9 @@
 namespace patchlight {
 
 /// Adds the display solution to `energy`: a final gather at the vertices of a DisplayMesh, where irradiance varies too
-/// much within patches. It gathers from patches and, where they are divided, from the mesh's leaves, with the leaves'
-/// direct light and the irradiance of an earlier gather at their corners, which improves creases and contacts.
+/// much within patches. Its difference from the patches adds to the stated errors. It gathers from patches and, where
+/// they are divided, from the mesh's leaves, with the leaves' direct light and the irradiance of an earlier gather at
+/// their corners, which improves creases and contacts.
 ///
 /// Rows that `transport` lacks are cast, added to it, and counted in energy.rays. The result does not depend on the
 /// number of threads. Throws: Error (interrupted), (bad_data).

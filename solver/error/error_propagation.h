@@ -16,12 +16,13 @@ class ErrorPropagation {
   /// `negligible`.
   SpectrumField propagate_safely(const SpectrumField& error, double negligible) const;
 
+  /// What errors bring to other patches by one reflection: F rho e. Shape: [n].
+  SpectrumField gather(const SpectrumField& error) const;
+
   /// Area-weighted L2 norm of all channels together.
   double norm(const SpectrumField& field) const;
 
  private:
-  SpectrumField gather(const SpectrumField& error) const;
-
   /// Improves `x`; returns the residual, relative to the source.
   double solve(const SpectrumField& source, double tolerance, SpectrumField& x) const;
 

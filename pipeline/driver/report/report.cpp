@@ -148,6 +148,8 @@ std::string error_budget(const EnergyField& energy) {
   if (const auto& e = energy.estimate) {
     rows.push_back({"error", percent(e->error), "reflected radiosity, relative L2 over the patches; expected"});
     rows.push_back({"error, bound", percent(e->error_bound), "95% upper bound of the error"});
+    if (e->error_patches > 0)
+      rows.push_back({"error by the patches", percent(e->error_patches), "the part that smaller patches mend"});
     if (e->error_local != e->kUnknown) {
       rows.push_back({"error by the residual", percent(e->error_residual), "the part that solve.tolerance leaves"});
       rows.push_back({"local error", percent(e->error_local_estimate),

@@ -61,6 +61,7 @@ EnergyField::Estimate read_estimate(const H5Reader& reader, std::int64_t rows) {
     estimate.error_residual = reader.real("error_residual");
     estimate.error_local = reader.real("error_local");
     estimate.error_local_estimate = reader.real("error_local_estimate");
+    if (reader.has_attribute("error_patches")) estimate.error_patches = reader.real("error_patches");
   }
   estimate.balance = reader.real("balance");
   estimate.reciprocity = reader.real("reciprocity");
@@ -125,6 +126,7 @@ void write_energy(const std::filesystem::path& file, const PatchSet& scene, cons
     writer.attribute("error", energy.estimate->error);
     writer.attribute("error_bound", energy.estimate->error_bound);
     writer.attribute("error_residual", energy.estimate->error_residual);
+    writer.attribute("error_patches", energy.estimate->error_patches);
     writer.attribute("error_local", energy.estimate->error_local);
     writer.attribute("error_local_estimate", energy.estimate->error_local_estimate);
     writer.attribute("balance", energy.estimate->balance);

@@ -121,7 +121,7 @@ TEST_F(ReportPage, KeepsTheWarningsOfEarlierStages) {
   report("materials: {'<none>': {reflectance: [0, 0, 0]}}\nlights: {lights.ceiling: {scale: 2}}\n");
   EXPECT_THAT(page_, HasSubstr(warning)) << "the import did not run again";
   report();
-  EXPECT_THAT(page_, HasSubstr("<h3>Warnings</h3>\n<p>None.</p>"));
+  EXPECT_THAT(page_, Not(HasSubstr(warning)));
 }
 
 TEST_F(ReportPage, IsWrittenWithoutOpenGl) {

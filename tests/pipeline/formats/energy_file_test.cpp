@@ -63,7 +63,7 @@ TEST(EnergyFile, ReadsBackWhatWasWritten) {
 TEST(EnergyFile, ReadsBackTheEstimateOfItsError) {
   const TemporaryFolder folder;
   Solved solved;
-  solved.energy.estimate = {0.01, 0.02, 0.003, 0.4, 0.3, 0.005, 0.06, {Color(0.1f), Color(0.2f)}};
+  solved.energy.estimate = {0.01, 0.02, 0.003, 0.007, 0.4, 0.3, 0.005, 0.06, {Color(0.1f), Color(0.2f)}};
   write_energy(folder / "energy.h5", solved.scene, solved.energy);
   const EnergyField::Estimate read = read_energy(folder / "energy.h5", solved.scene).estimate.value();
   EXPECT_EQ(read.error, 0.01);

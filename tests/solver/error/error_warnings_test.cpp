@@ -37,6 +37,17 @@ TEST(ErrorWarnings, AskForASmallerToleranceWhereTheResidualPrevails) {
               ElementsAre(HasSubstr("lower solve.tolerance (now 0.1)")));
 }
 
+TEST(ErrorWarnings, AskForSmallerPatchesWhereThesePrevail) {
+  EnergyField::Estimate coarse = estimate(0.1, 0, 0);
+  coarse.error_patches = 0.045;
+  const std::string want = "the error may reach 10%: the patches are too coarse for the light; lower import.patch_area";
+  EXPECT_THAT(error_warnings({}, coarse), ElementsAre(want));
+  SolveConfig config;
+  config.error_target = 0.02;
+  EXPECT_THAT(error_warnings(config, coarse), ElementsAre(want));
+  EXPECT_THAT(error_warnings(config, estimate(0.1, 0, 0.02)), IsEmpty()) << "the solve has told why it stopped";
+}
+
 TEST(ErrorWarnings, NameTheBalance) {
   SolveConfig config;
   config.rays = 32;
