@@ -17,6 +17,7 @@ EnergyField solve_quietly(const PatchSet& scene, int rays, int seed) {
   SolveConfig config;
   config.rays = rays;
   config.seed = seed;
+  config.display = false;  // against the same patches
   Progress progress({"test", true, ""});
   return solve(scene, config, progress);
 }
