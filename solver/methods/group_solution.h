@@ -29,7 +29,7 @@ struct GroupSolution {
   SpectrumField gathered_direct;  ///< Direct light of the other emitters and the environment.
   SpectrumField sampled_direct;   ///< Direct light of emitters that a LightTree chose.
   SpectrumField mirrored;         ///< Light of emitters by specular reflection.
-  SpectrumField over_metals;       ///< The part of `mirrored` that photons brought.
+  SpectrumField over_metals;      ///< The part of `mirrored` from explicitly sampled emitters.
   SpectrumField reflected;        ///< Light that patches reflect diffusely.
   SpectrumField explicit_deviation, gathered_deviation, sampled_deviation, mirrored_deviation, reflected_deviation;
   SpectrumField residual;             ///< What is left of the linear system: F rho (D + H) - H of the solved H.
