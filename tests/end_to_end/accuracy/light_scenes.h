@@ -44,6 +44,10 @@ struct LitScene {
     part(-2, left, 0, 2.6), part(right, 2, 0, 2.6), part(left, right, 0, bottom), part(left, right, top, 2.6);
   }
 
+  void table(double x0, double x1, double z0, double z1, double height) {
+    double_sided({{{x0, height, z1}, {x1, height, z1}, {x1, height, z0}, {x0, height, z0}}}, 6, 6, 0.5f);
+  }
+
   void sky(float radiance) {
     PatchSet& scene = builder.get();
     scene.light_groups = {"light", "sky"};
@@ -102,8 +106,7 @@ inline LitScene lampshade(int fine) {
   };
   for (int k = 0; k < kSegments; ++k)
     room.double_sided({{at(k, 1.6), at(k + 1, 1.6), at(k + 1, 1.9), at(k, 1.9)}}, 1, 1, 0.3f, 4.0f);
-  room.quad({{{-0.4, 0.7, -2.1}, {0.4, 0.7, -2.1}, {0.4, 0.7, -2.9}, {-0.4, 0.7, -2.9}}}, 6, 6, 0.5f);
-  room.quad({{{-0.4, 0.7, -2.9}, {0.4, 0.7, -2.9}, {0.4, 0.7, -2.1}, {-0.4, 0.7, -2.1}}}, 6, 6, 0.5f);
+  room.table(-0.4, 0.4, -2.9, -2.1, 0.7);
   room.look({1.7, 1.7, -0.2}, {-0.3, 0.9, -3}, 60);
   return room;
 }
@@ -129,8 +132,7 @@ inline LitScene window(int fine) {
   LitScene room(fine);
   room.walls(0.6f);
   room.window(-1.5, -0.5, 0.9, 2.1, 0.6f);
-  room.quad({{{0.2, 0.8, -3}, {1.4, 0.8, -3}, {1.4, 0.8, -3.8}, {0.2, 0.8, -3.8}}}, 6, 4, 0.5f);
-  room.quad({{{0.2, 0.8, -3.8}, {1.4, 0.8, -3.8}, {1.4, 0.8, -3}, {0.2, 0.8, -3}}}, 4, 6, 0.5f);
+  room.table(0.2, 1.4, -3.8, -3, 0.8);
   room.sky(10);
   room.look({1.6, 1.6, -0.3}, {-0.5, 0.7, -4}, 65);
   return room;
@@ -197,8 +199,7 @@ inline LitScene bulbs(int fine) {
     room.builder.sphere({1.6 * std::cos(turn) * (1 - 0.5 * t), 2.3 - 0.4 * t, -2.5 + 1.8 * std::sin(turn)}, 0.02, 1, 1,
                         {0.0f, 40.0f});
   }
-  room.quad({{{-0.5, 0.7, -2}, {0.5, 0.7, -2}, {0.5, 0.7, -3}, {-0.5, 0.7, -3}}}, 6, 6, 0.5f);
-  room.quad({{{-0.5, 0.7, -3}, {0.5, 0.7, -3}, {0.5, 0.7, -2}, {-0.5, 0.7, -2}}}, 6, 6, 0.5f);
+  room.table(-0.5, 0.5, -3, -2, 0.7);
   room.look({1.7, 1.5, -0.2}, {-0.4, 0.9, -3}, 65);
   return room;
 }
