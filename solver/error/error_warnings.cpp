@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
+#include "pipeline/job/more_samples.h"
 
 namespace patchlight {
 
@@ -10,14 +10,6 @@ namespace {
 
 constexpr double kMaxBound = 0.05, kMaxBalance = 0.01;
 constexpr double kMainPart = 0.7;  // of the error, from which its cause is the first to mend
-
-/// What brings a sampling error down by `factor`: the square of that in samples.
-std::string more_samples(const SolveConfig& config, double factor) {
-  if (config.form_factors == "hemicube")
-    return fmt::format("raise solve.hemicube_resolution (now {})", config.hemicube_resolution);
-  const double rays = std::ceil(factor * factor * config.rays / 32) * 32;
-  return fmt::format("raise solve.rays (now {}) to about {:.0f}", config.rays, rays);
-}
 
 }  // namespace
 

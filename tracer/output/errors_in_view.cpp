@@ -8,6 +8,8 @@
 #include <set>
 #include <utility>
 
+#include "pipeline/job/more_samples.h"
+
 namespace patchlight {
 
 namespace {
@@ -80,12 +82,8 @@ std::string ErrorsInView::warning(const SolveConfig& config) const {
   }
   if (nodes.empty()) return "";
   const std::string more = nodes.size() > 1 ? fmt::format(" (and of {} more nodes)", nodes.size() - 1) : "";
-  const std::string mend = config.form_factors == "hemicube"
-                               ? fmt::format("raise solve.hemicube_resolution (now {})", config.hemicube_resolution)
-                               : fmt::format("raise solve.rays (now {}) to about {:.0f}", config.rays,
-                                             32 * std::ceil(std::pow(worst / kMaxError, 2) * config.rays / 32));
   return fmt::format("the light on a tenth of a surface that camera `{}` sees, node `{}`{}, may be {:.2g}% off: {}",
-                     cameras_[node], scene_.nodes[node], more, 100 * worst, mend);
+                     cameras_[node], scene_.nodes[node], more, 100 * worst, more_samples(config, worst / kMaxError));
 }
 
 }  // namespace patchlight
