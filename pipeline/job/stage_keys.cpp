@@ -8,9 +8,9 @@ namespace {
 
 // Raised whenever a stage computes different results from the same inputs.
 constexpr int kImportVersion = 4;
-constexpr int kTransportKeyVersion = 23;
-constexpr int kSolveVersion = 24;
-constexpr int kTraceVersion = 10;
+constexpr int kTransportKeyVersion = 24;
+constexpr int kSolveVersion = 25;
+constexpr int kTraceVersion = 11;
 
 void add_color(KeyHasher& hasher, const std::optional<Color>& color) {
   hasher.add(color.has_value());

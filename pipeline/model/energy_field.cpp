@@ -20,7 +20,7 @@ std::vector<Color> irradiance(const EnergyField::Group& group) {
   return sum;
 }
 
-std::vector<Color> irradiance_without_explicit(const EnergyField::Group& group) {
+std::vector<Color> irradiance_without_sampled(const EnergyField::Group& group) {
   std::vector<Color> sum = group.indirect;
   for (std::size_t i = 0; i < group.gathered_direct.size(); ++i) sum[i] += group.gathered_direct[i];
   return sum;

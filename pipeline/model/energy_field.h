@@ -17,11 +17,14 @@ struct EnergyField {
     std::string name;
     std::vector<Color> direct;    ///< [patches] W/m2, from the group's emitters without reflection.
     std::vector<Color> indirect;  ///< [patches] W/m2, after at least one reflection.
-    /// [patches] W/m2, the part of `direct` from emitters that are gathered with the form factors instead of explicitly
-    /// sampled (see explicit_emitters()); empty: none.
+    /// [patches] W/m2, the part of `direct` from the environment and from emitters that are gathered with the form
+    /// factors instead of sampled (see explicit_emitters() and further_emitters()); empty: none.
     std::vector<Color> gathered_direct{};
     /// [display->gathered] W/m2, `indirect` + `gathered_direct` at the display mesh's gathered vertices.
     std::vector<Color> display{};
+    /// [patches] W/m2, the part of `direct` from further_emitters(). For the display solution; not stored in energy.h5.
+    /// Empty: none.
+    std::vector<Color> sampled_direct{};
     /// [patches] W/m2, the part of `indirect` from explicitly sampled emitters over metals alone. For the display
     /// solution; not stored in energy.h5. Empty: none, or the rows of form factors contain it.
     std::vector<Color> over_metals{};
@@ -71,8 +74,8 @@ std::vector<Color> irradiance(const EnergyField& energy, const std::vector<Color
 /// Direct and indirect irradiance of one group, W/m2. Shape: [patches].
 std::vector<Color> irradiance(const EnergyField::Group& group);
 
-/// The same without direct light from explicitly sampled emitters.
-std::vector<Color> irradiance_without_explicit(const EnergyField::Group& group);
+/// The same without direct light from sampled emitters.
+std::vector<Color> irradiance_without_sampled(const EnergyField::Group& group);
 
 /// Radiosity B = E + rho * (all groups' direct + indirect irradiance), W/m2. Shape: [patches].
 std::vector<Color> radiosity(const PatchSet& scene, const EnergyField& energy);

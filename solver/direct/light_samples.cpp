@@ -7,7 +7,6 @@
 #include <array>
 #include <utility>
 
-#include "pipeline/optics/intersect/quad_shape.h"
 #include "pipeline/optics/sampling/patch_sampling.h"
 #include "pipeline/optics/sampling/random.h"
 #include "pipeline/optics/sampling/sobol.h"
@@ -19,21 +18,6 @@ namespace patchlight {
 namespace {
 
 constexpr int kRowsPerTask = 64;
-
-std::vector<DirectLight> lights_of(const PatchSet& scene, const RayScene& ray_scene,
-                                   const std::vector<Emitter>& emitters) {
-  std::vector<DirectLight> lights;
-  lights.reserve(emitters.size());
-  for (const Emitter& emitter : emitters) lights.emplace_back(scene, ray_scene, emitter);
-  return lights;
-}
-
-LightTree tree_of(const std::vector<DirectLight>& lights) {
-  std::vector<LightBounds> bounds;
-  bounds.reserve(lights.size());
-  for (const DirectLight& light : lights) bounds.push_back(light.bounds());
-  return LightTree(bounds);
-}
 
 /// The sphere around a receiver, and its normal if it is a plane.
 LightTree::Receiver bounds_of(const PatchSet& scene, const Patch& patch) {
@@ -73,24 +57,18 @@ struct LightSampler::Entries {
 
 LightSampler::LightSampler(const PatchSet& scene, const RayScene& ray_scene, const std::vector<Emitter>& emitters,
                            std::uint64_t seed)
-    : scene_(scene),
-      ray_scene_(ray_scene),
-      emitters_(emitters),
-      lookup_(scene),
-      lights_(lights_of(scene, ray_scene, emitters)),
-      tree_(tree_of(lights_)),
-      seed_(hash64(~seed)) {}
+    : scene_(scene), ray_scene_(ray_scene), lights_(scene, ray_scene, emitters), seed_(hash64(~seed)) {}
 
 LightRows LightSampler::sample(std::span<const Patch> receivers, const VisibleDensities& densities, int rays,
                                std::int64_t& cast) const {
   LightRows rows;
-  if (emitters_.empty()) return rows;
+  if (lights_.empty()) return rows;
   const int count = int(receivers.size()), tasks = (count + kRowsPerTask - 1) / kRowsPerTask;
   std::vector<Entries> all(tasks);
   tbb::parallel_for(0, tasks, [&](int task) {
     _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree requires denormals to be flushed
     for (int row = task * kRowsPerTask; row < std::min((task + 1) * kRowsPerTask, count); ++row) {
-      LightTree::Cut cut(tree_, bounds_of(scene_, receivers[row]));
+      LightTree::Cut cut(lights_.tree(), bounds_of(scene_, receivers[row]));
       for (int set = 0; set < 2; ++set) {
         const std::uint64_t random = hash64(seed_ ^ hash64(2 * std::uint64_t(row) + std::uint64_t(set)));
         cast_rays(receivers[row], densities.find(row), cut.choose(rays, uniform01(random)), random, all[task]);
@@ -134,17 +112,17 @@ void LightSampler::cast_rays(const Patch& receiver, const VisibleDensity* densit
   };
   for (std::size_t k = 0; k < choices.size(); ++k) {
     const auto& [index, probability] = choices[k];
-    if (probability <= 0 || emitters_[index].primitive == receiver.primitive) continue;
+    if (probability <= 0 || lights_.emitters()[index].primitive == receiver.primitive) continue;
     auto [at, to] = pairs(std::uint32_t(k));
     if (density) at = (*density)(at);
     SurfacePoint point = sampler(at.x, at.y);
     if (primitive.shape == Primitive::Shape::quad) point.normal = receiver.normal;
     const Vec3d start = point.position + Vec3d(point.normal) * offset;
     const DirectLight::Sample sample =
-        lights_[index].view(start, point.normal, kAreaSamplingDistance).sample(to.x, to.y);
+        lights_.light(index).view(start, point.normal, kAreaSamplingDistance).sample(to.x, to.y);
     if (sample.weight <= 0) continue;
     packet.set_shadow(lane, ray_scene_.to_local(start), sample.direction, sample.distance);
-    targets[lane] = {patch_at(emitters_[index], start + Vec3d(sample.direction) * double(sample.distance)),
+    targets[lane] = {lights_.patch_at(index, start, sample),
                      float(double(sample.weight) / (probability * double(choices.size())))};
     if (++lane == RayPacket::kSize) cast_packet();
   }
@@ -153,22 +131,6 @@ void LightSampler::cast_rays(const Patch& receiver, const VisibleDensity* densit
 
 int light_rays(int rays) {
   return std::max(32, rays / 4);
-}
-
-std::int32_t LightSampler::patch_at(const Emitter& emitter, const Vec3d& position) const {
-  if (emitter.patches == 1) return emitter.first_patch;
-  const Primitive& p = scene_.primitives[emitter.primitive];
-  if (p.shape == Primitive::Shape::sphere) {
-    const Vec2f uv = sphere_uv(Vec3f(position - p.sphere_center));
-    return lookup_.patch(emitter.primitive, uv.x, uv.y);
-  }
-  const Vec3d e1 = p.corners[1] - p.corners[0], e3 = p.corners[3] - p.corners[0], at = position - p.corners[0];
-  const Vec3d normal = e1 % e3;
-  const double scale = 1 / normal.length2();
-  const Vec2f shape = quad_shape(p.corners);
-  const Vec2f uv =
-      inverse_bilinear(shape.x, shape.y, float(((at % e3) ^ normal) * scale), float(((e1 % at) ^ normal) * scale));
-  return lookup_.patch(emitter.primitive, uv.x, uv.y);
 }
 
 std::int64_t emitters_id(const std::vector<Emitter>& emitters) {

@@ -4,8 +4,7 @@
 
 #include "pipeline/model/transport.h"
 #include "pipeline/optics/intersect/ray_scene.h"
-#include "pipeline/optics/lights/direct_light.h"
-#include "pipeline/optics/sampling/patch_lookup.h"
+#include "pipeline/optics/lights/further_lights.h"
 #include "solver/form_factors/visible_density.h"
 
 namespace patchlight {
@@ -29,15 +28,9 @@ class LightSampler {
   void cast_rays(const Patch& receiver, const VisibleDensity* density, const std::vector<LightTree::Choice>& choices,
                  std::uint64_t random, Entries& entries) const;
 
-  /// The patch of an emitter at a position on it.
-  std::int32_t patch_at(const Emitter& emitter, const Vec3d& position) const;
-
   const PatchSet& scene_;
   const RayScene& ray_scene_;
-  const std::vector<Emitter>& emitters_;
-  const PatchLookup lookup_;
-  const std::vector<DirectLight> lights_;
-  const LightTree tree_;
+  const FurtherLights lights_;
   const std::uint64_t seed_;
 };
 

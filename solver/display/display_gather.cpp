@@ -56,9 +56,8 @@ class Gather {
     return {&at_vertices_};
   }
 
-  /// Adds the direct light of emitters that a LightTree chose, and specular reflections of sampled emitters.
+  /// Adds specular reflections of sampled emitters.
   void end_pass(const FormFactorRows& rows) {
-    for (std::size_t i = 0; i < sampled_direct_.size(); ++i) at_vertices_[i] += sampled_direct_[i];
     for (std::size_t i = 0; i < over_metals_.size(); ++i) at_vertices_[i] += over_metals_[i];
     if (transport_.display->rows.mirrored.empty()) return;
     SpectrumField mirrored(mesh_.gathered), deviation(mesh_.gathered);
@@ -87,7 +86,7 @@ class Gather {
   }
 
  private:
-  /// Sets direct light of explicitly sampled emitters at leaves, and the emission that rays gather from other emitters.
+  /// Sets direct light of sampled emitters at leaves, and the emission that rays gather from other emitters.
   void set_emission() {
     gathered_emission_.resize(patches_);
     direct_.assign(mesh_.elements, Color(0.0f));
@@ -98,8 +97,14 @@ class Gather {
       for (std::int32_t i = emitter.first_patch; i < emitter.first_patch + emitter.patches; ++i)
         std::swap(sampled[i], gathered_emission_[i]);
     if (!further_.empty()) {
-      sampled_direct_.resize(mesh_.gathered);
-      gather_lights(transport_.display->lights, sampled, sampled_direct_, nullptr);
+      SpectrumField at_vertices(mesh_.gathered);
+      gather_lights(transport_.display->lights, sampled, at_vertices, nullptr);
+      leaves_.for_each([&](auto, std::int32_t element, std::span<const std::int32_t> corners, float) {
+        const Spectrum direct = mean(corners, at_vertices, [&](std::size_t i) {
+          return group_.sampled_direct.empty() ? Spectrum() : Spectrum(group_.sampled_direct[i]);
+        });
+        direct_[element] = Color(float(direct.c[0]), float(direct.c[1]), float(direct.c[2]));
+      });
     }
     for (std::size_t e = 0; e < emitters_.size(); ++e) {
       const Transport::Emitter& emitter = transport_.emitters[e];
@@ -166,16 +171,24 @@ class Gather {
   }
 
   Spectrum irradiance_of_leaf(std::span<const std::int32_t> corners) const {
-    Spectrum sum;
-    for (const std::int32_t corner : corners) sum += irradiance_at_vertex(corner);
-    return sum * Spectrum(1.0 / double(corners.size()));
+    return mean(corners, at_vertices_, [&](std::size_t i) { return irradiance_of_patch(i); });
   }
 
-  Spectrum irradiance_at_vertex(std::int32_t i) const {
-    if (i < mesh_.gathered) return at_vertices_[i];
-    const std::size_t k = i - (mesh_.vertices.size() - mesh_.midpoints.size());
-    if (k >= mesh_.midpoints.size()) return irradiance_of_patch(mesh_.vertices[i].patch);
-    return (irradiance_at_vertex(mesh_.midpoints[k][0]) + irradiance_at_vertex(mesh_.midpoints[k][1])) * Spectrum(0.5);
+  Spectrum irradiance_at_vertex(std::int32_t vertex) const { return irradiance_of_leaf({&vertex, 1}); }
+
+  /// Mean at some vertices. `gathered`: at vertices with gathered light; `of_patch`: at those that take their patch's.
+  template <class OfPatch>
+  Spectrum mean(std::span<const std::int32_t> vertices, const SpectrumField& gathered, OfPatch of_patch) const {
+    Spectrum sum;
+    for (const std::int32_t i : vertices) {
+      const std::size_t k = i - (mesh_.vertices.size() - mesh_.midpoints.size());
+      if (i < mesh_.gathered)
+        sum += gathered[i];
+      else
+        sum += k < mesh_.midpoints.size() ? mean(mesh_.midpoints[k], gathered, of_patch)
+                                          : of_patch(std::size_t(mesh_.vertices[i].patch));
+    }
+    return sum * Spectrum(1.0 / double(vertices.size()));
   }
 
   const PatchSet& scene_;
@@ -191,9 +204,8 @@ class Gather {
   RadiosityTable& radiosity_;  ///< [patches, mesh elements, environment cells].
   const std::size_t field_;
   SpectrumField gathered_emission_;  ///< [patches] Exitance of emitters that are not sampled.
-  SpectrumField sampled_direct_;     ///< [gathered] Direct light of emitters that a LightTree chose; empty: none.
   SpectrumField over_metals_;        ///< [gathered] Light of explicitly sampled emitters by metals; empty: none.
-  std::vector<Color> direct_;        ///< [mesh elements] Direct irradiance by explicitly sampled emitters.
+  std::vector<Color> direct_;        ///< [mesh elements] Direct irradiance by sampled emitters.
   SpectrumField at_vertices_;        ///< [gathered]; empty before the first pass.
 };
 

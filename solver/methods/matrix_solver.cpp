@@ -54,21 +54,19 @@ class FilteredComponents {
       group.gathered_direct = sky_filter_->apply(group.gathered_direct);
       group.gathered_deviation.clear();
     }
-    if (!group.sampled_direct.empty()) {
-      group.gathered_direct.resize(group.sampled_direct.size());
-      add(group.sampled_direct, group.gathered_direct);
-      add(group.sampled_deviation, total.deviation);
-    }
     SpectrumField direct = std::move(group.explicit_direct), indirect = reflected_filter_->apply(group.reflected);
     add(group.gathered_direct, direct);
+    add(group.sampled_direct, direct);
     if (mirrored_filter_ && !group.mirrored.empty()) add(mirrored_filter_->apply(group.mirrored), indirect);
     add(direct, total.irradiance);
     add(indirect, total.irradiance);
     add(group.gathered_deviation, total.deviation);
     add(group.explicit_deviation, total.deviation);
+    add(group.sampled_deviation, total.deviation);
     add(group.residual, total.residual);
     energy.groups.push_back(
         {name, to_colors(direct, name), to_colors(indirect, name), to_colors(group.gathered_direct, name)});
+    if (!group.sampled_direct.empty()) energy.groups.back().sampled_direct = to_colors(group.sampled_direct, name);
     if (mirrored_filter_ && !group.over_metals.empty())
       energy.groups.back().over_metals = to_colors(mirrored_filter_->apply(group.over_metals), name);
   }

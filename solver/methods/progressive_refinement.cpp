@@ -34,8 +34,8 @@ std::vector<double> thinned(const std::vector<double>& values) {
 
 /// Light group while it is solved. Fields have shape [n].
 struct Group {
-  std::vector<Vec3d> direct;    ///< Irradiance of explicitly sampled emitters, W/m2.
-  std::vector<Vec3d> gathered;  ///< Irradiance of the other emitters, W/m2.
+  /// Irradiance of explicit_emitters(), of further_emitters(), and of other emitters and the environment, W/m2.
+  std::vector<Vec3d> direct, sampled, gathered;
   std::vector<Vec3d> indirect;  ///< Irradiance, W/m2.
   std::vector<Vec3d> unshot;    ///< Reflected and not shot yet, W/m2.
   double emitted = 0.0;         ///< W, sum of channels; of lights and the environment, the power that arrives.
@@ -55,7 +55,7 @@ class Refinement {
         power_(scene.patches.size()),
         used_(scene.patches.size()) {
     for (Group& group : groups_)
-      for (auto* field : {&group.direct, &group.gathered, &group.indirect, &group.unshot})
+      for (auto* field : {&group.direct, &group.sampled, &group.gathered, &group.indirect, &group.unshot})
         field->resize(power_.size(), Vec3d(0.0));
     for (const Patch& patch : scene.patches) {
       area_ += patch.covered_area();
@@ -180,13 +180,15 @@ void Refinement::shoot_emitters(Progress& progress) {
     shots_of_patch[i] = int(std::ceil(by_rays_ ? rays_for(share) / kMaxShotRays : std::min(share * points, 64.0)));
     for (int k = 0; k < shots_of_patch[i]; ++k) shots.push_back(make_shot(std::int32_t(i), share / shots_of_patch[i]));
   }
-  std::vector<char> is_explicit(power_.size(), 0);
+  std::vector<std::vector<Vec3d> Group::*> receives(power_.size(), &Group::gathered);
   for (const Emitter& emitter : explicit_emitters(scene_))
-    std::fill_n(is_explicit.begin() + emitter.first_patch, emitter.patches, 1);
+    std::fill_n(receives.begin() + emitter.first_patch, emitter.patches, &Group::direct);
+  for (const Emitter& emitter : further_emitters(scene_))
+    std::fill_n(receives.begin() + emitter.first_patch, emitter.patches, &Group::sampled);
   shoot(shots, [&](const Shot& shot, std::span<const FormFactor> row) {
     const Patch& patch = scene_.patches[shot.patch];
     Group& group = *emitting_group(patch);
-    distribute(group, is_explicit[shot.patch] ? group.direct : group.gathered,
+    distribute(group, group.*receives[shot.patch],
                Vec3d(patch.emission) * (patch.covered_area() / shots_of_patch[shot.patch]), row);
     progress.update(0.0, "direct light");
   });
@@ -195,8 +197,7 @@ void Refinement::shoot_emitters(Progress& progress) {
 }
 
 void Refinement::shoot_reflections(Progress& progress) {
-  const double first = residual();
-  residuals_ = {first};
+  residuals_ = {residual()};
   const std::int64_t max_shots = config_.max_shots * std::int64_t(power_.size());
   while (residual() > config_.tolerance && shots_ < max_shots) {
     const bool overshoot = !by_rays_ && residual() > kOvershootResidual;
@@ -215,8 +216,9 @@ void Refinement::shoot_reflections(Progress& progress) {
     });
     sum_unshot();
     residuals_.push_back(residual());
-    progress.update(std::log(first / std::max(residual(), 1e-300)) / std::log(first / config_.tolerance),
-                    fmt::format("unshot {:.2g}, {} shots", residual(), shots_), rays_);
+    progress.update(
+        std::log(residuals_[0] / std::max(residual(), 1e-300)) / std::log(residuals_[0] / config_.tolerance),
+        fmt::format("unshot {:.2g}, {} shots", residual(), shots_), rays_);
   }
   if (residual() > config_.tolerance)
     progress.warning(
@@ -250,9 +252,8 @@ std::vector<Shot> Refinement::brightest_shots() {
   std::vector<std::int32_t> order(power_.size());
   std::iota(order.begin(), order.end(), 0);
   const std::size_t count = std::min(order.size(), std::max<std::size_t>(64, order.size() / 32));
-  std::nth_element(
-      order.begin(), order.begin() + std::ptrdiff_t(count) - 1, order.end(),
-      [&](std::int32_t a, std::int32_t b) { return power_[a] != power_[b] ? power_[a] > power_[b] : a < b; });
+  std::ranges::nth_element(order, order.begin() + std::ptrdiff_t(count) - 1, {},
+                           [&](std::int32_t i) { return std::pair(-power_[i], i); });
   order.resize(count);
   std::sort(order.begin(), order.end());
   std::vector<Shot> shots;
@@ -267,17 +268,17 @@ EnergyField Refinement::result() const {
     const Group& from = groups_[g];
     auto& to = energy.groups.emplace_back();
     to.name = scene_.light_groups[g];
+    const bool gathers = std::ranges::any_of(from.gathered, [](const Vec3d& v) { return v != Vec3d(0.0); });
     for (std::size_t i = 0; i < power_.size(); ++i) {
-      const Vec3d direct = from.direct[i] + from.gathered[i];
+      const Vec3d direct = from.direct[i] + from.sampled[i] + from.gathered[i];
       const bool receives_light = direct != Vec3d(0.0) || from.indirect[i] != Vec3d(0.0);
       to.direct.emplace_back(Vec3f(direct));
-      to.gathered_direct.emplace_back(Vec3f(from.gathered[i]));
+      to.sampled_direct.emplace_back(Vec3f(from.sampled[i]));
+      if (gathers) to.gathered_direct.emplace_back(Vec3f(from.gathered[i]));
       to.indirect.emplace_back(Vec3f(positive(from.indirect[i] + (receives_light ? from.ambient : Vec3d(0.0)))));
       const Color sum = to.direct.back() + to.indirect.back();
       if (!std::isfinite(sum.x + sum.y + sum.z)) throw_overflow(to.name);
     }
-    if (std::all_of(from.gathered.begin(), from.gathered.end(), [](const Vec3d& v) { return v == Vec3d(0.0); }))
-      to.gathered_direct.clear();
   }
   energy.iterations = shots_;
   energy.rays = rays_;

@@ -30,13 +30,14 @@ FinalGather::FinalGather(const PatchSet& scene, const RayScene& ray_scene, const
       surfaces_(surfaces),
       mixes_(mixes),
       rays_(rays),
-      explicit_(scene.patches.size(), false) {
-  for (const Emitter& emitter : explicit_emitters(scene))
-    for (std::int32_t i = 0; i < emitter.patches; ++i) explicit_[emitter.first_patch + i] = true;
+      sampled_(scene.patches.size(), false) {
+  for (const auto& emitters : {explicit_emitters(scene), further_emitters(scene)})
+    for (const Emitter& emitter : emitters)
+      for (std::int32_t i = 0; i < emitter.patches; ++i) sampled_[emitter.first_patch + i] = true;
 }
 
 std::vector<FinalGather::Gathered> FinalGather::gather(std::span<const GatherPoint> points,
-                                                       const TileLight::Window& window) const {
+                                                       const TileWindow& window) const {
   std::vector<Gathered> gathered(points.size());
   if (mixes_.first_group > 0)
     for (Gathered& sums : gathered) sums.by_group.assign(scene_.light_groups.size(), Color(0.0f));
@@ -67,7 +68,7 @@ std::vector<FinalGather::Gathered> FinalGather::gather(std::span<const GatherPoi
   return gathered;
 }
 
-void FinalGather::add(std::span<const GatherPoint> points, const TileLight::Window& window, std::span<Color> pixels,
+void FinalGather::add(std::span<const GatherPoint> points, const TileWindow& window, std::span<Color> pixels,
                       LayerSums* layers) const {
   const std::vector<Gathered> gathered = gather(points, window);
   for (std::uint32_t i = 0; i < points.size(); ++i) {
@@ -125,7 +126,7 @@ void FinalGather::add_surface(const SurfaceHit& hit, const GatherRay& ray, Gathe
   const SolvedSurfaces::Colors colors = surfaces_.colors(hit);
   DisplayLookup::CornerCache cache;
   const DisplayLookup::Blend blend = surfaces_.blend(hit, colors.patch, cache);
-  const bool emits = ray.mirrored || !explicit_[colors.patch];
+  const bool emits = ray.mirrored || !sampled_[colors.patch];
   const auto reflected = [&](std::size_t mix) {
     return ray.throughput * colors.reflectance * surfaces_.total_irradiance(hit, blend, mix);
   };

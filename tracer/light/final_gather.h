@@ -13,10 +13,10 @@ struct GatherPoint {
 };
 
 /// Irradiance by rays over the hemisphere that look the solution up where they end (final gathering: Reichert 1992),
-/// without the direct light of explicitly sampled emitters, which TileLight adds.
+/// without the direct light of sampled emitters, which TileLight adds.
 ///
 /// The solution is not interpolated at the point itself. Rays are reflected at metals as in the solver; after a
-/// reflection they include explicitly sampled emitters, so caustics count exactly once. The rays of all samples of a
+/// reflection they include sampled emitters, so caustics count exactly once. The rays of all samples of a
 /// pixel are stratified together.
 class FinalGather {
  public:
@@ -24,14 +24,14 @@ class FinalGather {
               int rays);
 
   /// Adds the light reflected at `points` to the pixels of a window, and to `layers` unless null.
-  void add(std::span<const GatherPoint> points, const TileLight::Window& window, std::span<Color> pixels,
+  void add(std::span<const GatherPoint> points, const TileWindow& window, std::span<Color> pixels,
            LayerSums* layers) const;
 
  private:
   struct GatherRay;
   struct Gathered;
 
-  std::vector<Gathered> gather(std::span<const GatherPoint> points, const TileLight::Window& window) const;
+  std::vector<Gathered> gather(std::span<const GatherPoint> points, const TileWindow& window) const;
   void trace(RayPacket& packet, std::array<GatherRay, RayPacket::kSize>& rays, std::vector<Gathered>& gathered) const;
   void add_sky(const Vec3f& direction, const GatherRay& ray, Gathered& gathered) const;
   void add_surface(const SurfaceHit& hit, const GatherRay& ray, Gathered& gathered) const;
@@ -41,7 +41,7 @@ class FinalGather {
   const SolvedSurfaces& surfaces_;
   const LightMixes& mixes_;
   const int rays_;
-  std::vector<bool> explicit_;  ///< [patches]: belongs to an explicitly sampled emitter.
+  std::vector<bool> sampled_;  ///< [patches]: belongs to an sampled emitter.
 };
 
 }  // namespace patchlight

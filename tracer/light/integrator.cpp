@@ -65,7 +65,8 @@ class Integrator::Tile {
       probed_[p] = counts.uniform() || samples[p] < counts.edge;
     });
     if (integrator_.lights_)
-      light_.emplace(*integrator_.lights_, window_, counts.detail, sums_.layers).probe(std::move(points), probed_);
+      light_.emplace(*integrator_.lights_, *integrator_.further_, window_, counts.detail, sums_.layers)
+          .probe(std::move(points), probed_);
     for_each_pixel([&](int, int, std::uint32_t p) {
       if (light_ && (probed_[p] == 0 || light_->sharp(p))) {
         samples[p] = std::max(samples[p], counts.detail);
@@ -177,7 +178,7 @@ class Integrator::Tile {
   Image& image_;
   const int x0_, y0_, x1_, y1_;
   const bool has_margin_;  ///< Pixels are compared with their neighbours.
-  TileLight::Window window_;
+  TileWindow window_;
   std::vector<std::uint8_t> probed_;  ///< [pixels]: direct light is that of the probes from the initial samples.
   std::optional<LayerSums> layers_;
   std::optional<TileLight> light_;
@@ -197,7 +198,10 @@ Integrator::Integrator(const PatchSet& scene, const EnergyField& energy, const J
       mixes_(light_settings(job, scene), config_.asks_for("light_groups")),
       surfaces_(scene, ray_scene_, energy, mixes_, config_),
       paths_(scene, ray_scene_, outlines_, surfaces_, mixes_, config_) {
-  if (config_.quality != "patches") lights_.emplace(scene, ray_scene_, mixes_.all[0]);
+  if (config_.quality != "patches") {
+    lights_.emplace(scene, ray_scene_, mixes_.all[0]);
+    further_.emplace(scene, ray_scene_, mixes_.all[0]);
+  }
   if (config_.quality == "gather") gather_.emplace(scene, ray_scene_, surfaces_, mixes_, config_.gather_rays);
 }
 

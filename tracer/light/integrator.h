@@ -48,6 +48,7 @@ class Integrator {
   SolvedSurfaces surfaces_;
   PathTracer paths_;
   std::optional<ExplicitLights> lights_;  ///< Unless `quality` is `patches`.
+  std::optional<FurtherLight> further_;   ///< Unless `quality` is `patches`.
   std::optional<FinalGather> gather_;     ///< If `quality` is `gather`.
 };
 

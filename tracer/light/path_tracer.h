@@ -27,18 +27,18 @@ struct GlossyShadowRays {
 /// Sums over the paths of some pixels.
 struct PathSums {
   std::vector<Color> pixels;                      ///< Sums of radiance, without light that is added at the pixel.
-  std::vector<ShadingPoint> points;               ///< Where explicitly sampled direct light is to be added.
+  std::vector<ShadingPoint> points;               ///< Where direct light of sampled emitters is to be added.
   std::vector<GatherPoint> gather{};              ///< Where gathered light is to be added; `quality: gather` only.
   std::vector<PixelDetail> details{};             ///< [pixels]; empty: not asked for.
   LayerSums* layers = nullptr;                    ///< Null: not asked for.
-  const TileLight::Window* window = nullptr;      ///< Of the pixels.
+  const TileWindow* window = nullptr;             ///< Of the pixels.
   std::optional<GlossyShadowRays> glossy_rays{};  ///< Once a path has hit a rough metal.
   DisplayLookup::CornerCache corner_cache{};
 };
 
 /// Traces camera paths to the solved surfaces. Each surface adds E / pi + rho H / pi and, if it is a metal, its
 /// specular reflection. H is interpolated from the solution. With `quality: direct` it excludes the direct light of
-/// explicitly sampled emitters, which TileLight adds; with `quality: gather` FinalGather adds the rest as well. Paths
+/// sampled emitters, which TileLight adds; with `quality: gather` FinalGather adds the rest as well. Paths
 /// follow specular reflections until their throughput is below a thousandth: mirrors deterministically, rough metals by
 /// one direction of the GGX lobe for each sample, stratified over the pixel, and by GlossyLights.
 ///

@@ -10,7 +10,7 @@ namespace patchlight {
 namespace {
 
 constexpr float kMinCosine = 0.98f;       // between the normals of a cluster
-constexpr double kMaxAngularSize = 0.05;  // radius over distance from a lamp, below which the centre is enough
+constexpr double kMaxAngularSize = 0.05;  // radius over distance from an emitter, below which the centre is enough
 constexpr std::size_t kMaxPoints = 16;    // that a form factor is averaged over
 
 void sort_by_pixel(std::vector<ShadingPoint>& points) {
@@ -34,25 +34,29 @@ ShadingCluster::ShadingCluster(std::span<const ShadingPoint> cluster_points)
   for (const ShadingPoint& p : points) {
     center += p.position;
     normal += p.normal;
+    flat = flat && p.normal == points[0].normal;
     weight += p.weight;
     if (p.path_kind != ShadingPoint::PathKind::direct) mirrored += p.weight;
     scattered = scattered || p.path_kind == ShadingPoint::PathKind::scattered;
   }
   center /= double(points.size());
-  normal.normalize();
+  if (flat)
+    normal = points[0].normal;
+  else
+    normal.normalize();
   double squared = 0;
   for (const ShadingPoint& p : points) squared = std::max(squared, (p.position - center).length2());
   radius = std::sqrt(squared);
 }
 
-double ShadingCluster::form_factor(const ExplicitLights::Lamp& lamp) const {
-  if (lamp.emitter.primitive == primitive) return 0.0;
-  if (radius < kMaxAngularSize * lamp.light.distance(center)) return lamp.light.form_factor(center, normal);
+double ShadingCluster::form_factor(const DirectLight& light, const Emitter& emitter) const {
+  if (emitter.primitive == primitive) return 0.0;
+  if (radius < kMaxAngularSize * light.distance(center)) return light.form_factor(center, normal);
   const std::size_t step = (points.size() + kMaxPoints - 1) / kMaxPoints;
   double sum = 0;
   int count = 0;
   for (std::size_t k = 0; k < points.size(); k += step, ++count)
-    sum += lamp.light.form_factor(points[k].position, points[k].normal);
+    sum += light.form_factor(points[k].position, points[k].normal);
   return sum / count;
 }
 

@@ -13,7 +13,8 @@ struct ShadingCluster {
   std::int32_t primitive = 0;  ///< Of the first point.
   std::span<const ShadingPoint> points;
   Vec3d center{0.0};
-  Vec3f normal{0.0f};
+  Vec3f normal{0.0f};      ///< Mean of the points'.
+  bool flat = true;        ///< The points' normals are the same.
   double radius = 0.0;     ///< Around the centre, m.
   Color weight{0.0f};      ///< Sum over the points.
   Color mirrored{0.0f};    ///< Part of `weight` from points that the camera does not see directly.
@@ -21,9 +22,9 @@ struct ShadingCluster {
 
   explicit ShadingCluster(std::span<const ShadingPoint> cluster_points);
 
-  /// Form factor to a whole unoccluded lamp, the mean over the points; of the centre alone if the cluster is small for
-  /// its distance from the lamp.
-  double form_factor(const ExplicitLights::Lamp& lamp) const;
+  /// Form factor to a whole unoccluded emitter, the mean over the points; of the centre alone if the cluster is small
+  /// for its distance from the emitter.
+  double form_factor(const DirectLight& light, const Emitter& emitter) const;
 };
 
 /// Sorts points and groups them into clusters, by growing pixel.

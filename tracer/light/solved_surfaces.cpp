@@ -34,7 +34,7 @@ SolvedSurfaces::SolvedSurfaces(const PatchSet& scene, const RayScene& ray_scene,
           scene, lookup_,
           [&](std::size_t g) {
             return config.quality == "patches" ? patchlight::irradiance(energy.groups[g])
-                                               : irradiance_without_explicit(energy.groups[g]);
+                                               : irradiance_without_sampled(energy.groups[g]);
           },
           mixes.all),
       shaders_([&scene] { return compile_shaders(scene); }) {
@@ -56,7 +56,7 @@ SolvedSurfaces::SolvedSurfaces(const PatchSet& scene, const RayScene& ray_scene,
           std::vector<LightMix>{mixes.all[0]});
   }
   if (config.quality == "gather")
-    explicit_direct_.emplace(
+    sampled_direct_.emplace(
         scene, lookup_,
         [&](std::size_t g) {
           std::vector<Color> direct = energy.groups[g].direct;

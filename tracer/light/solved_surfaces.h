@@ -48,13 +48,13 @@ class SolvedSurfaces {
   DisplayLookup::Blend blend(const SurfaceHit& hit, std::int32_t patch, DisplayLookup::CornerCache& cache) const {
     return display_ ? display_->blend(hit.primitive, patch, hit.u, hit.v, cache) : DisplayLookup::Blend{};
   }
-  /// W/m2. Unless `quality` is `patches`, without the direct light of explicitly sampled emitters.
+  /// W/m2. Unless `quality` is `patches`, without the direct light of sampled emitters.
   Color irradiance(const SurfaceHit& hit, const DisplayLookup::Blend& blend, std::size_t mix = 0) const {
     return display_ ? (*display_)(blend, hit.primitive, hit.u, hit.v, mix) : patches_(hit.primitive, hit.u, hit.v, mix);
   }
-  /// irradiance() plus the direct light of explicitly sampled emitters; with `quality: gather` only.
+  /// irradiance() plus the direct light of sampled emitters; with `quality: gather` only.
   Color total_irradiance(const SurfaceHit& hit, const DisplayLookup::Blend& blend, std::size_t mix) const {
-    return irradiance(hit, blend, mix) + (*explicit_direct_)(hit.primitive, hit.u, hit.v, mix);
+    return irradiance(hit, blend, mix) + (*sampled_direct_)(hit.primitive, hit.u, hit.v, mix);
   }
   /// Direct part of an irradiance() under the lights' settings. For the layers.
   Color direct_part(const SurfaceHit& hit, const Color& irradiance) const;
@@ -69,8 +69,8 @@ class SolvedSurfaces {
   std::vector<std::uint8_t> varying_;  ///< [primitives]: textures, vertex colours or a shader set its colours.
   const IrradianceLookup patches_;
   std::optional<DisplayLookup> display_;
-  std::optional<IrradianceLookup> direct_;           ///< Direct part of irradiance() under the lights' settings.
-  std::optional<IrradianceLookup> explicit_direct_;  ///< Direct light of explicitly sampled emitters.
+  std::optional<IrradianceLookup> direct_;          ///< Direct part of irradiance() under the lights' settings.
+  std::optional<IrradianceLookup> sampled_direct_;  ///< Direct light of sampled emitters.
   mutable tbb::enumerable_thread_specific<std::vector<MaterialShader>> shaders_;
 };
 

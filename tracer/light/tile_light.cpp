@@ -12,7 +12,6 @@ namespace {
 constexpr float kMinShare = 0.03f;           // below it a lamp takes no rays besides the probes
 constexpr float kMinSharpShare = 0.3f;       // above it a lamp's sharp shadow edges take more points
 constexpr float kMinSharpPointShare = 0.1f;  // the same for a light without extent, whose shadows are all sharp
-constexpr float kMinCosine = 0.95f;          // between the normals of a cluster and of a point that shares its light
 constexpr int kMinProbes = 8;                // of one surface, below which those of other surfaces count too
 constexpr float kDim = 0.1f;                 // visible fraction below which a lamp's rays may be guided
 constexpr int kMinScatteredRays = 4;         // of a cluster that a rough metal sees
@@ -29,27 +28,25 @@ TileLight::Factors::Factors(const std::vector<Lamp>& lamps, const std::vector<Sh
   for (std::size_t l = 0; l < lamps.size(); ++l)
     for (std::size_t s = 0; s < clusters; ++s) {
       float& factor = unoccluded[l * clusters + s];
-      factor = float(all[s].form_factor(lamps[l]));
+      factor = float(all[s].form_factor(lamps[l].light, lamps[l].emitter));
       total[s] += factor * lamps[l].brightness();
     }
 }
 
-TileLight::TileLight(const ExplicitLights& lights, const Window& window, int samples, LayerSums* layers)
+TileLight::TileLight(const ExplicitLights& lights, const FurtherLight& further, const TileWindow& window, int samples,
+                     LayerSums* layers)
     : lights_(lights),
+      further_(further),
       window_(window),
       samples_(samples),
       layers_(layers),
-      first_cluster_(std::size_t(window.pixels()) + 1, 0),
+      clusters_(window),
       sharp_(std::size_t(window.pixels()), 0) {}
 
 void TileLight::probe(std::vector<ShadingPoint> points, std::span<const std::uint8_t> requested) {
-  points_ = std::move(points);
-  clusters_ = shading_clusters(points_);
-  for (const ShadingCluster& cluster : clusters_) ++first_cluster_[cluster.pixel + 1];
-  for (std::size_t k = 1; k < first_cluster_.size(); ++k) first_cluster_[k] += first_cluster_[k - 1];
-  find_neighbours();
+  clusters_ = TileClusters(window_, std::move(points));
   const std::vector<Lamp>& lamps = lights_.lamps();
-  const Factors factors(lamps, clusters_);
+  const Factors factors(lamps, clusters_.all());
   counts_.assign(lamps.size() * clusters_.size(), {});
   seen_.assign(lamps.size(), 0);
   irradiance_.assign(clusters_.size(), Color(0.0f));
@@ -65,6 +62,21 @@ void TileLight::probe(std::vector<ShadingPoint> points, std::span<const std::uin
     }
   }
   for (std::size_t l = 0; l < lamps.size(); ++l) add_lamp(l, factors, probes[l], visible_light, requested);
+  if (further_.empty()) return;
+  tile_further_.emplace(further_, clusters_, window_, samples_);
+  for (std::size_t s = 0; s < clusters_.size(); ++s) {
+    std::uint8_t& sharp = sharp_[clusters_[s].pixel];
+    if (requested[clusters_[s].pixel] == 0 || sharp != 0) continue;
+    sharp = tile_further_->sharp(s, visible_light[s]);
+    if (sharp != 0) continue;
+    const std::vector<Color> light = tile_further_->at(s, visible_light[s]);
+    for (std::size_t g = 0; g < light.size(); ++g) add_light(s, g, light[g], light[g] * further_.setting(g));
+  }
+}
+
+void TileLight::add_light(std::size_t s, std::size_t group, const Color& unscaled, const Color& scaled) {
+  irradiance_[s] += scaled;
+  if (by_group()) irradiance_by_group_[group][s] += unscaled;
 }
 
 std::vector<LightSamples> TileLight::probe_lamp(std::size_t l, const Factors& factors) const {
@@ -80,26 +92,6 @@ std::vector<LightSamples> TileLight::probe_lamp(std::size_t l, const Factors& fa
   }
   rays.cast();
   return sums;
-}
-
-void TileLight::find_neighbours() {
-  neighbours_.resize(clusters_.size());
-  for (std::size_t s = 0; s < clusters_.size(); ++s) {
-    const int x = int(clusters_[s].pixel) % window_.width, y = int(clusters_[s].pixel) / window_.width;
-    for (int k = 0; k < 9; ++k) {
-      const int u = x + k % 3 - 1, v = y + k / 3 - 1;
-      const bool inside = u >= 0 && v >= 0 && u < window_.width && v < window_.height;
-      neighbours_[s][k] =
-          inside ? cluster_at(std::uint32_t(v * window_.width + u), clusters_[s].surface, clusters_[s].normal) : -1;
-    }
-  }
-}
-
-/// The probed cluster of a surface at a pixel with a similar normal; -1: none.
-std::int32_t TileLight::cluster_at(std::uint32_t pixel, std::int32_t surface, const Vec3f& normal) const {
-  for (std::uint32_t s = first_cluster_[pixel]; s < first_cluster_[pixel + 1]; ++s)
-    if (clusters_[s].surface == surface && (clusters_[s].normal ^ normal) > kMinCosine) return std::int32_t(s);
-  return -1;
 }
 
 void TileLight::add_lamp(std::size_t l, const Factors& factors, const std::vector<LightSamples>& probes,
@@ -148,8 +140,7 @@ void TileLight::add_lamp(std::size_t l, const Factors& factors, const std::vecto
   spread(residuals, takes_part, values);
   for (std::size_t s = 0; s < clusters_.size(); ++s) {
     if (!takes_part(s)) continue;
-    irradiance_[s] += lamp.exitance * values[s];
-    if (by_group()) irradiance_by_group_[lamp.group][s] += lamp.unscaled * values[s];
+    add_light(s, std::size_t(lamp.group), lamp.unscaled * values[s], lamp.exitance * values[s]);
   }
 }
 
@@ -157,7 +148,7 @@ void TileLight::add_lamp(std::size_t l, const Factors& factors, const std::vecto
 void TileLight::add_guided(std::size_t l, const std::vector<LightSamples>& probes, std::span<const std::uint32_t> dim,
                            std::vector<float>& values, std::vector<float>& residuals) const {
   const Lamp& lamp = lights_.lamps()[l];
-  GuidedLight guided(lights_.ray_scene(), lamp.light, clusters_, neighbours_);
+  GuidedLight guided(lights_.ray_scene(), lamp.light, clusters_.all(), clusters_.neighbours());
   for (std::size_t s = 0; s < clusters_.size(); ++s)
     if (probes[s].visible > 0) guided.add(s, probes[s].reached);
   const auto factors = guided.factors(dim, std::max(kMinGuidedRays, samples_), hash64(hash64(window_.pixel_id(0)) + l));
@@ -174,14 +165,14 @@ void TileLight::spread(const std::vector<float>& residuals, TakesPart takes_part
   for (std::size_t s = 0; s < residuals.size(); ++s) {
     if (residuals[s] == 0) continue;
     const auto inside = [&](std::int32_t t) { return t >= 0 && takes_part(std::size_t(t)); };
-    const auto count = std::count_if(neighbours_[s].begin(), neighbours_[s].end(), inside);
-    for (const std::int32_t t : neighbours_[s])
+    const auto count = std::ranges::count_if(clusters_.neighbours()[s], inside);
+    for (const std::int32_t t : clusters_.neighbours()[s])
       if (inside(t)) values[t] += residuals[s] / float(count);
   }
 }
 
 bool TileLight::add_probed(const ShadingPoint& point, std::span<Color> pixels) const {
-  const std::int32_t s = cluster_at(point.pixel, point.surface, point.normal);
+  const std::int32_t s = clusters_.at(point.pixel, point.surface, point.normal);
   if (s < 0) return false;
   pixels[point.pixel] += irradiance_[s] * point.weight;
   if (layers_ && layers_->has_light())
@@ -191,18 +182,12 @@ bool TileLight::add_probed(const ShadingPoint& point, std::span<Color> pixels) c
   return true;
 }
 
-std::span<const ShadingPoint> TileLight::points(std::uint32_t pixel) const {
-  const std::uint32_t first = first_cluster_[pixel], end = first_cluster_[pixel + 1];
-  if (first == end) return {};
-  return {clusters_[first].points.data(), clusters_[end - 1].points.data() + clusters_[end - 1].points.size()};
-}
-
 /// By the probes of a cluster's neighbours.
 TileLight::LocalVisibility TileLight::local_visibility(std::size_t lamp, std::size_t cluster) const {
   const Counts* counts = counts_.data() + lamp * clusters_.size();
   Visibility same;
   bool lit = false, dark = false;
-  for (const std::int32_t s : neighbours_[cluster]) {
+  for (const std::int32_t s : clusters_.neighbours()[cluster]) {
     if (s < 0) continue;
     lit = lit || (counts[s].hidden == 0 && counts[s].visible > 0);
     dark = dark || (counts[s].visible == 0 && counts[s].hidden > 0);
@@ -219,19 +204,14 @@ TileLight::LocalVisibility TileLight::local_visibility(std::size_t lamp, std::si
 /// By all probes from a pixel and its neighbours.
 Visibility TileLight::pixel_visibility(std::size_t lamp, std::uint32_t pixel) const {
   const Counts* counts = counts_.data() + lamp * clusters_.size();
-  const int x = int(pixel) % window_.width, y = int(pixel) / window_.width;
-  const int left = std::max(0, x - 1), right = std::min(window_.width - 1, x + 1);
   Visibility all;
-  for (int v = std::max(0, y - 1); v <= std::min(window_.height - 1, y + 1); ++v)
-    for (std::uint32_t s = first_cluster_[v * window_.width + left]; s < first_cluster_[v * window_.width + right + 1];
-         ++s)
-      all.add(counts[s]);
+  clusters_.for_each_around(pixel, [&](std::uint32_t s) { all.add(counts[s]); });
   return all;
 }
 
 void TileLight::add(std::vector<ShadingPoint>& points, std::span<Color> pixels) const {
   const std::vector<Lamp>& lamps = lights_.lamps();
-  if (lamps.empty() || points.empty()) return;
+  if (points.empty()) return;
   const std::vector<ShadingCluster> clusters = shading_clusters(points);
   const Factors factors(lamps, clusters);
   std::vector<std::uint32_t> points_of_pixel(pixels.size(), 0);
@@ -239,7 +219,7 @@ void TileLight::add(std::vector<ShadingPoint>& points, std::span<Color> pixels) 
   std::vector<std::int32_t> probed(clusters.size());  // indices of the clusters that were probed; -1: none
   for (std::size_t s = 0; s < clusters.size(); ++s) {
     seeds[s] = hash64(hash64(window_.pixel_id(clusters[s].pixel)) + points_of_pixel[clusters[s].pixel]);
-    probed[s] = cluster_at(clusters[s].pixel, clusters[s].surface, clusters[s].normal);
+    probed[s] = clusters_.at(clusters[s].pixel, clusters[s].surface, clusters[s].normal);
     points_of_pixel[clusters[s].pixel] += std::uint32_t(clusters[s].points.size());
   }
   ShadowRays rays(lights_.ray_scene());
@@ -279,16 +259,25 @@ void TileLight::add(std::vector<ShadingPoint>& points, std::span<Color> pixels) 
       if (visibility[s].partial()) own[s].add(visibility[s]);
       const float factor = samples[s].count > 0 ? visible_factor(factors.of(l, s), samples[s], visibility[s])
                                                 : factors.of(l, s) * own[s].visible_fraction();
-      const Color light = lamps[l].exitance * factor;
-      pixels[cluster.pixel] += cluster.weight * light;
-      if (layers_ && layers_->has_light()) {
-        layers_->add_direct(cluster.pixel, false, (cluster.weight - cluster.mirrored) * light);
-        layers_->add_direct(cluster.pixel, true, cluster.mirrored * light);
-      }
-      if (by_group())
-        layers_->add_to_group(std::size_t(lamps[l].group), cluster.pixel, cluster.weight * lamps[l].unscaled * factor);
+      add_light(cluster, std::size_t(lamps[l].group), lamps[l].unscaled * factor, lamps[l].exitance * factor, pixels);
     }
   }
+  for (std::size_t s = 0; s < clusters.size() && tile_further_; ++s) {
+    const float part = float(clusters[s].points.size()) / float(points_of_pixel[clusters[s].pixel]);
+    const std::vector<Color> light = tile_further_->at(clusters[s], part, hash64(~seeds[s]));
+    for (std::size_t g = 0; g < light.size(); ++g)
+      add_light(clusters[s], g, light[g], light[g] * further_.setting(g), pixels);
+  }
+}
+
+void TileLight::add_light(const ShadingCluster& cluster, std::size_t group, const Color& unscaled, const Color& scaled,
+                          std::span<Color> pixels) const {
+  pixels[cluster.pixel] += cluster.weight * scaled;
+  if (layers_ && layers_->has_light()) {
+    layers_->add_direct(cluster.pixel, false, (cluster.weight - cluster.mirrored) * scaled);
+    layers_->add_direct(cluster.pixel, true, cluster.mirrored * scaled);
+  }
+  if (by_group()) layers_->add_to_group(group, cluster.pixel, cluster.weight * unscaled);
 }
 
 }  // namespace patchlight

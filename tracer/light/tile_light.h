@@ -1,10 +1,9 @@
 #pragma once
-#include <array>
+#include <optional>
 
 #include "pipeline/optics/lights/shadow_rays.h"
-#include "pipeline/optics/sampling/random.h"
 #include "tracer/light/guided_light.h"
-#include "tracer/light/shading_cluster.h"
+#include "tracer/light/tile_further_light.h"
 #include "tracer/output/layer_sums.h"
 
 namespace patchlight {
@@ -17,23 +16,13 @@ namespace patchlight {
 /// probes say otherwise is spread over the neighbours. Where hardly any probe sees it, a GuidedLight finds what there
 /// is. So the light of a tile is right in the mean. A cluster that does not fill its pixel casts probes of its own as
 /// well. For an emitter that brings less than three hundredths of a cluster's light, the probes are the estimate, which
-/// blurs its shadows by a pixel.
+/// blurs its shadows by a pixel. A TileFurtherLight adds the emitters beyond the explicit ones.
 class TileLight {
  public:
-  /// Pixels of an image from (x0,y0) on.
-  struct Window {
-    int x0, y0, width, height;
-
-    int pixels() const { return width * height; }
-    /// Unique number of a pixel in the image: its row in the upper, its column in the lower 32 bits.
-    std::uint64_t pixel_id(std::uint32_t pixel) const {
-      return std::uint64_t(y0 + int(pixel) / width) << 32 | std::uint64_t(x0 + int(pixel) % width);
-    }
-  };
-
   /// A pixel lit by a single, half hidden lamp takes 8 `samples` rays. `layers` receive the same light as the pixels;
   /// may be null.
-  TileLight(const ExplicitLights& lights, const Window& window, int samples, LayerSums* layers = nullptr);
+  TileLight(const ExplicitLights& lights, const FurtherLight& further, const TileWindow& window, int samples,
+            LayerSums* layers = nullptr);
 
   /// Casts the probes, from points at all pixels, and computes the light of the `requested` pixels from them. Call it
   /// once, before anything else. Shape: requested.size() == window.pixels().
@@ -44,7 +33,7 @@ class TileLight {
   /// Adds the light reflected at a point of a requested pixel that is not sharp; false if no probed cluster matches the
   /// point.
   bool add_probed(const ShadingPoint& point, std::span<Color> pixels) const;
-  std::span<const ShadingPoint> points(std::uint32_t pixel) const;
+  std::span<const ShadingPoint> points(std::uint32_t pixel) const { return clusters_.points(pixel); }
 
   /// Adds the light reflected at `points`, which must be all points of their pixels, to `pixels`. Sorts the points.
   void add(std::vector<ShadingPoint>& points, std::span<Color> pixels) const;
@@ -57,7 +46,7 @@ class TileLight {
     std::vector<float> total;       ///< [clusters], sum of the form factors times the lamps' brightness.
     std::size_t clusters;
 
-    Factors(const std::vector<Lamp>& lamps, const std::vector<ShadingCluster>& clusters);
+    Factors(const std::vector<Lamp>& lamps, const std::vector<ShadingCluster>& all);
     float of(std::size_t lamp, std::size_t cluster) const { return unoccluded[lamp * clusters + cluster]; }
     float share(const Lamp& lamp, std::size_t l, std::size_t s) const {
       return of(l, s) * lamp.brightness() / total[s];
@@ -71,8 +60,6 @@ class TileLight {
   };
   LocalVisibility local_visibility(std::size_t lamp, std::size_t cluster) const;
   Visibility pixel_visibility(std::size_t lamp, std::uint32_t pixel) const;
-  std::int32_t cluster_at(std::uint32_t pixel, std::int32_t surface, const Vec3f& normal) const;
-  void find_neighbours();
   std::vector<LightSamples> probe_lamp(std::size_t lamp, const Factors& factors) const;
   /// `visible_light`: of all lamps at the clusters, by the probes, W/m2, sum of channels.
   void add_lamp(std::size_t lamp, const Factors& factors, const std::vector<LightSamples>& probes,
@@ -81,19 +68,22 @@ class TileLight {
                   std::vector<float>& values, std::vector<float>& residuals) const;
   template <class TakesPart>
   void spread(const std::vector<float>& residuals, TakesPart takes_part, std::vector<float>& values) const;
+  /// Adds light at a probed cluster: W/m2 at the scene's own strength, and under the lights' settings.
+  void add_light(std::size_t cluster, std::size_t group, const Color& unscaled, const Color& scaled);
+  /// Adds the light that a cluster reflects.
+  void add_light(const ShadingCluster& cluster, std::size_t group, const Color& unscaled, const Color& scaled,
+                 std::span<Color> pixels) const;
   bool by_group() const { return layers_ && layers_->has_groups(); }
   /// Whether the lamp contributes to the pixels or to a layer.
   bool is_needed(const Lamp& lamp) const { return !lamp.is_off() || by_group(); }
 
   const ExplicitLights& lights_;
-  const Window window_;
+  const FurtherLight& further_;
+  const TileWindow window_;
   const int samples_;
   LayerSums* const layers_;
-  std::vector<ShadingPoint> points_;
-  std::vector<ShadingCluster> clusters_;
-  std::vector<std::uint32_t> first_cluster_;  ///< [pixels + 1].
-  /// [clusters]: clusters of the same surface in the 3 x 3 pixels around, row by row, itself included; -1: none.
-  std::vector<std::array<std::int32_t, 9>> neighbours_;
+  TileClusters clusters_;
+  std::optional<TileFurtherLight> tile_further_;
   struct Counts {
     std::uint8_t visible = 0, hidden = 0;
   };

@@ -13,7 +13,7 @@ struct PathFeatures {
   bool scattered = false;                                ///< Reflected by a rough metal.
   Vec3f normal{0.0f};                                    ///< At the last surface.
   float depth = std::numeric_limits<float>::infinity();  ///< Of the first surface, along the camera's axis.
-  Color light{0.0f};        ///< Radiance without the direct light of explicitly sampled emitters.
+  Color light{0.0f};                                     ///< Radiance without the direct light of sampled emitters.
   Color reflectance{0.0f};  ///< Sum over the surfaces hit, each times the path's throughput.
 };
 

@@ -13,7 +13,7 @@
 
 namespace patchlight {
 
-/// An explicitly sampled emitter: a primitive with uniform emission, a single patch, or a Light.
+/// An emitter that is sampled as one: a primitive with uniform emission, a single patch, or a Light.
 struct Emitter {
   std::int32_t primitive = 0;    ///< -1: a Light.
   std::int32_t first_patch = 0;  ///< Of a Light: the number of patches of the scene.

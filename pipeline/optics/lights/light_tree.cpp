@@ -8,9 +8,9 @@ namespace patchlight {
 
 namespace {
 
-constexpr std::int32_t kMaxLeaf = 32;  // emitters of a leaf
-constexpr int kMaxParts = 64;          // of a cut
-constexpr double kMinSpread = 0.1;     // radius over distance of a node below which it is not divided for a cut
+constexpr std::int32_t kMaxLeaf = 8;  // emitters of a leaf
+constexpr int kMaxParts = 64;         // of a cut
+constexpr double kMinSpread = 0.1;    // radius over distance of a node below which it is not divided for a cut
 
 double angle_between(const Vec3d& a, const Vec3d& b) {
   return std::acos(std::clamp(a ^ b, -1.0, 1.0));
@@ -121,8 +121,13 @@ LightTree::Cut::Cut(const LightTree& tree, const Receiver& receiver) : tree_(tre
 /// Divides nodes until there are kMaxParts.
 void LightTree::Cut::divide() {
   const auto part = [&](std::int32_t node) {
-    const auto [value, spread] = importance(tree_.nodes_[node].bounds, receiver_);
-    return Part{node, value, tree_.nodes_[node].count > 0 ? 0.0 : spread};
+    const auto [bounds, first, count] = tree_.nodes_[node];
+    const auto [value, spread] = importance(bounds, receiver_);
+    if (count == 0) return Part{node, value, spread};
+    Part leaf{node, 0.0, 0.0};
+    for (std::int32_t k = first; k < first + count && value > 0; ++k)
+      leaf.importance += importance(tree_.emitters_[k], receiver_).first;
+    return leaf;
   };
   const auto less_urgent = [](const Part& a, const Part& b) {
     return a.importance * a.spread < b.importance * b.spread;
@@ -176,6 +181,17 @@ LightTree::Choice LightTree::Cut::choose_in_leaf(std::int32_t node, double at, d
   const auto k = std::min(std::upper_bound(sums_.begin(), sums_.end(), at * sum), sums_.end() - 1) - sums_.begin();
   const double own = sums_[k] - (k > 0 ? sums_[k - 1] : 0.0);
   return {tree_.index_[first + k], probability * own / sum};
+}
+
+double LightTree::Cut::blur() const {
+  double sum = 0, total = 0;
+  for (const Part& part : parts_) {
+    const Bounds& light = tree_.nodes_[part.node].bounds;
+    const double distance = (receiver_.center - light.center).length() - light.radius;
+    sum += part.importance * (distance > receiver_.radius ? receiver_.radius / distance : 1.0);
+    total += part.importance;
+  }
+  return total > 0 ? sum / total : 0.0;
 }
 
 std::vector<LightTree::Choice> LightTree::Cut::choose(int count, double shift) {

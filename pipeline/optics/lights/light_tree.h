@@ -75,6 +75,10 @@ class LightTree::Cut {
   /// emitters in the order of the tree. Empty if no emitter can light the receiver.
   std::vector<Choice> choose(int count, double shift);
 
+  /// How much the receiver's size blurs importance: its radius over the distance of the emitters, at most 1, the mean
+  /// by importance.
+  double blur() const;
+
  private:
   void divide();
   Choice descend(std::int32_t node, double at, double probability);

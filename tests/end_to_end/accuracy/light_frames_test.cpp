@@ -122,8 +122,8 @@ INSTANTIATE_TEST_SUITE_P(Scenes, LightFrames,
                                            Kind{"street", street, 0.035, 0.012}, Kind{"window", window, 0.03, 0.02},
                                            Kind{"leaves", leaves, 0.03, 0.006}, Kind{"cones", cones, 0.02, 0.01},
                                            Kind{"perforated", perforated, 0.04, 0.012},
-                                           Kind{"bulbs", bulbs, 0.06, 0.02}, Kind{"screen", screen, 0.06, 0.012},
-                                           Kind{"city", city, 0.08, 0.02}),
+                                           Kind{"bulbs", bulbs, 0.06, 0.02}, Kind{"strip", strip, 0.05, 0.015},
+                                           Kind{"screen", screen, 0.06, 0.012}, Kind{"city", city, 0.08, 0.02}),
                          [](const auto& kind) { return std::string(kind.param.name); });
 
 }  // namespace

@@ -204,6 +204,21 @@ inline LitScene bulbs(int fine) {
   return room;
 }
 
+/// A room that a strip of 200 diodes lights, under a shelf 20 cm from a wall.
+inline LitScene strip(int fine) {
+  LitScene room(fine);
+  room.walls(0.6f);
+  room.window(0, 0, 0, 0, 0.6f);
+  room.double_sided({{{-1.2, 1.8, -4.7}, {1.2, 1.8, -4.7}, {1.2, 1.8, -5}, {-1.2, 1.8, -5}}}, 8, 2, 0.5f);
+  for (int k = 0; k < 200; ++k) {
+    const double x = -1 + 0.01 * k, z = -4.8;
+    room.quad({{{x, 1.79, z}, {x + 0.008, 1.79, z}, {x + 0.008, 1.79, z + 0.01}, {x, 1.79, z + 0.01}}}, 1, 1, 0.1f, 60);
+  }
+  room.table(-0.6, 0.6, -5, -4.4, 0.8);
+  room.look({1.5, 2.1, -1.5}, {-0.3, 1.1, -5}, 65);
+  return room;
+}
+
 /// A dark room before a screen with a picture of 32 x 18 colours.
 inline LitScene screen(int fine) {
   LitScene room(fine);

@@ -42,7 +42,7 @@ struct Floor {
     const PatchLookup lookup(scene);
     const std::vector<LightMix> mixes{{Color(scale)}};
     const IrradianceLookup patches(
-        scene, lookup, [&](std::size_t g) { return irradiance_without_explicit(energy.groups[g]); }, mixes);
+        scene, lookup, [&](std::size_t g) { return irradiance_without_sampled(energy.groups[g]); }, mixes);
     DisplayLookup::CornerCache cache;
     const DisplayLookup display(scene, ray_scene, patches, energy, mixes);
     return display(display.blend(0, lookup.patch(0, u, v), u, v, cache), 0, u, v);

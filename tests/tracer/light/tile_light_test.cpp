@@ -18,7 +18,8 @@ std::vector<Color> light_of(const PatchSet& scene, const Color& setting, std::ve
                             int x0) {
   const RayScene rays(scene);
   const ExplicitLights lights(scene, rays, {setting});
-  TileLight tile(lights, {x0, 0, width, 1}, kPerPixel);
+  const FurtherLight further(scene, rays, {setting});
+  TileLight tile(lights, further, {x0, 0, width, 1}, kPerPixel);
   std::vector<Color> pixels(std::size_t(width), Color(0.0f));
   tile.probe(points, std::vector<std::uint8_t>(std::size_t(width), 1));
   std::erase_if(points, [&](const ShadingPoint& p) { return !tile.sharp(p.pixel) && tile.add_probed(p, pixels); });
@@ -116,6 +117,7 @@ TEST(TileLight, BehindASlitIsWhatComesThroughIt) {
     const auto z = [](int pixel) { return 0.4 * ((pixel / kSide + 0.5) / kSide - 0.5); };
     const RayScene rays(ground.builder.get());
     const ExplicitLights lights(ground.builder.get(), rays, {Color(1.0f)});
+    const FurtherLight further(ground.builder.get(), rays, {Color(1.0f)});
     double mean = 0, exact = 0;
     int dark = 0;
     for (int tile = 0; tile < kTiles; ++tile) {
@@ -124,7 +126,7 @@ TEST(TileLight, BehindASlitIsWhatComesThroughIt) {
         for (int k = 0; k < kPoints; ++k)
           points.push_back(
               {std::uint32_t(pixel), 1, 1, {}, Vec3d(x(pixel), 1e-6, z(pixel)), Vec3f(0, 1, 0), Color(1.0f / kPoints)});
-      TileLight light(lights, {tile * kSide, 0, kSide, kSide}, kPerPixel);
+      TileLight light(lights, further, {tile * kSide, 0, kSide, kSide}, kPerPixel);
       std::vector<Color> pixels(kSide * kSide, Color(0.0f));
       light.probe(points, std::vector<std::uint8_t>(kSide * kSide, 1));
       for (const ShadingPoint& point : points) ASSERT_TRUE(light.add_probed(point, pixels));
@@ -166,6 +168,78 @@ TEST(TileLight, OfFaintLampsAgreesWithBruteForce) {
       return at.x + (to.x - at.x) / to.y > 0 && at.z + (to.z - at.z) / to.y < 2;
     });
     EXPECT_NEAR(mean[p], exact, 0.005) << p;
+  }
+}
+
+/// A square of 12 x 12 small lamps, 1.9 m above the ground, instead of its lamp. The emitters that are explicitly
+/// sampled are 64 larger ones below the ground.
+std::vector<Ground::Lamp> many_lamps(Ground& ground) {
+  std::vector<Ground::Lamp> lamps;
+  for (Patch& patch : ground.builder.get().patches) patch.emission = Color(0.0f);
+  for (int k = 0; k < 64; ++k)
+    ground.builder.quad({{{0, -1, 0}, {1, -1, 0}, {1, -1, 1}, {0, -1, 1}}}, 1, 1, {0.0f, 1.0f});
+  for (int k = 0; k < 144; ++k) {
+    const double x = 0.3 * (k % 12) - 1.7, z = 0.3 * (k / 12) - 1.7, to = 0.1;
+    const float exitance = k % 7 == 0 ? 20.0f : 2.0f;
+    lamps.push_back({{x, 1.9, z}, to, exitance});
+    ground.builder.quad({{{x, 1.9, z}, {x + to, 1.9, z}, {x + to, 1.9, z + to}, {x, 1.9, z + to}}}, 1, 1,
+                        {0.0f, exitance});
+  }
+  return lamps;
+}
+
+TEST(TileLight, OfManyUnoccludedLampsHasLittleNoise) {
+  Ground ground(0.5);
+  const std::vector<Ground::Lamp> lamps = many_lamps(ground);
+  std::vector<double> exact;
+  for (int p = 0; p < kWidth; ++p) exact.push_back(ground.brute_force(p, lamps, [](auto, auto) { return false; }));
+  constexpr int kTiles = 20;
+  double squares = 0;
+  for (int tile = 0; tile < kTiles; ++tile) {
+    const std::vector<Color> pixels = ground.light(9 * tile);
+    for (int p = 0; p < kWidth; ++p) squares += std::pow(pixels[p].y / exact[p] - 1, 2) / (kTiles * kWidth);
+  }
+  EXPECT_LT(std::sqrt(squares), 0.01);
+}
+
+TEST(TileLight, OfManyLampsIsRightBehindOccluders) {
+  Ground ground(1.5);
+  ground.builder.quad({{{0, 1, -9}, {0, 1, 9}, {9, 1, 9}, {9, 1, -9}}}, 1, 1, {0.0f, 0.0f});
+  const std::vector<Ground::Lamp> lamps = many_lamps(ground);
+  constexpr int kTiles = 200;
+  std::vector<double> mean(kWidth, 0.0);
+  for (int tile = 0; tile < kTiles; ++tile) {
+    const std::vector<Color> pixels = ground.light(9 * tile);
+    for (int p = 0; p < kWidth; ++p) mean[p] += pixels[p].y / kTiles;
+  }
+  for (int p = 0; p < kWidth; ++p) {
+    const double exact =
+        ground.brute_force(p, lamps, [](const Vec3d& at, const Vec3d& to) { return at.x + (to.x - at.x) / to.y > 0; });
+    EXPECT_NEAR(mean[p], exact, 0.01 * exact + 1e-4) << p;
+  }
+}
+
+TEST(TileLight, OfAPictureIsThatOfItsPatches) {
+  Ground ground(1.5);
+  ground.builder.quad({{{-1, 1, -1}, {1, 1, -1}, {1, 1, 1}, {-1, 1, 1}}}, 16, 16, {0.0f, 1.0f});
+  std::vector<Ground::Lamp> lamps;
+  PatchSet& scene = ground.builder.get();
+  for (Patch& patch : scene.patches) {
+    if (patch.primitive != 2) patch.emission = Color(0.0f);
+    if (patch.primitive != 2) continue;
+    const float exitance = patch.center.x > 0.3 && patch.center.z > 0 ? 30.0f : 1.0f;
+    patch.emission = Color(exitance);
+    lamps.push_back({patch.center - Vec3d(1.0 / 16, 0, 1.0 / 16), 1.0 / 8, exitance});
+  }
+  constexpr int kTiles = 50;
+  std::vector<double> mean(kWidth, 0.0);
+  for (int tile = 0; tile < kTiles; ++tile) {
+    const std::vector<Color> pixels = ground.light(9 * tile);
+    for (int p = 0; p < kWidth; ++p) mean[p] += pixels[p].y / kTiles;
+  }
+  for (int p = 0; p < kWidth; ++p) {
+    const double exact = ground.brute_force(p, lamps, [](auto, auto) { return false; });
+    EXPECT_NEAR(mean[p], exact, 0.01 * exact) << p;
   }
 }
 

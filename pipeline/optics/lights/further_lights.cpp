@@ -1,0 +1,55 @@
+#include "pipeline/optics/lights/further_lights.h"
+
+#include <utility>
+
+#include "pipeline/optics/intersect/quad_shape.h"
+
+namespace patchlight {
+
+namespace {
+
+std::vector<DirectLight> lights_of(const PatchSet& scene, const RayScene& ray_scene,
+                                   const std::vector<Emitter>& emitters) {
+  std::vector<DirectLight> lights;
+  lights.reserve(emitters.size());
+  for (const Emitter& emitter : emitters) lights.emplace_back(scene, ray_scene, emitter);
+  return lights;
+}
+
+LightTree tree_of(const std::vector<DirectLight>& lights, std::span<const float> strengths) {
+  std::vector<LightBounds> bounds;
+  bounds.reserve(lights.size());
+  for (const DirectLight& light : lights) bounds.push_back(light.bounds());
+  for (std::size_t k = 0; k < strengths.size(); ++k) bounds[k].area *= double(strengths[k]);
+  return LightTree(bounds);
+}
+
+}  // namespace
+
+FurtherLights::FurtherLights(const PatchSet& scene, const RayScene& ray_scene, std::vector<Emitter> emitters,
+                             std::span<const float> strengths)
+    : scene_(scene),
+      emitters_(std::move(emitters)),
+      lights_(lights_of(scene, ray_scene, emitters_)),
+      tree_(tree_of(lights_, strengths)),
+      lookup_(scene) {}
+
+std::int32_t FurtherLights::patch_at(std::int32_t i, const Vec3d& start, const DirectLight::Sample& ray) const {
+  const Emitter& emitter = emitters_[i];
+  if (emitter.patches == 1) return emitter.first_patch;
+  const Vec3d position = start + Vec3d(ray.direction) * double(ray.distance);
+  const Primitive& p = scene_.primitives[emitter.primitive];
+  if (p.shape == Primitive::Shape::sphere) {
+    const Vec2f uv = sphere_uv(Vec3f(position - p.sphere_center));
+    return lookup_.patch(emitter.primitive, uv.x, uv.y);
+  }
+  const Vec3d e1 = p.corners[1] - p.corners[0], e3 = p.corners[3] - p.corners[0], at = position - p.corners[0];
+  const Vec3d normal = e1 % e3;
+  const double scale = 1 / normal.length2();
+  const Vec2f shape = quad_shape(p.corners);
+  const Vec2f uv =
+      inverse_bilinear(shape.x, shape.y, float(((at % e3) ^ normal) * scale), float(((e1 % at) ^ normal) * scale));
+  return lookup_.patch(emitter.primitive, uv.x, uv.y);
+}
+
+}  // namespace patchlight
