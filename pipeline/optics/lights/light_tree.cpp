@@ -3,14 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 namespace patchlight {
 
 namespace {
 
-constexpr std::int32_t kMaxLeaf = 8;  // emitters of a leaf
-constexpr int kMaxParts = 64;         // of a cut
-constexpr double kMinSpread = 0.1;    // radius over distance of a node below which it is not divided for a cut
+constexpr std::size_t kMaxParts = 64;  // of a cut
+constexpr float kMinSpread = 0.1f;     // of a node, below which it is not divided for a cut
+constexpr float kLeastSpread = 1e-4f;  // covers the rounding of directions
 
 double angle_between(const Vec3d& a, const Vec3d& b) {
   return std::acos(std::clamp(a ^ b, -1.0, 1.0));
@@ -51,145 +52,177 @@ LightBounds merged(const LightBounds& a, const LightBounds& b) {
   return both;
 }
 
+/// Two parts of some emitters, the first with `count` of them, which it sorts along their longest extent.
+std::pair<std::span<std::int32_t>, std::span<std::int32_t>> split(std::span<const LightBounds> emitters,
+                                                                  std::span<std::int32_t> some, std::size_t count) {
+  Vec3d low = emitters[some[0]].center, high = low;
+  for (const std::int32_t i : some)
+    for (int axis = 0; axis < 3; ++axis) {
+      low[axis] = std::min(low[axis], emitters[i].center[axis]);
+      high[axis] = std::max(high[axis], emitters[i].center[axis]);
+    }
+  const Vec3d size = high - low;
+  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+  const auto key = [&](std::int32_t i) { return std::pair(emitters[i].center[axis], i); };
+  std::ranges::nth_element(some, some.begin() + std::ptrdiff_t(count), {}, key);
+  return {some.first(count), some.subspan(count)};
+}
+
+/// Divides some emitters into `count` parts.
+void divide(std::span<const LightBounds> emitters, std::span<std::int32_t> some, std::size_t count,
+            std::vector<std::span<std::int32_t>>& parts) {
+  if (count == 1) {
+    parts.push_back(some);
+    return;
+  }
+  const auto [first, second] = split(emitters, some, some.size() * (count / 2) / count);
+  divide(emitters, first, count / 2, parts);
+  divide(emitters, second, count - count / 2, parts);
+}
+
+// Operations on all children of a node at once.
+
+template <class Floats>
+Floats square_root(const Floats& x) {
+  Floats root;
+  for (std::size_t k = 0; k < sizeof x / sizeof x[0]; ++k) root[k] = std::sqrt(x[k]);
+  return root;
+}
+
+template <class Floats>
+Floats larger(const Floats& a, const Floats& b) {
+  return a > b ? a : b;
+}
+
 /// cos(max(0, a - b)), at least 0, from the cosine of a and the cosine and sine of b; all angles in [0,pi].
-double bounded_cosine(double cos_a, double cos_b, double sin_b) {
-  if (cos_a >= cos_b) return 1.0;
-  return std::max(0.0, cos_a * cos_b + std::sqrt(std::max(0.0, 1 - cos_a * cos_a)) * sin_b);
+template <class Floats>
+Floats bounded_cosine(const Floats& cos_a, const Floats& cos_b, const Floats& sin_b) {
+  const Floats zero{}, sin_a = square_root(larger(1 - cos_a * cos_a, zero));
+  return cos_a >= cos_b ? zero + 1 : larger(cos_a * cos_b + sin_a * sin_b, zero);
 }
 
 }  // namespace
 
-LightTree::Bounds::Bounds(const LightBounds& bounds)
-    : LightBounds(bounds), cosine(std::cos(bounds.angle)), sine(std::sin(bounds.angle)) {}
-
-LightTree::LightTree(std::span<const LightBounds> emitters) : emitters_(emitters.begin(), emitters.end()) {
+LightTree::LightTree(std::span<const LightBounds> emitters) {
   if (emitters.empty()) return;
-  index_.resize(emitters.size());
-  std::iota(index_.begin(), index_.end(), 0);
+  for (const LightBounds& emitter : emitters) origin_ += emitter.center / double(emitters.size());
+  std::vector<std::int32_t> all(emitters.size());
+  std::iota(all.begin(), all.end(), 0);
   nodes_.resize(1);
-  build(0, 0, std::int32_t(emitters.size()));
-  for (std::size_t k = 0; k < index_.size(); ++k) emitters_[k] = Bounds(emitters[index_[k]]);
+  build(emitters, all, 0);
 }
 
-void LightTree::build(std::int32_t node, std::int32_t begin, std::int32_t end) {
-  if (end - begin <= kMaxLeaf) {
-    LightBounds bounds = emitters_[index_[begin]];
-    for (std::int32_t k = begin + 1; k < end; ++k) bounds = merged(bounds, emitters_[index_[k]]);
-    nodes_[node] = {Bounds(bounds), begin, end - begin};
-    return;
-  }
-  Vec3d low = emitters_[index_[begin]].center, high = low;
-  for (std::int32_t k = begin; k < end; ++k)
-    for (int axis = 0; axis < 3; ++axis) {
-      low[axis] = std::min(low[axis], emitters_[index_[k]].center[axis]);
-      high[axis] = std::max(high[axis], emitters_[index_[k]].center[axis]);
+/// Builds the nodes of some emitters, which it sorts, from `node` on. Returns their bounds.
+LightBounds LightTree::build(std::span<const LightBounds> emitters, std::span<std::int32_t> some, std::int32_t node) {
+  const std::size_t leaves = (some.size() + kWidth - 1) / kWidth;
+  std::vector<std::span<std::int32_t>> children;
+  divide(emitters, some, leaves == 1 ? some.size() : std::min<std::size_t>(leaves, kWidth), children);
+  LightBounds all;
+  for (std::size_t k = 0; k < children.size(); ++k) {
+    std::int32_t child = ~children[k][0];
+    LightBounds bounds = emitters[children[k][0]];
+    if (leaves > 1) {
+      child = std::int32_t(nodes_.size());
+      nodes_.emplace_back();
+      bounds = build(emitters, children[k], child);
     }
-  const Vec3d size = high - low;
-  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-  const std::int32_t middle = (begin + end) / 2;
-  const auto key = [&](std::int32_t i) { return std::pair(emitters_[i].center[axis], i); };
-  std::nth_element(index_.begin() + begin, index_.begin() + middle, index_.begin() + end,
-                   [&](std::int32_t a, std::int32_t b) { return key(a) < key(b); });
-  const auto child = std::int32_t(nodes_.size());
-  nodes_.resize(nodes_.size() + 2);
-  build(child, begin, middle);
-  build(child + 1, middle, end);
-  nodes_[node] = {Bounds(merged(nodes_[child].bounds, nodes_[child + 1].bounds)), child, 0};
+    all = k == 0 ? bounds : merged(all, bounds);
+    Node& n = nodes_[node];
+    const Vec3f center(bounds.center - origin_), axis(bounds.axis);
+    n.x[k] = center.x, n.y[k] = center.y, n.z[k] = center.z;
+    n.axis_x[k] = axis.x, n.axis_y[k] = axis.y, n.axis_z[k] = axis.z;
+    n.radius[k] = float(bounds.radius), n.area[k] = float(bounds.area), n.child[k] = child;
+    n.cosine[k] = float(std::cos(bounds.angle)), n.sine[k] = bounds.angle < kPi ? float(std::sin(bounds.angle)) : 0.0f;
+  }
+  return all;
 }
 
-/// Importance of emitters for a receiver, and the radius over distance of both together.
-std::pair<double, double> LightTree::importance(const Bounds& light, const Receiver& receiver) {
-  const Vec3d from = receiver.center - light.center;
-  const double radius = light.radius + receiver.radius, squared = from.length2();
-  if (squared <= radius * radius) return {light.area / (radius * radius), 1.0};
-  const double inverse = 1 / std::sqrt(squared), spread = radius * inverse;
-  const double close = std::sqrt(1 - spread * spread);  // cosine of the angle that the spheres blur directions by
-  double result = light.area * inverse * inverse;
-  if (light.angle < kPi) {
-    const double cosine = light.cosine * close - light.sine * spread;
-    const double sine = light.sine * close + light.cosine * spread;
-    if (sine > 0) result *= bounded_cosine((light.axis ^ from) * inverse, cosine, sine);
+float LightTree::Weights::sum() const {
+  float sum = 0;
+  for (int k = 0; k < kWidth; ++k) sum += importance[k];
+  return sum;
+}
+
+LightTree::Weights LightTree::weights(const Node& n, const Receiver& receiver) const {
+  const Vec3f at(receiver.center - origin_), normal(receiver.normal);
+  const auto size = float(receiver.radius);
+  const Floats zero{}, one = zero + 1;
+  const Floats x = at.x - n.x, y = at.y - n.y, z = at.z - n.z;
+  const Floats radius = n.radius + size, squared = x * x + y * y + z * z;
+  const auto inside = squared <= radius * radius;
+  const Floats inverse = 1 / square_root(larger(inside ? radius * radius : squared, zero + 1e-30f));
+  const Floats wide = larger(radius * inverse, zero + kLeastSpread), spread = wide > 1 ? one : wide;
+  const Floats close = square_root(1 - spread * spread);  // cosine of the angle that the spheres blur directions by
+  const Floats cosine = n.cosine * close - n.sine * spread, sine = n.sine * close + n.cosine * spread;
+  const Floats leaves = (n.axis_x * x + n.axis_y * y + n.axis_z * z) * inverse;
+  const Floats arrives = -(normal.x * x + normal.y * y + normal.z * z) * inverse;
+  const Floats emitted = (inside | (sine <= 0)) ? one : bounded_cosine(leaves, cosine, sine);
+  const Floats received = receiver.normal == Vec3d(0.0) ? one : bounded_cosine(arrives, close, spread);
+  return {n.area * inverse * inverse * emitted * (inside ? one : received), spread, inside ? one : size * inverse};
+}
+
+/// The children of a node. Those that are emitters or hold nothing but emitters need no division: their importance is
+/// that of the emitters.
+std::vector<LightTree::Part> LightTree::parts(std::int32_t node, const Receiver& receiver) const {
+  const Weights w = weights(nodes_[node], receiver);
+  std::vector<Part> parts;
+  for (int k = 0; k < kWidth; ++k) {
+    if (w.importance[k] <= 0) continue;
+    Part part{nodes_[node].child[k], w.importance[k], w.spread[k], w.blur[k]};
+    if (part.child < 0 || nodes_[part.child].child[0] < 0) part.spread = 0;
+    if (part.child >= 0 && part.spread == 0) part.importance = weights(nodes_[part.child], receiver).sum();
+    if (part.importance > 0) parts.push_back(part);
   }
-  if (receiver.normal != Vec3d(0.0)) result *= bounded_cosine(-(receiver.normal ^ from) * inverse, close, spread);
-  return {result, spread};
+  return parts;
 }
 
 LightTree::Cut::Cut(const LightTree& tree, const Receiver& receiver) : tree_(tree), receiver_(receiver) {
-  if (!tree.nodes_.empty()) divide();
-}
-
-/// Divides nodes until there are kMaxParts.
-void LightTree::Cut::divide() {
-  const auto part = [&](std::int32_t node) {
-    const auto [bounds, first, count] = tree_.nodes_[node];
-    const auto [value, spread] = importance(bounds, receiver_);
-    if (count == 0) return Part{node, value, spread};
-    Part leaf{node, 0.0, 0.0};
-    for (std::int32_t k = first; k < first + count && value > 0; ++k)
-      leaf.importance += importance(tree_.emitters_[k], receiver_).first;
-    return leaf;
-  };
-  const auto less_urgent = [](const Part& a, const Part& b) {
-    return a.importance * a.spread < b.importance * b.spread;
-  };
-  std::vector<Part> parts{part(0)};
-  while (!parts.empty() && parts.size() + parts_.size() < kMaxParts) {
-    std::pop_heap(parts.begin(), parts.end(), less_urgent);
-    const Part top = parts.back();
-    parts.pop_back();
-    if (top.spread < kMinSpread) {
-      parts_.push_back(top);
-      continue;
+  if (tree.nodes_.empty()) return;
+  parts_.reserve(kMaxParts);
+  parts_.push_back({0, 1.0f, 1.0f, 1.0f});
+  std::size_t urgent = 0;
+  do {
+    const std::vector<Part> children = tree.parts(parts_[urgent].child, receiver);
+    const auto at = parts_.erase(parts_.begin() + std::ptrdiff_t(urgent));
+    parts_.insert(at, children.begin(), children.end());
+    float most = 0;
+    for (std::size_t k = 0; k < parts_.size(); ++k) {
+      const float urgency = parts_[k].spread < kMinSpread ? 0.0f : parts_[k].importance * parts_[k].spread;
+      if (urgency > most) most = urgency, urgent = k;
     }
-    for (int k = 0; k < 2; ++k)
-      if (const Part child = part(tree_.nodes_[top.node].first + k); child.importance > 0) {
-        parts.push_back(child);
-        std::push_heap(parts.begin(), parts.end(), less_urgent);
-      }
-  }
-  parts_.insert(parts_.end(), parts.begin(), parts.end());
-  std::erase_if(parts_, [](const Part& p) { return p.importance <= 0; });
-  std::sort(parts_.begin(), parts_.end(), [](const Part& a, const Part& b) { return a.node < b.node; });
+    if (most == 0) break;
+  } while (parts_.size() + kWidth <= kMaxParts);
 }
 
-LightTree::Choice LightTree::Cut::descend(std::int32_t node, double at, double probability) {
-  const std::vector<Node>& nodes = tree_.nodes_;
-  while (nodes[node].count == 0) {
-    const std::int32_t child = nodes[node].first;
-    const double left = importance(nodes[child].bounds, receiver_).first;
-    const double right = importance(nodes[child + 1].bounds, receiver_).first;
-    if (left + right <= 0) return {};
-    const double part = left / (left + right);
-    const bool goes_left = at < part;
-    at = goes_left ? at / part : (at - part) / (1 - part);
-    probability *= goes_left ? part : 1 - part;
-    node = goes_left ? child : child + 1;
+LightTree::Choice LightTree::Cut::descend(const Part& part, double at, double probability) {
+  std::int32_t child = part.child;
+  for (std::size_t depth = 0; child >= 0; ++depth) {
+    if (depth == path_.size()) path_.emplace_back();
+    Level& level = path_[depth];
+    const Node& node = tree_.nodes_[child];
+    if (level.node != child) {
+      level.node = child;
+      level.weights = tree_.weights(node, receiver_);
+      level.sum = level.weights.sum();
+    }
+    if (!(level.sum > 0)) return {};
+    double rest = at * double(level.sum);
+    int k = 0;
+    while (k + 1 < kWidth && rest >= double(level.weights.importance[k])) rest -= double(level.weights.importance[k++]);
+    while (level.weights.importance[k] <= 0) --k;  // beyond the last by rounding
+    const auto own = double(level.weights.importance[k]);
+    at = std::clamp(rest / own, 0.0, 1.0 - 1e-9);
+    probability *= own / double(level.sum);
+    child = node.child[k];
   }
-  return choose_in_leaf(node, at, probability);
-}
-
-LightTree::Choice LightTree::Cut::choose_in_leaf(std::int32_t node, double at, double probability) {
-  const std::int32_t first = tree_.nodes_[node].first, count = tree_.nodes_[node].count;
-  if (leaf_ != node) {
-    sums_.assign(std::size_t(count), 0.0);
-    double sum = 0;
-    for (std::int32_t k = 0; k < count; ++k) sums_[k] = sum += importance(tree_.emitters_[first + k], receiver_).first;
-    leaf_ = node;
-  }
-  const double sum = sums_.back();
-  if (sum <= 0) return {};
-  const auto k = std::min(std::upper_bound(sums_.begin(), sums_.end(), at * sum), sums_.end() - 1) - sums_.begin();
-  const double own = sums_[k] - (k > 0 ? sums_[k - 1] : 0.0);
-  return {tree_.index_[first + k], probability * own / sum};
+  return {~child, probability};
 }
 
 double LightTree::Cut::blur() const {
   double sum = 0, total = 0;
   for (const Part& part : parts_) {
-    const Bounds& light = tree_.nodes_[part.node].bounds;
-    const double distance = (receiver_.center - light.center).length() - light.radius;
-    sum += part.importance * (distance > receiver_.radius ? receiver_.radius / distance : 1.0);
-    total += part.importance;
+    sum += double(part.importance * part.blur);
+    total += double(part.importance);
   }
   return total > 0 ? sum / total : 0.0;
 }
@@ -197,15 +230,16 @@ double LightTree::Cut::blur() const {
 std::vector<LightTree::Choice> LightTree::Cut::choose(int count, double shift) {
   std::vector<Choice> choices;
   double total = 0;
-  for (const Part& part : parts_) total += part.importance;
+  for (const Part& part : parts_) total += double(part.importance);
   if (total <= 0) return choices;
+  choices.reserve(std::size_t(count));
   std::size_t p = 0;
   double below = 0;
   for (int k = 0; k < count; ++k) {
     const double at = (double(k) + shift) / count * total;
-    while (p + 1 < parts_.size() && at >= below + parts_[p].importance) below += parts_[p++].importance;
-    const double inside = std::clamp((at - below) / parts_[p].importance, 0.0, 1.0 - 1e-9);
-    choices.push_back(descend(parts_[p].node, inside, parts_[p].importance / total));
+    while (p + 1 < parts_.size() && at >= below + double(parts_[p].importance)) below += double(parts_[p++].importance);
+    const auto own = double(parts_[p].importance);
+    choices.push_back(descend(parts_[p], std::clamp((at - below) / own, 0.0, 1.0 - 1e-9), own / total));
   }
   return choices;
 }

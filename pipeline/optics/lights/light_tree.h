@@ -1,7 +1,7 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "pipeline/model/math.h"
@@ -17,9 +17,9 @@ struct LightBounds {
   double area = 0.0;          ///< Largest projected area, m2.
 };
 
-/// A binary tree over emitters for importance sampling (Conty Estevez and Kulla 2018). Importance depends on geometry
-/// alone: area, distance, and the bounds of both cosines; so samples serve for any strength of the emitters. It is
-/// positive wherever an emitter can light the receiver.
+/// A tree over emitters for importance sampling (Conty Estevez and Kulla 2018), with eight children a node. Importance
+/// depends on the bounds alone: area, distance, and the bounds of both cosines. It is positive wherever an emitter can
+/// light the receiver.
 class LightTree {
  public:
   explicit LightTree(std::span<const LightBounds> emitters);
@@ -40,32 +40,39 @@ class LightTree {
   class Cut;
 
  private:
-  /// LightBounds with the sine and the cosine of the cone's half angle.
-  struct Bounds : LightBounds {
-    double cosine = 1.0, sine = 0.0;
+  static constexpr int kWidth = 8;
+  using Floats = float __attribute__((vector_size(4 * kWidth)));
 
-    Bounds() = default;
-    explicit Bounds(const LightBounds& bounds);
+  /// The bounds of up to eight children, around the tree's origin.
+  struct alignas(32) Node {
+    Floats x{}, y{}, z{}, radius{};
+    Floats axis_x{}, axis_y{}, axis_z{}, cosine{}, sine{};  ///< Of the cone of normals, and of its half angle.
+    Floats area{};                                          ///< 0: no child.
+    std::array<std::int32_t, kWidth> child{};               ///< A node, or ~i: emitter i.
   };
-  struct Node {
-    Bounds bounds;
-    std::int32_t first = 0;  ///< First of two children; of a leaf: first of its emitters.
-    std::int32_t count = 0;  ///< Of a leaf's emitters; 0: not a leaf.
+  /// What a receiver makes of a node's children.
+  struct alignas(32) Weights {
+    Floats importance;
+    Floats spread;  ///< Radius of child and receiver together over their distance.
+    Floats blur;    ///< Radius of the receiver over that distance.
+
+    float sum() const;
   };
-  struct Part {  ///< A node of a cut through the tree.
-    std::int32_t node = 0;
-    double importance = 0.0, spread = 0.0;
+  /// A part of a cut through the tree.
+  struct Part {
+    std::int32_t child = 0;
+    float importance = 0.0f, spread = 0.0f, blur = 0.0f;
   };
 
-  static std::pair<double, double> importance(const Bounds& light, const Receiver& receiver);
-  void build(std::int32_t node, std::int32_t begin, std::int32_t end);
+  LightBounds build(std::span<const LightBounds> emitters, std::span<std::int32_t> some, std::int32_t node);
+  std::vector<Part> parts(std::int32_t node, const Receiver& receiver) const;
+  Weights weights(const Node& node, const Receiver& receiver) const;
 
+  Vec3d origin_{0.0};
   std::vector<Node> nodes_;
-  std::vector<Bounds> emitters_;     ///< In the order of the leaves.
-  std::vector<std::int32_t> index_;  ///< Of these emitters.
 };
 
-/// The nodes of a LightTree from which the emitters of one receiver are chosen: near and important ones are divided.
+/// The parts of a LightTree from which the emitters of one receiver are chosen: near and important ones are divided.
 /// The tree must outlive it.
 class LightTree::Cut {
  public:
@@ -80,15 +87,17 @@ class LightTree::Cut {
   double blur() const;
 
  private:
-  void divide();
-  Choice descend(std::int32_t node, double at, double probability);
-  Choice choose_in_leaf(std::int32_t node, double at, double probability);
+  Choice descend(const Part& part, double at, double probability);
 
   const LightTree& tree_;
   const Receiver receiver_;
-  std::vector<Part> parts_;   ///< In the order of the tree.
-  std::int32_t leaf_ = -1;    ///< The last leaf,
-  std::vector<double> sums_;  ///< and the importance of its emitters up to each.
+  std::vector<Part> parts_;  ///< In the order of the tree.
+  struct Level {
+    std::int32_t node = -1;
+    Weights weights;
+    float sum = 0.0f;  ///< Of the importance.
+  };
+  std::vector<Level> path_;  ///< The last way down the tree.
 };
 
 }  // namespace patchlight
