@@ -121,9 +121,10 @@ void LightSampler::cast_rays(const Patch& receiver, const VisibleDensity* densit
     const DirectLight::Sample sample =
         lights_.light(index).view(start, point.normal, kAreaSamplingDistance).sample(to.x, to.y);
     if (sample.weight <= 0) continue;
+    const std::int32_t patch = lights_.patch_at(index, start, sample);
+    if (patch < 0) continue;
     packet.set_shadow(lane, ray_scene_.to_local(start), sample.direction, sample.distance);
-    targets[lane] = {lights_.patch_at(index, start, sample),
-                     float(double(sample.weight) / (probability * double(choices.size())))};
+    targets[lane] = {patch, float(double(sample.weight) / (probability * double(choices.size())))};
     if (++lane == RayPacket::kSize) cast_packet();
   }
   cast_packet();

@@ -16,7 +16,9 @@ float channel_sum(const Color& c) {
   return c.x + c.y + c.z;
 }
 
+/// Whether all parts of an emitter emit the same.
 bool is_uniform(const PatchSet& scene, const Emitter& emitter) {
+  if (scene.primitives[emitter.primitive].mask >= 0) return false;
   const auto first = scene.patches.begin() + emitter.first_patch;
   return std::all_of(first, first + emitter.patches,
                      [&](const Patch& patch) { return patch.emission == first->emission; });
@@ -145,8 +147,9 @@ void FurtherLight::cast(const ShadingCluster& cluster, std::span<const Chosen> c
       const ShadingPoint& point = cluster.points[std::size_t(at.x * float(cluster.points.size()))];
       const DirectLight::Sample ray = light.view(point.position, point.normal, kFarLamp).sample(to.x, to.y);
       if (ray.weight <= 0) continue;
-      const Color& exitance =
-          lamp.uniform ? lamp.exitance : scene_.patches[lights_.patch_at(one.emitter, point.position, ray)].emission;
+      const std::int32_t patch = lamp.uniform ? 0 : lights_.patch_at(one.emitter, point.position, ray);
+      if (patch < 0) continue;
+      const Color& exitance = lamp.uniform ? lamp.exitance : scene_.patches[patch].emission;
       const Color part = exitance * (ray.weight * one.weight);
       if (!closed) sums.whole += part;
       packet.set_shadow(lane, ray_scene_.to_local(point.position), ray.direction, ray.distance);

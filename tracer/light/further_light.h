@@ -56,7 +56,7 @@ class FurtherLight {
   /// What sampling needs to know of an emitter.
   struct Lamp {
     std::int32_t primitive = 0, group = 0;
-    bool uniform = true;   ///< All its patches have the same exitance,
+    bool uniform = true;   ///< All its parts have the same exitance,
     Color exitance{0.0f};  ///< this one, W/m2.
   };
 

@@ -99,7 +99,7 @@ std::vector<Candidate> candidates_of(const PatchSet& scene) {
   for (std::int32_t i = 0; i < std::int32_t(scene.patches.size()); ++i) {
     const Patch& patch = scene.patches[i];
     const Primitive& primitive = scene.primitives[patch.primitive];
-    if (primitive.light_group < 0 || !is_lit_outside(primitive) || primitive.mask >= 0) continue;
+    if (primitive.light_group < 0 || !is_lit_outside(primitive)) continue;
     const bool begins = candidates.empty() || scene.patches[candidates.back().first].primitive != patch.primitive;
     if (begins) candidates.push_back({i, i, 0.0, true});
     Candidate& last = candidates.back();
@@ -121,7 +121,9 @@ std::vector<Emitter> explicit_emitters(const PatchSet& scene) {
     const std::int32_t primitive = scene.patches[c.first].primitive;
     const int pieces = c.uniform ? 1 : c.end - c.first;
     const bool is_quad = scene.primitives[primitive].shape == Primitive::Shape::quad;
-    if ((!is_quad && !c.uniform) || int(emitters.size()) + pieces > kMaxExplicit) continue;
+    if (scene.primitives[primitive].mask >= 0 || (!is_quad && !c.uniform) ||
+        int(emitters.size()) + pieces > kMaxExplicit)
+      continue;
     if (c.uniform)
       emitters.push_back({primitive, c.first, c.end - c.first, c.area});
     else

@@ -27,8 +27,8 @@ struct Emitter {
 /// chosen, up to 64 emitters. All Lights are added. Sorted by first patch.
 std::vector<Emitter> explicit_emitters(const PatchSet& scene);
 
-/// The other unmasked quads and spheres that emit, of which a LightTree chooses some for each receiver: all patches of
-/// a primitive together. Sorted by first patch.
+/// The other quads that emit, and spheres that are lit outside, of which a LightTree chooses some for each receiver:
+/// all patches of a primitive together. Sorted by first patch.
 std::vector<Emitter> further_emitters(const PatchSet& scene);
 
 /// Unoccluded direct light of one emitter at a point, and shadow ray samples towards it.

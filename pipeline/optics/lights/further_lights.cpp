@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "pipeline/optics/intersect/alpha_mask.h"
 #include "pipeline/optics/intersect/quad_shape.h"
 
 namespace patchlight {
@@ -24,6 +25,16 @@ LightTree tree_of(const std::vector<DirectLight>& lights, std::span<const float>
   return LightTree(bounds);
 }
 
+/// (u,v) of a position on a primitive.
+Vec2f uv_at(const Primitive& p, const Vec3d& position) {
+  if (p.shape == Primitive::Shape::sphere) return sphere_uv(Vec3f(position - p.sphere_center));
+  const Vec3d e1 = p.corners[1] - p.corners[0], e3 = p.corners[3] - p.corners[0], at = position - p.corners[0];
+  const Vec3d normal = e1 % e3;
+  const double scale = 1 / normal.length2();
+  const Vec2f shape = quad_shape(p.corners);
+  return inverse_bilinear(shape.x, shape.y, float(((at % e3) ^ normal) * scale), float(((e1 % at) ^ normal) * scale));
+}
+
 }  // namespace
 
 FurtherLights::FurtherLights(const PatchSet& scene, const RayScene& ray_scene, std::vector<Emitter> emitters,
@@ -36,20 +47,11 @@ FurtherLights::FurtherLights(const PatchSet& scene, const RayScene& ray_scene, s
 
 std::int32_t FurtherLights::patch_at(std::int32_t i, const Vec3d& start, const DirectLight::Sample& ray) const {
   const Emitter& emitter = emitters_[i];
-  if (emitter.patches == 1) return emitter.first_patch;
-  const Vec3d position = start + Vec3d(ray.direction) * double(ray.distance);
   const Primitive& p = scene_.primitives[emitter.primitive];
-  if (p.shape == Primitive::Shape::sphere) {
-    const Vec2f uv = sphere_uv(Vec3f(position - p.sphere_center));
-    return lookup_.patch(emitter.primitive, uv.x, uv.y);
-  }
-  const Vec3d e1 = p.corners[1] - p.corners[0], e3 = p.corners[3] - p.corners[0], at = position - p.corners[0];
-  const Vec3d normal = e1 % e3;
-  const double scale = 1 / normal.length2();
-  const Vec2f shape = quad_shape(p.corners);
-  const Vec2f uv =
-      inverse_bilinear(shape.x, shape.y, float(((at % e3) ^ normal) * scale), float(((e1 % at) ^ normal) * scale));
-  return lookup_.patch(emitter.primitive, uv.x, uv.y);
+  if (emitter.patches == 1 && p.mask < 0) return emitter.first_patch;
+  const Vec2f uv = uv_at(p, start + Vec3d(ray.direction) * double(ray.distance));
+  if (p.mask >= 0 && !passes_alpha_test(scene_, emitter.primitive, uv.x, uv.y)) return -1;
+  return emitter.patches == 1 ? emitter.first_patch : lookup_.patch(emitter.primitive, uv.x, uv.y);
 }
 
 }  // namespace patchlight

@@ -22,7 +22,7 @@ class FurtherLights {
   const DirectLight& light(std::int32_t i) const { return lights_[i]; }
   const LightTree& tree() const { return tree_; }  ///< Its emitters are indices of emitters().
 
-  /// The patch of emitter `i` that a shadow ray from `start` reaches.
+  /// The patch of emitter `i` that a shadow ray from `start` reaches; -1: the alpha mask lets it pass.
   std::int32_t patch_at(std::int32_t i, const Vec3d& start, const DirectLight::Sample& ray) const;
 
  private:

@@ -5,7 +5,7 @@
 
 #include "pipeline/optics/sampling/random.h"
 #include "solver/solve.h"
-#include "tests/patch_scene.h"
+#include "tests/alpha_mask_scene.h"
 
 namespace patchlight {
 namespace {
@@ -79,6 +79,26 @@ TEST(LightSamples, AreTheSameForAnyNumberOfThreads) {
   EXPECT_EQ(one.lights.patches, all.lights.patches);
   EXPECT_EQ(one.lights.weights, all.lights.weights);
   EXPECT_EQ(one.display->lights.weights, all.display->lights.weights);
+}
+
+TEST(LightSamples, OfAMaskedLampAreThoseOfItsSolidPart) {
+  PatchScene builder = string_of_lamps(0);
+  builder.quad({{{-0.2, 1.5, -0.2}, {0.2, 1.5, -0.2}, {0.2, 1.5, 0.2}, {-0.2, 1.5, 0.2}}}, 1, 1, {0.0f, 100.0f});
+  const PatchSet solid = builder.get();
+  test::alpha_masked(builder.get(), 1, test::checkers(14), 0.5f);
+  const RayScene ray_scene(solid);
+  const DirectLight lamp(solid, ray_scene, explicit_emitters(solid).at(0));
+  Transport transport;
+  const EnergyField energy = solved(builder.get(), transport);
+  double square = 0, mean = 0;
+  for (std::size_t i = 0; i < 256; ++i) {
+    const double exact = 50 * lamp.form_factor(solid.patches[i].center, Vec3f(0, 1, 0));
+    const double error = double(energy.groups[0].direct[i].y) / exact - 1;
+    square += error * error / 256;
+    mean += error / 256;
+  }
+  EXPECT_LT(std::sqrt(square), 0.12) << "by 128 rays, half of which pass through the mask";
+  EXPECT_NEAR(mean, 0, 0.02);
 }
 
 TEST(LightSamples, PassNoWall) {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "tests/patch_scene.h"
+#include "tests/alpha_mask_scene.h"
 
 namespace patchlight {
 namespace {
@@ -241,6 +241,21 @@ TEST(TileLight, OfAPictureIsThatOfItsPatches) {
     const double exact = ground.brute_force(p, lamps, [](auto, auto) { return false; });
     EXPECT_NEAR(mean[p], exact, 0.01 * exact) << p;
   }
+}
+
+TEST(TileLight, OfAMaskedLampIsThatOfItsSolidPart) {
+  Ground ground(1.5);
+  PatchSet& scene = ground.builder.get();
+  for (Patch& patch : scene.patches) patch.emission = Color(0.0f);
+  ground.builder.quad({{{-0.2, 1, -0.2}, {0.2, 1, -0.2}, {0.2, 1, 0.2}, {-0.2, 1, 0.2}}}, 1, 1, {0.0f, 20.0f});
+  test::alpha_masked(scene, 2, test::checkers(14), 0.5f);
+  constexpr int kTiles = 200;
+  double mean = 0, solid = 0;
+  for (int tile = 0; tile < kTiles; ++tile)
+    for (const Color& pixel : ground.light(9 * tile)) mean += pixel.y / kTiles;
+  for (int p = 0; p < kWidth; ++p)
+    solid += ground.brute_force(p, {{{-0.2, 1, -0.2}, 0.4, 20}}, [](auto, auto) { return false; });
+  EXPECT_NEAR(mean, solid / 2, 0.008 * solid);
 }
 
 TEST(TileLight, FollowsTheSettingsOfTheLights) {
