@@ -109,6 +109,14 @@ void FurtherLight::sample(const ShadingCluster& cluster, const Choices& choices,
   cast(cluster, chosen, seed, samples);
 }
 
+std::pair<std::int32_t, Color> FurtherLight::exitance(std::int32_t emitter, const Vec3d& start,
+                                                      const DirectLight::Sample& ray) const {
+  const Lamp& lamp = lamps_[emitter];
+  if (lamp.uniform) return {lamp.group, lamp.exitance};
+  const std::int32_t patch = lights_.patch_at(emitter, start, ray);
+  return {lamp.group, patch < 0 ? Color(0.0f) : scene_.patches[patch].emission};
+}
+
 void FurtherLight::cast(const ShadingCluster& cluster, std::span<const Chosen> chosen, std::uint64_t seed,
                         Samples& samples) const {
   const PointPairs pairs(seed);
@@ -147,10 +155,8 @@ void FurtherLight::cast(const ShadingCluster& cluster, std::span<const Chosen> c
       const ShadingPoint& point = cluster.points[std::size_t(at.x * float(cluster.points.size()))];
       const DirectLight::Sample ray = light.view(point.position, point.normal, kFarLamp).sample(to.x, to.y);
       if (ray.weight <= 0) continue;
-      const std::int32_t patch = lamp.uniform ? 0 : lights_.patch_at(one.emitter, point.position, ray);
-      if (patch < 0) continue;
-      const Color& exitance = lamp.uniform ? lamp.exitance : scene_.patches[patch].emission;
-      const Color part = exitance * (ray.weight * one.weight);
+      const Color part = exitance(one.emitter, point.position, ray).second * (ray.weight * one.weight);
+      if (part == Color(0.0f)) continue;
       if (!closed) sums.whole += part;
       packet.set_shadow(lane, ray_scene_.to_local(point.position), ray.direction, ray.distance);
       targets[lane] = {&sums, part};

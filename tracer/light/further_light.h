@@ -17,6 +17,7 @@ class FurtherLight {
   FurtherLight(const PatchSet& scene, const RayScene& ray_scene, const std::vector<Color>& settings);
 
   bool empty() const { return lights_.empty(); }
+  const FurtherLights& lights() const { return lights_; }
   std::size_t groups() const { return settings_.size(); }
   const Color& setting(std::size_t group) const { return settings_[group]; }
 
@@ -50,6 +51,11 @@ class FurtherLight {
   /// if there are as many.
   void sample(const ShadingCluster& cluster, const Choices& choices, int count, std::uint64_t seed,
               Samples& samples) const;
+
+  /// Light group and exitance, W/m2 at the scene's own strength, of an emitter where a shadow ray from `start` reaches
+  /// it; black where the alpha mask lets the ray pass.
+  std::pair<std::int32_t, Color> exitance(std::int32_t emitter, const Vec3d& start,
+                                          const DirectLight::Sample& ray) const;
 
  private:
   struct Chosen;

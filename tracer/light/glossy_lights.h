@@ -1,15 +1,15 @@
 #pragma once
-#include "tracer/light/explicit_lights.h"
+#include "tracer/light/further_light.h"
 
 namespace patchlight {
 
-/// Explicitly sampled emitters as reflected by rough metals. A reflected path rarely hits a small emitter, and a ray
+/// Sampled emitters as reflected by rough metals. A reflected path rarely hits a small emitter, and a ray
 /// towards a near emitter rarely lies in the metal's lobe; so both are sampled and combined by multiple importance
 /// sampling with the balance heuristic (Veach and Guibas 1995).
 class GlossyLights {
  public:
-  /// `settings`: of the light groups.
-  GlossyLights(const PatchSet& scene, const RayScene& ray_scene, const std::vector<Color>& settings);
+  /// The lights must outlive it.
+  GlossyLights(const PatchSet& scene, const ExplicitLights& lights, const FurtherLight& further);
 
   /// Whether the scene has rough metals.
   static bool is_needed(const PatchSet& scene);
@@ -27,7 +27,9 @@ class GlossyLights {
     Vec3f direction{0.0f};
     float distance = 0.0f;
     float weight = 0.0f;  ///< Factor of the emitter's radiance times the metal's reflectance; 0: no contribution.
-    const ExplicitLights::Lamp* lamp = nullptr;
+    std::int32_t group = 0;
+    Color exitance{
+        0.0f};  ///< Of the emitter at the scene's own strength, W/m2; of a light without extent, its strength.
   };
   /// `choice`, in [0,1), selects the emitter, `at`, in [0,1)^2, the point on it.
   Sample sample(const Vertex& vertex, float choice, const Vec2f& at) const;
@@ -39,9 +41,14 @@ class GlossyLights {
  private:
   /// Relative probabilities by which sample() selects the lamps, unnormalised. Returns their sum.
   float selection_weights(const Vec3d& position, std::vector<float>& weights) const;
+  /// The same of all further lights together.
+  float further_weight(const Vertex& vertex) const;
+  Sample sample_further(const Vertex& vertex, double choice, const Vec2f& at, float part) const;
 
-  ExplicitLights lights_;
-  std::vector<std::int32_t> lamp_of_patch_;  ///< [patches]: index of the lamp; -1: not explicitly sampled.
+  const ExplicitLights& lights_;
+  const FurtherLight& further_;
+  std::vector<std::int32_t> lamp_of_patch_;     ///< [patches]: index of the lamp; -1: not explicitly sampled.
+  std::vector<std::int32_t> further_of_patch_;  ///< [patches]: index of the further light; -1: none.
 };
 
 }  // namespace patchlight

@@ -41,7 +41,7 @@ class Integrator::Tile {
         y0_(y0),
         x1_(std::min(x0 + kTileSize, image.width)),
         y1_(std::min(y0 + kTileSize, image.height)),
-        has_margin_(!integrator.counts_.uniform() || integrator.lights_),
+        has_margin_(!integrator.counts_.uniform() || integrator.direct_),
         window_{std::max(0, x0 - has_margin_), std::max(0, y0 - has_margin_), 0, 0} {
     window_.width = std::min(x1_ + has_margin_, image.width) - window_.x0;
     window_.height = std::min(y1_ + has_margin_, image.height) - window_.y0;
@@ -64,7 +64,7 @@ class Integrator::Tile {
       if (!counts.uniform()) samples[p] = samples_at(details, x, y);
       probed_[p] = counts.uniform() || samples[p] < counts.edge;
     });
-    if (integrator_.lights_)
+    if (integrator_.direct_)
       light_.emplace(*integrator_.lights_, *integrator_.further_, window_, counts.detail, sums_.layers)
           .probe(std::move(points), probed_);
     for_each_pixel([&](int, int, std::uint32_t p) {
@@ -117,7 +117,7 @@ class Integrator::Tile {
       RayPacket packet;
       rays_.generate(points_, integrator_.ray_scene_, packet);
       for (int lane = lane_; lane < RayPacket::kSize; ++lane) packet.valid[lane] = 0;
-      integrator_.paths_.trace(packet, paths_, rays_, sums_);
+      integrator_.paths_->trace(packet, paths_, rays_, sums_);
     }
     lane_ = 0;
     if (sums_.gather.empty()) return;
@@ -197,11 +197,14 @@ Integrator::Integrator(const PatchSet& scene, const EnergyField& energy, const J
       outlines_(scene),
       mixes_(light_settings(job, scene), config_.asks_for("light_groups")),
       surfaces_(scene, ray_scene_, energy, mixes_, config_),
-      paths_(scene, ray_scene_, outlines_, surfaces_, mixes_, config_) {
-  if (config_.quality != "patches") {
+      direct_(config_.quality != "patches") {
+  const bool glossy = GlossyLights::is_needed(scene);
+  if (direct_ || glossy) {
     lights_.emplace(scene, ray_scene_, mixes_.all[0]);
     further_.emplace(scene, ray_scene_, mixes_.all[0]);
   }
+  if (glossy) glossy_lights_.emplace(scene, *lights_, *further_);
+  paths_.emplace(scene, ray_scene_, outlines_, surfaces_, mixes_, glossy ? &*glossy_lights_ : nullptr, config_);
   if (config_.quality == "gather") gather_.emplace(scene, ray_scene_, surfaces_, mixes_, config_.gather_rays);
 }
 

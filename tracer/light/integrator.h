@@ -46,10 +46,12 @@ class Integrator {
   Outlines outlines_;
   LightMixes mixes_;
   SolvedSurfaces surfaces_;
-  PathTracer paths_;
-  std::optional<ExplicitLights> lights_;  ///< Unless `quality` is `patches`.
-  std::optional<FurtherLight> further_;   ///< Unless `quality` is `patches`.
-  std::optional<FinalGather> gather_;     ///< If `quality` is `gather`.
+  const bool direct_;                          ///< `quality` is not `patches`.
+  std::optional<ExplicitLights> lights_;       ///< If direct_, or if the scene has rough metals.
+  std::optional<FurtherLight> further_;        ///< The same.
+  std::optional<GlossyLights> glossy_lights_;  ///< If the scene has rough metals.
+  std::optional<PathTracer> paths_;
+  std::optional<FinalGather> gather_;  ///< If `quality` is `gather`.
 };
 
 }  // namespace patchlight

@@ -27,7 +27,8 @@ float max_component(const Color& c) {
 }  // namespace
 
 PathTracer::PathTracer(const PatchSet& scene, const RayScene& ray_scene, const Outlines& outlines,
-                       const SolvedSurfaces& surfaces, const LightMixes& mixes, const TraceConfig& config)
+                       const SolvedSurfaces& surfaces, const LightMixes& mixes, const GlossyLights* glossy_lights,
+                       const TraceConfig& config)
     : scene_(scene),
       ray_scene_(ray_scene),
       outlines_(outlines),
@@ -36,9 +37,8 @@ PathTracer::PathTracer(const PatchSet& scene, const RayScene& ray_scene, const O
       config_(config),
       direct_(config.quality != "patches"),
       gather_(config.quality == "gather"),
-      normals_(scene) {
-  if (GlossyLights::is_needed(scene)) glossy_lights_.emplace(scene, ray_scene, mixes.all[0]);
-}
+      normals_(scene),
+      glossy_lights_(glossy_lights) {}
 
 void PathTracer::trace(RayPacket& packet, std::array<Path, RayPacket::kSize>& paths, const CameraRays& camera,
                        PathSums& sums) const {
@@ -179,12 +179,12 @@ void PathTracer::add_glossy_light(std::array<Path, RayPacket::kSize>& paths, Pat
     if (occluded >> lane & 1u) continue;
     const GlossyLights::Sample& sample = rays.samples[lane];
     const std::uint32_t pixel = paths[lane].pixel;
-    const Color factor = rays.throughputs[lane] * sample.weight / float(kPi);
-    sums.pixels[pixel] += factor * sample.lamp->exitance;
+    const Color unscaled = rays.throughputs[lane] * sample.exitance * (sample.weight / float(kPi));
+    const Color light = unscaled * mixes_.all[0][sample.group];
+    sums.pixels[pixel] += light;
     if (!sums.layers) continue;
-    if (sums.layers->has_light()) sums.layers->add_emission(pixel, true, factor * sample.lamp->exitance);
-    if (sums.layers->has_groups())
-      sums.layers->add_to_group(std::size_t(sample.lamp->group), pixel, factor * sample.lamp->unscaled);
+    if (sums.layers->has_light()) sums.layers->add_emission(pixel, true, light);
+    if (sums.layers->has_groups()) sums.layers->add_to_group(std::size_t(sample.group), pixel, unscaled);
   }
   rays.pending = false;
 }

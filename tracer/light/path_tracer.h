@@ -63,8 +63,9 @@ class PathTracer {
     }
   };
 
+  /// `glossy_lights`: not null if the scene has rough metals.
   PathTracer(const PatchSet& scene, const RayScene& ray_scene, const Outlines& outlines, const SolvedSurfaces& surfaces,
-             const LightMixes& mixes, const TraceConfig& config);
+             const LightMixes& mixes, const GlossyLights* glossy_lights, const TraceConfig& config);
 
   /// Traces the paths of a packet's valid lanes, which start at `camera`, to their ends and adds them to `sums`.
   /// Leaves no lane valid.
@@ -93,7 +94,7 @@ class PathTracer {
   const TraceConfig& config_;
   const bool direct_, gather_;
   const SmoothNormals normals_;
-  std::optional<GlossyLights> glossy_lights_;  ///< If the scene has rough metals.
+  const GlossyLights* const glossy_lights_;
 };
 
 }  // namespace patchlight

@@ -109,6 +109,8 @@ LightTree::LightTree(std::span<const LightBounds> emitters) {
   std::vector<std::int32_t> all(emitters.size());
   std::iota(all.begin(), all.end(), 0);
   nodes_.resize(1);
+  node_places_.resize(1);
+  emitter_places_.resize(emitters.size());
   build(emitters, all, 0);
 }
 
@@ -124,9 +126,11 @@ LightBounds LightTree::build(std::span<const LightBounds> emitters, std::span<st
     if (leaves > 1) {
       child = std::int32_t(nodes_.size());
       nodes_.emplace_back();
+      node_places_.push_back({node, std::int32_t(k)});
       bounds = build(emitters, children[k], child);
     }
     all = k == 0 ? bounds : merged(all, bounds);
+    if (child < 0) emitter_places_[~child] = {node, std::int32_t(k)};
     Node& n = nodes_[node];
     const Vec3f center(bounds.center - origin_), axis(bounds.axis);
     n.x[k] = center.x, n.y[k] = center.y, n.z[k] = center.z;
@@ -159,6 +163,44 @@ LightTree::Weights LightTree::weights(const Node& n, const Receiver& receiver) c
   const Floats emitted = (inside | (sine <= 0)) ? one : bounded_cosine(leaves, cosine, sine);
   const Floats received = receiver.normal == Vec3d(0.0) ? one : bounded_cosine(arrives, close, spread);
   return {n.area * inverse * inverse * emitted * (inside ? one : received), spread, inside ? one : size * inverse};
+}
+
+int LightTree::Weights::choose(double& at, double& probability) const {
+  const auto all = double(sum());
+  if (!(all > 0)) return -1;
+  double rest = at * all;
+  int k = 0;
+  while (k + 1 < kWidth && rest >= double(importance[k])) rest -= double(importance[k++]);
+  while (importance[k] <= 0) --k;  // beyond the last by rounding
+  at = std::clamp(rest / double(importance[k]), 0.0, 1.0 - 1e-9);
+  probability *= double(importance[k]) / all;
+  return k;
+}
+
+double LightTree::importance(const Receiver& receiver) const {
+  return nodes_.empty() ? 0.0 : double(weights(nodes_[0], receiver).sum());
+}
+
+LightTree::Choice LightTree::choose(const Receiver& receiver, double at) const {
+  Choice choice{0, 1.0};
+  while (choice.emitter >= 0) {
+    const Node& node = nodes_[choice.emitter];
+    const int k = weights(node, receiver).choose(at, choice.probability);
+    if (k < 0) return {};
+    choice.emitter = node.child[k];
+  }
+  return {~choice.emitter, choice.probability};
+}
+
+double LightTree::probability(std::int32_t emitter, const Receiver& receiver) const {
+  double probability = 1;
+  for (Place at = emitter_places_[emitter]; at.node >= 0; at = node_places_[at.node]) {
+    const Weights w = weights(nodes_[at.node], receiver);
+    const auto all = double(w.sum());
+    if (!(all > 0)) return 0;
+    probability *= double(w.importance[at.lane]) / all;
+  }
+  return probability;
 }
 
 /// The children of a node. Those that are emitters or hold nothing but emitters need no division: their importance is
@@ -198,22 +240,14 @@ LightTree::Choice LightTree::Cut::descend(const Part& part, double at, double pr
   std::int32_t child = part.child;
   for (std::size_t depth = 0; child >= 0; ++depth) {
     if (depth == path_.size()) path_.emplace_back();
-    Level& level = path_[depth];
-    const Node& node = tree_.nodes_[child];
-    if (level.node != child) {
-      level.node = child;
-      level.weights = tree_.weights(node, receiver_);
-      level.sum = level.weights.sum();
+    auto& [node, weights] = path_[depth];
+    if (node != child) {
+      node = child;
+      weights = tree_.weights(tree_.nodes_[child], receiver_);
     }
-    if (!(level.sum > 0)) return {};
-    double rest = at * double(level.sum);
-    int k = 0;
-    while (k + 1 < kWidth && rest >= double(level.weights.importance[k])) rest -= double(level.weights.importance[k++]);
-    while (level.weights.importance[k] <= 0) --k;  // beyond the last by rounding
-    const auto own = double(level.weights.importance[k]);
-    at = std::clamp(rest / own, 0.0, 1.0 - 1e-9);
-    probability *= own / double(level.sum);
-    child = node.child[k];
+    const int k = weights.choose(at, probability);
+    if (k < 0) return {};
+    child = tree_.nodes_[child].child[k];
   }
   return {~child, probability};
 }

@@ -39,6 +39,13 @@ class LightTree {
 
   class Cut;
 
+  /// Importance of all emitters together.
+  double importance(const Receiver& receiver) const;
+  /// The choice by a point of the unit interval; a Cut stratifies many choices.
+  Choice choose(const Receiver& receiver, double at) const;
+  /// Probability of an emitter for choose().
+  double probability(std::int32_t emitter, const Receiver& receiver) const;
+
  private:
   static constexpr int kWidth = 8;
   using Floats = float __attribute__((vector_size(4 * kWidth)));
@@ -57,11 +64,21 @@ class LightTree {
     Floats blur;    ///< Radius of the receiver over that distance.
 
     float sum() const;
+    /// The child at a point of the unit interval; the point becomes that within the child, and its part multiplies
+    /// `probability`. -1: none has importance.
+    int choose(double& at, double& probability) const;
+    /// The child at a point of the unit interval, which becomes the point within the child; -1: none has importance.
+    int choose(double& at) const;
   };
   /// A part of a cut through the tree.
   struct Part {
     std::int32_t child = 0;
     float importance = 0.0f, spread = 0.0f, blur = 0.0f;
+  };
+
+  /// A child of a node.
+  struct Place {
+    std::int32_t node = -1, lane = 0;
   };
 
   LightBounds build(std::span<const LightBounds> emitters, std::span<std::int32_t> some, std::int32_t node);
@@ -70,6 +87,7 @@ class LightTree {
 
   Vec3d origin_{0.0};
   std::vector<Node> nodes_;
+  std::vector<Place> node_places_, emitter_places_;
 };
 
 /// The parts of a LightTree from which the emitters of one receiver are chosen: near and important ones are divided.
@@ -95,7 +113,6 @@ class LightTree::Cut {
   struct Level {
     std::int32_t node = -1;
     Weights weights;
-    float sum = 0.0f;  ///< Of the importance.
   };
   std::vector<Level> path_;  ///< The last way down the tree.
 };

@@ -81,5 +81,21 @@ TEST(LightTree, ChoosesNothingThatFacesAway) {
   EXPECT_TRUE(LightTree::Cut(LightTree({}), {}).choose(8, 0.5).empty());
 }
 
+TEST(LightTree, KnowsTheProbabilityOfItsChoices) {
+  for (const int count : {1, 9, 700}) {
+    const LightTree tree(random_lights(count));
+    const LightTree::Receiver receiver{{0.4, -3, -0.3}, 0.0, {0, 1, 0}};
+    double sum = 0;
+    for (std::int32_t i = 0; i < count; ++i) sum += tree.probability(i, receiver);
+    EXPECT_LT(sum, 1 + 1e-6) << count;
+    EXPECT_GT(sum, 0.98) << count << ": some nodes have no emitter that lights the receiver";
+    for (int k = 0; k < 200; ++k) {
+      const auto [emitter, probability] = tree.choose(receiver, (k + 0.5) / 200);
+      if (probability == 0) continue;
+      EXPECT_NEAR(tree.probability(emitter, receiver), probability, 1e-6 * probability);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace patchlight

@@ -78,6 +78,32 @@ TEST(MetalReflection, RoughMetalsReflectEmittersByTheirLobe) {
   }
 }
 
+TEST(MetalReflection, RoughMetalsReflectManyEmittersByTheirLobe) {
+  constexpr float kRoughness = 0.4f;
+  PatchScene builder;
+  builder.get().materials.push_back({"metal", Color(1.0f), kRoughness});
+  builder.quad({{{-9, -9, -1}, {9, -9, -1}, {9, 9, -1}, {-9, 9, -1}}}, 1, 1, {0.0f, 0.0f, 0, 1});
+  double exact = 0;
+  for (int k = 0; k < 196; ++k) {
+    const double x = 0.1 * (k % 14) + 0.2, y = 0.1 * (k / 14) - 0.7, to = 0.01;
+    const float exitance = k % 5 == 0 ? 900.0f : 90.0f;
+    builder.quad({{{x, y, 1}, {x, y + to, 1}, {x + to, y + to, 1}, {x + to, y, 1}}}, 1, 1, {0.0f, exitance});
+    const Vec3d out = Vec3d(x + to / 2, y + to / 2, 2);
+    exact += double(exitance) / kPi * to * to * out.z / std::pow(out.length(), 3) *
+             double(metal_lobe(kRoughness, {0, 0, 1}, {0, 0, -1}, Vec3f(out.normalized())).value);
+  }
+  Solved solved(builder);
+  solved.job.trace.samples = 256;
+  solved.camera.vertical = 1e-3;
+  double mean = 0, square = 0;
+  for (const Color& pixel : solved.render().pixels) {
+    mean += pixel.y / exact / 64;
+    square += std::pow(pixel.y / exact - 1, 2) / 64;
+  }
+  EXPECT_NEAR(mean, 1, 0.02);
+  EXPECT_LT(std::sqrt(square), 0.1);
+}
+
 TEST(MetalReflection, RoughMetalsReflectSurroundingsByTheirDirectionalAlbedo) {
   for (const bool lamps : {true, false}) {  // walls that emit, or that reflect the same radiance
     PatchScene builder;
