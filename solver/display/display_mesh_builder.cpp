@@ -86,10 +86,7 @@ class Builder {
     std::vector<std::int32_t> next;
     for (std::size_t k = 0; k < level.size(); ++k) {
       DisplayMesh::Cell& cell = mesh_.cells[level[k]];
-      if (!needs_refinement(measures[k])) {
-        cell.cut = measures[k].cut;
-        continue;
-      }
+      if (!needs_refinement(measures[k])) continue;
       cell.children = std::int32_t(mesh_.cells.size());
       for (const Patch& quarter : quarters(scene_, parts[k])) {
         next.push_back(std::int32_t(mesh_.cells.size()));

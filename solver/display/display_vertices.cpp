@@ -4,9 +4,11 @@
 #include <xmmintrin.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "pipeline/optics/sampling/random.h"
+#include "pipeline/optics/transport/elements.h"
 #include "solver/form_factors/harmonic_distance.h"
 
 namespace patchlight {
@@ -134,6 +136,19 @@ class Vertices {
         cell.cut = true;
       }
     }
+    tbb::parallel_for(std::size_t(0), leaves_.size(), [&](std::size_t k) {
+      _mm_setcsr(_mm_getcsr() | 0x8040);
+      DisplayMesh::Cell& cell = mesh_.cells[leaves_[k].cell];
+      cell.cut = cell.cut || is_crossed(cell, scene_.patches[leaves_[k].patch].primitive);
+    });
+  }
+
+  /// Whether something that stands on a leaf or goes through it parts its corners.
+  bool is_crossed(const DisplayMesh::Cell& cell, std::int32_t primitive) const {
+    if (scene_.primitives[primitive].shape == Primitive::Shape::sphere) return false;
+    std::array<Vec2f, 4> corners;
+    for (int k = 0; k < 4; ++k) corners[k] = {mesh_.vertices[cell.corners[k]].u, mesh_.vertices[cell.corners[k]].v};
+    return visible_corners(scene_, ray_scene_, mesh_, cell, primitive, corners) != 0xffff;
   }
 
   /// Whether a point lies on an undivided patch, or on an edge shared smoothly with a neighbour.

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "pipeline/optics/transport/elements.h"
+#include "tests/alpha_mask_scene.h"
 #include "tests/solver/display/display_scenes.h"
 
 namespace patchlight {
@@ -105,6 +106,29 @@ TEST(DisplayMesh, LeavesBesideAPanelIgnoreVerticesAtItsEdge) {
     EXPECT_FALSE(high.hidden) << high.u;
   }
   EXPECT_GE(leaves, 3);
+}
+
+TEST(DisplayMesh, LeavesWithCornersOnBothSidesOfASheetAreCut) {
+  PatchScene builder;
+  builder.quad({{{-1, 0, -1}, {-1, 0, 1}, {1, 0, 1}, {1, 0, -1}}}, 8, 8, {});
+  constexpr double kSheet = 0.0;  // along the edges of patches, from which vertices are moved to either side
+  builder.quad({{{kSheet, -1, -1}, {kSheet, 1, -1}, {kSheet, 1, 1}, {kSheet, -1, 1}}}, 4, 4, {});
+  builder.quad({{{kSheet, -1, 1}, {kSheet, 1, 1}, {kSheet, 1, -1}, {kSheet, -1, -1}}}, 4, 4, {});
+  test::make_sides(builder.get(), 1, 2);
+  const PatchSet& scene = builder.get();
+  const DisplayMesh mesh = mesh_of(scene);
+  int leaves = 0;
+  for (const auto& cell : mesh.cells) {
+    if (cell.children >= 0) continue;
+    const DisplayMesh::Vertex &low = mesh.vertices[cell.corners[0]], &high = mesh.vertices[cell.corners[3]];
+    if (scene.patches[low.patch].primitive != 0) continue;
+    const double a = point_at(scene.primitives[0], low.u, low.v).position.x - kSheet;
+    const double b = point_at(scene.primitives[0], high.u, high.v).position.x - kSheet;
+    if (a * b > 0) continue;
+    ++leaves;
+    EXPECT_TRUE(cell.cut) << a << " " << b;
+  }
+  EXPECT_GE(leaves, 8);
 }
 
 TEST(Elements, OfVisiblePointsNeverBelongToHiddenCorners) {
