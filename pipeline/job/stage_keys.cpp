@@ -8,8 +8,8 @@ namespace {
 
 // Raised whenever a stage computes different results from the same inputs.
 constexpr int kImportVersion = 4;
-constexpr int kTransportKeyVersion = 25;
-constexpr int kSolveVersion = 26;
+constexpr int kTransportKeyVersion = 26;
+constexpr int kSolveVersion = 27;
 constexpr int kTraceVersion = 11;
 
 void add_color(KeyHasher& hasher, const std::optional<Color>& color) {

@@ -64,7 +64,7 @@ class Vertices {
     std::stable_sort(leaves_.begin(), leaves_.end(), [](const Leaf& a, const Leaf& b) { return a.size > b.size; });
     for (const Leaf& leaf : leaves_)
       for (const auto& [a, b] : {std::pair(0, 1), {1, 3}, {2, 3}, {0, 2}})
-        find_midpoints(corner(leaf, a), corner(leaf, b));
+        if (!mesh_.cells[leaf.cell].cut) find_midpoints(corner(leaf, a), corner(leaf, b));
     renumber();
   }
 
@@ -165,15 +165,14 @@ class Vertices {
     return false;
   }
 
-  /// Finds vertices of smaller leaves on the edge of a leaf.
+  /// Finds vertices of smaller leaves on the edge of a leaf whose corners see each other.
   void find_midpoints(const Node& a, const Node& b) {
     if (std::abs(b.x - a.x) + std::abs(b.y - a.y) < 2) return;
     const Node middle{a.row_first, (a.x + b.x) / 2, (a.y + b.y) / 2};
     const auto found = numbers_.find(middle);
     if (found == numbers_.end()) return;
     const std::int32_t k = found->second, from = numbers_.at(a), to = numbers_.at(b);
-    const bool hides = mesh_.vertices[from].hidden || mesh_.vertices[to].hidden;
-    if (kinds_[k] == Kind::gathered && !hides) {
+    if (kinds_[k] == Kind::gathered) {
       kinds_[k] = Kind::midpoint;
       midpoints_.push_back({k, from, to});
     }

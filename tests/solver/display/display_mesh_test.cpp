@@ -131,6 +131,35 @@ TEST(DisplayMesh, LeavesWithCornersOnBothSidesOfASheetAreCut) {
   EXPECT_GE(leaves, 8);
 }
 
+TEST(DisplayMesh, NoVertexIsTheMeanOfBothSidesOfASheet) {
+  PatchScene builder;
+  builder.quad({{{-1, 0, -1}, {-1, 0, 1}, {1, 0, 1}, {1, 0, -1}}}, 8, 8, {});
+  for (int k = 0; k < 5; ++k) {  // a zigzag of double-sided sheets, which meets leaves of many sizes
+    const double x0 = k % 2 ? 0.4 : -0.3, x1 = 0.1 - x0, z0 = 0.4 * k - 1, z1 = z0 + 0.4;
+    const auto first = int(builder.get().primitives.size());
+    builder.quad({{{x0, -1, z0}, {x0, 1, z0}, {x1, 1, z1}, {x1, -1, z1}}}, 4, 4, {});
+    builder.quad({{{x1, -1, z1}, {x1, 1, z1}, {x0, 1, z0}, {x0, -1, z0}}}, 4, 4, {});
+    test::make_sides(builder.get(), first, first + 1);
+  }
+  const PatchSet& scene = builder.get();
+  const RayScene ray_scene(scene);
+  const DisplayMesh mesh = mesh_of(scene);
+  int midpoints = 0;
+  for (const auto& [a, b] : mesh.midpoints) {
+    const auto at = [&](std::int32_t i) {
+      return point_at(scene.primitives[0], mesh.vertices[i].u, mesh.vertices[i].v).position + Vec3d(0, 0.001, 0);
+    };
+    if (scene.patches[mesh.vertices[a].patch].primitive != 0) continue;
+    ++midpoints;
+    const Vec3f across(at(b) - at(a));
+    RayPacket packet;
+    packet.clear();
+    packet.set_shadow(0, ray_scene.to_local(at(a)), across.normalized(), across.length());
+    EXPECT_EQ(ray_scene.occluded(packet), 0) << at(a) << " " << at(b);
+  }
+  EXPECT_GE(midpoints, 10);
+}
+
 TEST(Elements, OfVisiblePointsNeverBelongToHiddenCorners) {
   PatchScene builder;
   builder.quad({{{0, 0, 0}, {0, 0, 1}, {1, 0, 1}, {1, 0, 0}}}, 4, 4, {});
