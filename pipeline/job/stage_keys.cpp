@@ -7,7 +7,7 @@ namespace patchlight {
 namespace {
 
 // Raised whenever a stage computes different results from the same inputs.
-constexpr int kImportVersion = 4;
+constexpr int kImportVersion = 5;
 constexpr int kTransportKeyVersion = 26;
 constexpr int kSolveVersion = 27;
 constexpr int kTraceVersion = 11;

@@ -18,10 +18,19 @@
 namespace patchlight {
 namespace {
 
-constexpr std::array kSupportedExtensions{
-    "KHR_materials_emissive_strength", "KHR_materials_specular",     "KHR_materials_ior",       "KHR_materials_unlit",
-    "KHR_mesh_quantization",           "KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_texture_transform",
-    "KHR_materials_transmission",      "KHR_materials_variants",     "EXT_mesh_gpu_instancing", "KHR_lights_punctual"};
+constexpr std::array kSupportedExtensions{"KHR_materials_emissive_strength",
+                                          "KHR_materials_specular",
+                                          "KHR_materials_ior",
+                                          "KHR_materials_unlit",
+                                          "KHR_mesh_quantization",
+                                          "KHR_draco_mesh_compression",
+                                          "EXT_meshopt_compression",
+                                          "KHR_texture_transform",
+                                          "KHR_materials_transmission",
+                                          "KHR_materials_variants",
+                                          "EXT_mesh_gpu_instancing",
+                                          "KHR_lights_punctual",
+                                          "KHR_node_visibility"};
 
 constexpr std::size_t kMaxTexcoordSets = 1000;
 
@@ -144,8 +153,16 @@ std::set<int> used_texcoords(const GltfLists& gltf) {
   return sets;
 }
 
-/// Checks the nodes. Returns the parent of each node; -1 for a root.
-std::vector<int> check_nodes(GltfLists& gltf) {
+/// Whether a node says by KHR_node_visibility that it is hidden.
+bool is_hidden(const Json& node, const GltfPlace& place) {
+  const Json* extension = find_extension(node, "KHR_node_visibility", place);
+  const Json* visible = extension ? find_member(*extension, "visible") : nullptr;
+  if (visible && !visible->is_boolean()) refuse_gltf("must be true or false", place, "KHR_node_visibility.visible");
+  return visible && !visible->get<bool>();
+}
+
+/// Checks the nodes. Sets the parent of each node, -1 for a root, and which nodes are hidden themselves.
+void check_nodes(GltfLists& gltf, std::vector<int>& parents, std::vector<char>& hidden) {
   std::vector<std::vector<int>> children(gltf.count("nodes"));
   gltf.each("nodes", [&](const Json& node, const GltfPlace& place) {
     check_string(node, "name", place);
@@ -156,6 +173,7 @@ std::vector<int> check_nodes(GltfLists& gltf) {
     index_member(node, "mesh", gltf.count("meshes"), place);
     index_member(node, "camera", gltf.count("cameras"), place);
     check_weights(node, place);
+    hidden.push_back(is_hidden(node, place));
     if (index_member(node, "skin", gltf.count("skins"), place) >= 0)
       gltf.ignored.insert(
           "animations of skins are ignored: skinned meshes are imported in the pose of the file's nodes");
@@ -167,10 +185,11 @@ std::vector<int> check_nodes(GltfLists& gltf) {
   });
   check_node_trees(gltf.list("nodes"), gltf.list("scenes"), children, gltf.file);
   index_member(gltf.root, "scene", gltf.count("scenes"), {gltf.file});
-  std::vector<int> parents(children.size(), -1);
+  if (std::find(hidden.begin(), hidden.end(), 1) != hidden.end())
+    gltf.ignored.insert("nodes that KHR_node_visibility hides are left out, with all nodes below them");
+  parents.assign(children.size(), -1);
   for (std::size_t i = 0; i < children.size(); ++i)
     for (const int child : children[i]) parents[child] = static_cast<int>(i);
-  return parents;
 }
 
 }  // namespace
@@ -193,7 +212,7 @@ CheckedGltf check_gltf(std::string_view json, const std::string& file, const Glt
   check_skins(gltf);
   result.instances = checked_instances(gltf);
   result.draco_primitives = checked_draco_primitives(gltf);
-  result.parents = check_nodes(gltf);
+  check_nodes(gltf, result.parents, result.hidden);
   result.lights = checked_lights(gltf);
   result.node_lights = checked_node_lights(gltf, result.lights);
   std::set<std::string> animation_warnings;

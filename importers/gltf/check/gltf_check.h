@@ -48,6 +48,7 @@ struct CheckedGltf {
   std::vector<NodeChannel> node_channels;
   std::map<int, GltfInstances> instances;  ///< By node.
   std::vector<int> parents;                ///< By node; -1: root.
+  std::vector<char> hidden;                ///< By node: hidden by itself, and everything below it.
   std::vector<NodeChannel> camera_channels;
   std::vector<GltfLight> lights;
   std::map<int, int> node_lights;    ///< Indices into `lights`, by node.

@@ -30,6 +30,7 @@ constexpr std::int64_t kMaxTriangles = 600'000'000;  // corner indices have 32 b
 struct PlacedNode {
   int node;
   Matrix4 to_world;
+  bool hidden;  ///< Its mesh and its light are left out.
 };
 
 std::vector<int> root_nodes(const tinygltf::Model& gltf) {
@@ -50,12 +51,12 @@ std::vector<PlacedNode> placed_nodes(const GltfModel& model) {
   const tinygltf::Model& gltf = model.gltf;
   std::vector<PlacedNode> placed;
   std::vector<PlacedNode> pending;
-  const auto push = [&](const std::vector<int>& nodes, const Matrix4& parent) {
+  const auto push = [&](const std::vector<int>& nodes, const Matrix4& parent, bool hidden) {
     for (auto node = nodes.rbegin(); node != nodes.rend(); ++node) {
-      pending.push_back({*node, local_matrix(gltf.nodes[*node]) * parent});
+      pending.push_back({*node, local_matrix(gltf.nodes[*node]) * parent, hidden || model.checked.hidden[*node] != 0});
     }
   };
-  push(root_nodes(gltf), Matrix4());
+  push(root_nodes(gltf), Matrix4(), false);
   while (!pending.empty()) {
     const PlacedNode node = pending.back();
     pending.pop_back();
@@ -66,7 +67,7 @@ std::vector<PlacedNode> placed_nodes(const GltfModel& model) {
                   "the last row of its matrix must be 0 0 0 1");
     }
     placed.push_back(node);
-    push(gltf.nodes[node.node].children, node.to_world);
+    push(gltf.nodes[node.node].children, node.to_world, node.hidden);
   }
   return placed;
 }
@@ -81,7 +82,7 @@ std::vector<Surface> placed_surfaces(const GltfModel& model, const std::vector<P
   const int default_material = static_cast<int>(model.gltf.materials.size());
   for (const PlacedNode& node : nodes) {
     const int mesh = model.gltf.nodes[node.node].mesh;
-    if (mesh < 0) continue;
+    if (mesh < 0 || node.hidden) continue;
     const std::vector<MeshPart>& parts = model.mesh_parts[mesh];
     const bool empty =
         std::all_of(parts.begin(), parts.end(), [](const MeshPart& part) { return part.triangles == 0; });
@@ -153,6 +154,7 @@ void assign_light_groups(const GltfModel& model, LightGroups& groups, GltfScene&
 void place_lights(const GltfModel& model, const Job& job, const std::vector<PlacedNode>& nodes, LightGroups& groups,
                   GltfScene& scene, Progress& progress) {
   for (const PlacedNode& node : nodes) {
+    if (node.hidden) continue;
     auto placed = placed_light(model, job, scene.nodes, node.node, node.to_world, progress);
     if (!placed) continue;
     if (scene.lights.size() == kMaxLights)

@@ -58,6 +58,29 @@ TEST(GltfReader, ProjectiveMatrixIsRefused) {
   EXPECT_ERROR(importer.import(gltf), ExitCode::bad_data, "affine");
 }
 
+TEST(GltfReader, HiddenNodesAreLeftOutWithAllBelowThem) {
+  Importer importer;
+  GltfBuilder gltf;
+  const int mesh = gltf.mesh(cube());
+  const Json light = {{"KHR_lights_punctual", {{"light", 0}}}};
+  gltf.json["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "point"}}};
+  const auto hidden = [](const Json& visible) { return Json{{"KHR_node_visibility", {{"visible", visible}}}}; };
+  gltf.json["nodes"] = {{{"children", {1, 2}}, {"extensions", hidden(false)}},
+                        {{"mesh", mesh}, {"extensions", hidden(true)}},
+                        {{"extensions", light}},
+                        {{"mesh", mesh}, {"translation", {5, 0, 0}}, {"extensions", hidden(true)}},
+                        {{"extensions", light}}};
+  gltf.json["scenes"] = {{{"nodes", {0, 3, 4}}}};
+  gltf.json["extensionsRequired"] = {"KHR_node_visibility"};
+  const PatchSet scene = importer.import(gltf);
+  EXPECT_EQ(scene.primitives.size(), 6u);
+  EXPECT_EQ(scene.lights.size(), 1u);
+  EXPECT_GT(scene.primitives[0].corners[0].x, 3);
+
+  gltf.json["nodes"][0]["extensions"] = hidden("no");
+  EXPECT_ERROR(importer.import(gltf), ExitCode::bad_data, "must be true or false");
+}
+
 TEST(GltfReader, SharedMeshIsImportedOncePerNode) {
   Importer importer;
   GltfBuilder gltf;
