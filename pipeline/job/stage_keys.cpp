@@ -8,9 +8,9 @@ namespace {
 
 // Raised whenever a stage computes different results from the same inputs.
 constexpr int kImportVersion = 5;
-constexpr int kTransportKeyVersion = 26;
+constexpr int kTransportKeyVersion = 27;
 constexpr int kSolveVersion = 27;
-constexpr int kTraceVersion = 11;
+constexpr int kTraceVersion = 12;
 
 void add_color(KeyHasher& hasher, const std::optional<Color>& color) {
   hasher.add(color.has_value());

@@ -67,6 +67,7 @@ FurtherLight::FurtherLight(const PatchSet& scene, const RayScene& ray_scene, con
   for (const Emitter& emitter : lights_.emitters())
     lamps_.push_back({emitter.primitive, scene.primitives[emitter.primitive].light_group, is_uniform(scene, emitter),
                       scene.patches[emitter.first_patch].emission});
+  for (const Lamp& lamp : lamps_) off_ = off_ && settings_[lamp.group] == Color(0.0f);
 }
 
 Color FurtherLight::Samples::light(std::size_t group, bool mostly_visible) const {

@@ -17,6 +17,7 @@ class FurtherLight {
   FurtherLight(const PatchSet& scene, const RayScene& ray_scene, const std::vector<Color>& settings);
 
   bool empty() const { return lights_.empty(); }
+  bool is_off() const { return off_; }  ///< All its emitters are, under the settings.
   const FurtherLights& lights() const { return lights_; }
   std::size_t groups() const { return settings_.size(); }
   const Color& setting(std::size_t group) const { return settings_[group]; }
@@ -73,6 +74,7 @@ class FurtherLight {
   const FurtherLights lights_;
   std::vector<Lamp> lamps_;  ///< [emitters of `lights_`].
   const std::vector<Color> settings_;
+  bool off_ = true;
 };
 
 }  // namespace patchlight

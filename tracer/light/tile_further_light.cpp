@@ -12,7 +12,8 @@ namespace patchlight {
 namespace {
 
 constexpr int kProbes = 16;             // of a cluster
-constexpr int kOpenChoices = 16;        // where all probes around reach their emitters
+constexpr int kMaxOpenChoices = 128;    // where all probes around reach their emitters
+constexpr float kNoise = 0.013f;        // standard deviation of a cluster's light that such choices leave
 constexpr int kSharedChoices = 512;     // of clusters of one normal in a block of pixels
 constexpr std::size_t kMinShared = 6;   // clusters that share choices
 constexpr int kBlock = 4;               // pixels along a block's edge
@@ -69,15 +70,21 @@ void TileFurtherLight::choose() {
 TileFurtherLight::Around TileFurtherLight::around(std::uint32_t pixel, std::int32_t cluster) const {
   Around result;
   int count = 0;
+  float square = 0;
   const auto add = [&](std::int32_t s) {
     if (s < 0 || s == cluster) return;
+    const float brightness = probes_[s].brightness();
     result.visibility.add(probes_[s].visibility);
-    result.brightness += probes_[s].brightness();
+    result.brightness += brightness;
+    square += brightness * brightness;
     ++count;
   };
   if (cluster >= 0) std::ranges::for_each(clusters_.neighbours()[cluster], add);
   if (count == 0) clusters_.for_each_around(pixel, add);
   if (count > 0) result.brightness /= float(count);
+  if (count > 1 && result.brightness > 0)
+    result.variance = std::max(0.0f, square / (result.brightness * result.brightness * float(count)) - 1) *
+                      float(count) / float(count - 1);
   return result;
 }
 
@@ -98,7 +105,8 @@ bool TileFurtherLight::sharp(std::size_t s, float brightness) const {
 int TileFurtherLight::count(const Around& around, float brightness, float part) const {
   const float share = around.brightness / std::max(around.brightness + brightness, 1e-30f);
   if (share < kMinShare) return 0;
-  const int open = int(part * share * kOpenChoices);
+  const float wanted = kProbes * around.variance / (kNoise * kNoise);
+  const int open = int(part * share * std::min(wanted, float(kMaxOpenChoices)));
   const int all =
       around.visibility.partial() ? std::max(open, ray_count(part * share, samples_, around.visibility)) : open;
   return std::max(kProbes, int(std::bit_ceil(unsigned(all))));

@@ -26,6 +26,7 @@ class TileFurtherLight {
   struct Around {
     Visibility visibility;
     float brightness = 0.0f;  ///< Mean, W/m2, sum of channels.
+    float variance = 0.0f;    ///< Relative, of the probes' brightness.
   };
   Around around(std::uint32_t pixel, std::int32_t cluster) const;
   int count(const Around& around, float brightness, float part = 1.0f) const;

@@ -62,7 +62,7 @@ void TileLight::probe(std::vector<ShadingPoint> points, std::span<const std::uin
     }
   }
   for (std::size_t l = 0; l < lamps.size(); ++l) add_lamp(l, factors, probes[l], visible_light, requested);
-  if (further_.empty()) return;
+  if (further_.empty() || (further_.is_off() && !by_group())) return;
   tile_further_.emplace(further_, clusters_, window_, samples_);
   for (std::size_t s = 0; s < clusters_.size(); ++s) {
     std::uint8_t& sharp = sharp_[clusters_[s].pixel];

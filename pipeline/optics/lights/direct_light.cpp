@@ -12,6 +12,7 @@ namespace patchlight {
 namespace {
 
 constexpr int kMaxExplicit = 64;
+constexpr double kMaxMasked = 0.01;    ///< Of the scene's area: a masked emitter that is sampled.
 constexpr double kRounding = 0x1p-22;  ///< Of coplanar points in files, relative to their coordinates.
 constexpr double kMinDistance = 1e-6;  ///< m; a point light does not light closer points.
 
@@ -96,6 +97,8 @@ struct Candidate {
 
 std::vector<Candidate> candidates_of(const PatchSet& scene) {
   std::vector<Candidate> candidates;
+  double all = 0;
+  for (const Patch& patch : scene.patches) all += patch.area;
   for (std::int32_t i = 0; i < std::int32_t(scene.patches.size()); ++i) {
     const Patch& patch = scene.patches[i];
     const Primitive& primitive = scene.primitives[patch.primitive];
@@ -107,6 +110,9 @@ std::vector<Candidate> candidates_of(const PatchSet& scene) {
     last.area += patch.area;
     last.uniform = last.uniform && patch.emission == scene.patches[last.first].emission;
   }
+  std::erase_if(candidates, [&](const Candidate& c) {
+    return scene.primitives[scene.patches[c.first].primitive].mask >= 0 && c.area > kMaxMasked * all;
+  });
   return candidates;
 }
 
@@ -209,7 +215,7 @@ DirectLight DirectLight::image(const PlaneMirror& mirror) const {
 
 LightBounds DirectLight::bounds() const {
   if (kind_ == Kind::polygon) return {center_, radius_, normal_, 0.0, area_};
-  return {center_, radius_, Vec3d(0, 0, 1), kPi, kPi * radius_ * radius_};
+  return {center_, radius_, Vec3d(0, 0, 1), kPi, 4 * kPi * radius_ * radius_};
 }
 
 double DirectLight::form_factor(const Vec3d& point, const Vec3f& normal) const {

@@ -116,14 +116,15 @@ LightTree::LightTree(std::span<const LightBounds> emitters) {
 
 /// Builds the nodes of some emitters, which it sorts, from `node` on. Returns their bounds.
 LightBounds LightTree::build(std::span<const LightBounds> emitters, std::span<std::int32_t> some, std::int32_t node) {
-  const std::size_t leaves = (some.size() + kWidth - 1) / kWidth;
+  std::size_t capacity = 1;  // emitters of a full child
+  while (capacity * kWidth < some.size()) capacity *= kWidth;
   std::vector<std::span<std::int32_t>> children;
-  divide(emitters, some, leaves == 1 ? some.size() : std::min<std::size_t>(leaves, kWidth), children);
+  divide(emitters, some, (some.size() + capacity - 1) / capacity, children);
   LightBounds all;
   for (std::size_t k = 0; k < children.size(); ++k) {
     std::int32_t child = ~children[k][0];
     LightBounds bounds = emitters[children[k][0]];
-    if (leaves > 1) {
+    if (capacity > 1) {
       child = std::int32_t(nodes_.size());
       nodes_.emplace_back();
       node_places_.push_back({node, std::int32_t(k)});
@@ -135,7 +136,8 @@ LightBounds LightTree::build(std::span<const LightBounds> emitters, std::span<st
     const Vec3f center(bounds.center - origin_), axis(bounds.axis);
     n.x[k] = center.x, n.y[k] = center.y, n.z[k] = center.z;
     n.axis_x[k] = axis.x, n.axis_y[k] = axis.y, n.axis_z[k] = axis.z;
-    n.radius[k] = float(bounds.radius), n.area[k] = float(bounds.area), n.child[k] = child;
+    n.radius[k] = float(bounds.radius), n.child[k] = child;
+    n.area[k] = float(bounds.area * (1 - 0.75 * bounds.angle / kPi));  // about the mean projection
     n.cosine[k] = float(std::cos(bounds.angle)), n.sine[k] = bounds.angle < kPi ? float(std::sin(bounds.angle)) : 0.0f;
   }
   return all;
@@ -147,7 +149,17 @@ float LightTree::Weights::sum() const {
   return sum;
 }
 
-LightTree::Weights LightTree::weights(const Node& n, const Receiver& receiver) const {
+/// Where the children hold nothing but emitters, their importance is that of the emitters: facets of a lamp that face
+/// all ways have bounds that say little.
+LightTree::Weights LightTree::weights(std::int32_t node, const Receiver& receiver) const {
+  Weights result = weights_by_bounds(nodes_[node], receiver);
+  for (int k = 0; k < kWidth; ++k)
+    if (const std::int32_t child = nodes_[node].child[k]; result.importance[k] > 0 && is_leaf(child))
+      result.importance[k] = weights_by_bounds(nodes_[child], receiver).sum();
+  return result;
+}
+
+LightTree::Weights LightTree::weights_by_bounds(const Node& n, const Receiver& receiver) const {
   const Vec3f at(receiver.center - origin_), normal(receiver.normal);
   const auto size = float(receiver.radius);
   const Floats zero{}, one = zero + 1;
@@ -178,16 +190,15 @@ int LightTree::Weights::choose(double& at, double& probability) const {
 }
 
 double LightTree::importance(const Receiver& receiver) const {
-  return nodes_.empty() ? 0.0 : double(weights(nodes_[0], receiver).sum());
+  return nodes_.empty() ? 0.0 : double(weights(0, receiver).sum());
 }
 
 LightTree::Choice LightTree::choose(const Receiver& receiver, double at) const {
   Choice choice{0, 1.0};
   while (choice.emitter >= 0) {
-    const Node& node = nodes_[choice.emitter];
-    const int k = weights(node, receiver).choose(at, choice.probability);
+    const int k = weights(choice.emitter, receiver).choose(at, choice.probability);
     if (k < 0) return {};
-    choice.emitter = node.child[k];
+    choice.emitter = nodes_[choice.emitter].child[k];
   }
   return {~choice.emitter, choice.probability};
 }
@@ -195,7 +206,7 @@ LightTree::Choice LightTree::choose(const Receiver& receiver, double at) const {
 double LightTree::probability(std::int32_t emitter, const Receiver& receiver) const {
   double probability = 1;
   for (Place at = emitter_places_[emitter]; at.node >= 0; at = node_places_[at.node]) {
-    const Weights w = weights(nodes_[at.node], receiver);
+    const Weights w = weights(at.node, receiver);
     const auto all = double(w.sum());
     if (!(all > 0)) return 0;
     probability *= double(w.importance[at.lane]) / all;
@@ -203,17 +214,15 @@ double LightTree::probability(std::int32_t emitter, const Receiver& receiver) co
   return probability;
 }
 
-/// The children of a node. Those that are emitters or hold nothing but emitters need no division: their importance is
-/// that of the emitters.
+/// The children of a node. Those that are emitters or hold nothing but emitters need no division.
 std::vector<LightTree::Part> LightTree::parts(std::int32_t node, const Receiver& receiver) const {
-  const Weights w = weights(nodes_[node], receiver);
+  const Weights w = weights(node, receiver);
   std::vector<Part> parts;
   for (int k = 0; k < kWidth; ++k) {
     if (w.importance[k] <= 0) continue;
     Part part{nodes_[node].child[k], w.importance[k], w.spread[k], w.blur[k]};
-    if (part.child < 0 || nodes_[part.child].child[0] < 0) part.spread = 0;
-    if (part.child >= 0 && part.spread == 0) part.importance = weights(nodes_[part.child], receiver).sum();
-    if (part.importance > 0) parts.push_back(part);
+    if (part.child < 0 || is_leaf(part.child)) part.spread = 0;
+    parts.push_back(part);
   }
   return parts;
 }
@@ -243,7 +252,7 @@ LightTree::Choice LightTree::Cut::descend(const Part& part, double at, double pr
     auto& [node, weights] = path_[depth];
     if (node != child) {
       node = child;
-      weights = tree_.weights(tree_.nodes_[child], receiver_);
+      weights = tree_.weights(child, receiver_);
     }
     const int k = weights.choose(at, probability);
     if (k < 0) return {};

@@ -14,7 +14,7 @@ struct LightBounds {
   double radius = 0.0;        ///< Of a sphere around the emitter, m.
   Vec3d axis{0.0, 0.0, 1.0};  ///< Of the cone of its normals, unit vector.
   double angle = 0.0;         ///< Half angle of the cone, rad; pi: a sphere.
-  double area = 0.0;          ///< Largest projected area, m2.
+  double area = 0.0;          ///< Of the surface, m2.
 };
 
 /// A tree over emitters for importance sampling (Conty Estevez and Kulla 2018), with eight children a node. Importance
@@ -83,7 +83,10 @@ class LightTree {
 
   LightBounds build(std::span<const LightBounds> emitters, std::span<std::int32_t> some, std::int32_t node);
   std::vector<Part> parts(std::int32_t node, const Receiver& receiver) const;
-  Weights weights(const Node& node, const Receiver& receiver) const;
+  Weights weights(std::int32_t node, const Receiver& receiver) const;
+  Weights weights_by_bounds(const Node& node, const Receiver& receiver) const;
+  /// Whether the children of a node are emitters.
+  bool is_leaf(std::int32_t node) const { return node >= 0 && nodes_[node].child[0] < 0; }
 
   Vec3d origin_{0.0};
   std::vector<Node> nodes_;

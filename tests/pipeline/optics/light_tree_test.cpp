@@ -20,15 +20,17 @@ std::vector<LightBounds> random_lights(int count) {
     const auto random = [&](int i) { return 2 * random_at(16 * k + i) - 1; };
     const double size = 0.01 + 0.1 * random_at(16 * k + 9);
     const Vec3d axis = Vec3d(random(3), random(4), random(5)).normalized();
-    lights.push_back({Vec3d(random(0), random(1), random(2)) * 2.0, size, axis, k % 5 == 0 ? kPi : 0.0, size * size});
+    const bool sphere = k % 5 == 0;
+    lights.push_back(
+        {Vec3d(random(0), random(1), random(2)) * 2.0, size, axis, sphere ? kPi : 0.0, (sphere ? 4 : 1) * size * size});
   }
   return lights;
 }
 
-/// Irradiance of a small emitter of exitance 1, times pi.
+/// Irradiance of a small emitter of exitance 1, times pi. A sphere shows a quarter of its surface.
 double irradiance(const LightBounds& light, const Vec3d& point, const Vec3d& normal) {
   const Vec3d to = light.center - point, direction = to.normalized();
-  const double emitted = light.angle > 0 ? 1.0 : std::max(0.0, -(direction ^ light.axis));
+  const double emitted = light.angle > 0 ? 0.25 : std::max(0.0, -(direction ^ light.axis));
   return light.area * emitted * std::max(0.0, direction ^ normal) / to.length2();
 }
 
