@@ -81,6 +81,37 @@ TEST(LightSamples, AreTheSameForAnyNumberOfThreads) {
   EXPECT_EQ(one.display->lights.weights, all.display->lights.weights);
 }
 
+TEST(LightSamples, OfLampsOfFacetsThatFaceAllWaysHaveLittleNoise) {
+  PatchScene builder = string_of_lamps(0);
+  constexpr double kRadius = 0.02;
+  for (int k = 0; k < 200; ++k) {
+    const auto random = [&](int i) { return 3 * double(uniform01(hash64(std::uint64_t(4 * k + i)))) - 1.5; };
+    const Vec3d at(random(0), 1.5, random(1));
+    for (int facet = 0; facet < 8; ++facet) {  // of an octahedron
+      const Vec3d x = at + Vec3d(facet & 1 ? kRadius : -kRadius, 0, 0);
+      const Vec3d y = at + Vec3d(0, facet & 2 ? kRadius : -kRadius, 0);
+      const Vec3d z = at + Vec3d(0, 0, facet & 4 ? kRadius : -kRadius);
+      const bool turned = (facet & 1) + (facet >> 1 & 1) + (facet >> 2) == 1 || facet == 7;
+      builder.quad({x, turned ? y : z, turned ? z : y, turned ? z : y}, 1, 1, {0.0f, 100.0f});
+    }
+  }
+  const PatchSet& scene = builder.get();
+  const RayScene ray_scene(scene);
+  Transport transport;
+  const EnergyField energy = solved(scene, transport);
+  std::vector<Emitter> all = explicit_emitters(scene);
+  const std::vector<Emitter> further = further_emitters(scene);
+  all.insert(all.end(), further.begin(), further.end());
+  double square = 0;
+  for (std::size_t i = 0; i < 256; ++i) {
+    double exact = 0;
+    for (const Emitter& emitter : all)
+      exact += 100 * DirectLight(scene, ray_scene, emitter).form_factor(scene.patches[i].center, Vec3f(0, 1, 0));
+    square += std::pow(double(energy.groups[0].direct[i].y) / exact - 1, 2) / 256;
+  }
+  EXPECT_LT(std::sqrt(square), 0.025);
+}
+
 TEST(LightSamples, OfAMaskedLampAreThoseOfItsSolidPart) {
   PatchScene builder = string_of_lamps(0);
   builder.quad({{{-0.2, 1.5, -0.2}, {0.2, 1.5, -0.2}, {0.2, 1.5, 0.2}, {-0.2, 1.5, 0.2}}}, 1, 1, {0.0f, 100.0f});
