@@ -15,7 +15,7 @@ constexpr int kUniformRays = 16;  // that may find what no neighbour has seen
 /// What the cluster and its neighbours saw, and the cells beside it.
 VisibleCells GuidedLight::around(std::size_t cluster) const {
   VisibleCells cells;
-  for (const std::int32_t s : neighbours_[cluster])
+  for (const std::int32_t s : clusters_.neighbours()[cluster])
     if (s >= 0 && sees_[s]) cells.add_with_border(seen_[s]);
   return cells;
 }

@@ -1,10 +1,10 @@
 #pragma once
-#include <array>
+#include <algorithm>
 #include <span>
 #include <vector>
 
 #include "pipeline/optics/lights/visible_cells.h"
-#include "tracer/light/shading_cluster.h"
+#include "tracer/light/tile_clusters.h"
 
 namespace patchlight {
 
@@ -13,16 +13,8 @@ namespace patchlight {
 /// heuristic (Veach and Guibas 1995).
 class GuidedLight {
  public:
-  using Neighbours = std::array<std::int32_t, 9>;  ///< Clusters around a cluster, itself included; -1: none.
-
-  GuidedLight(const RayScene& ray_scene, const DirectLight& light, std::span<const ShadingCluster> clusters,
-              std::span<const Neighbours> neighbours)
-      : ray_scene_(ray_scene),
-        light_(light),
-        clusters_(clusters),
-        neighbours_(neighbours),
-        seen_(clusters.size()),
-        sees_(clusters.size(), 0) {}
+  GuidedLight(const RayScene& ray_scene, const DirectLight& light, const TileClusters& clusters)
+      : ray_scene_(ray_scene), light_(light), clusters_(clusters), seen_(clusters.size()), sees_(clusters.size(), 0) {}
 
   /// Records a sample through which a cluster saw the lamp.
   void add(std::size_t cluster, const Vec2f& at) {
@@ -41,8 +33,7 @@ class GuidedLight {
 
  private:
   bool is_found(std::size_t cluster) const {
-    return std::any_of(neighbours_[cluster].begin(), neighbours_[cluster].end(),
-                       [&](std::int32_t s) { return s >= 0 && sees_[s]; });
+    return std::ranges::any_of(clusters_.neighbours()[cluster], [&](std::int32_t s) { return s >= 0 && sees_[s]; });
   }
   VisibleCells around(std::size_t cluster) const;
   template <class Act>
@@ -50,8 +41,7 @@ class GuidedLight {
 
   const RayScene& ray_scene_;
   const DirectLight& light_;
-  const std::span<const ShadingCluster> clusters_;
-  const std::span<const Neighbours> neighbours_;
+  const TileClusters& clusters_;
   std::vector<VisibleCells> seen_;  ///< [clusters] Where each saw the lamp.
   std::vector<std::uint8_t> sees_;  ///< [clusters] Whether it did.
 };

@@ -148,7 +148,7 @@ void TileLight::add_lamp(std::size_t l, const Factors& factors, const std::vecto
 void TileLight::add_guided(std::size_t l, const std::vector<LightSamples>& probes, std::span<const std::uint32_t> dim,
                            std::vector<float>& values, std::vector<float>& residuals) const {
   const Lamp& lamp = lights_.lamps()[l];
-  GuidedLight guided(lights_.ray_scene(), lamp.light, clusters_.all(), clusters_.neighbours());
+  GuidedLight guided(lights_.ray_scene(), lamp.light, clusters_);
   for (std::size_t s = 0; s < clusters_.size(); ++s)
     if (probes[s].visible > 0) guided.add(s, probes[s].reached);
   const auto factors = guided.factors(dim, std::max(kMinGuidedRays, samples_), hash64(hash64(window_.pixel_id(0)) + l));
