@@ -60,9 +60,13 @@ struct FurtherLight::Chosen {
 };
 
 FurtherLight::FurtherLight(const PatchSet& scene, const RayScene& ray_scene, const std::vector<Color>& settings)
+    : FurtherLight(scene, ray_scene, settings, divided_emitters(scene)) {}
+
+FurtherLight::FurtherLight(const PatchSet& scene, const RayScene& ray_scene, const std::vector<Color>& settings,
+                           const std::vector<Emitter>& emitters)
     : scene_(scene),
       ray_scene_(ray_scene),
-      lights_(scene, ray_scene, divided_emitters(scene), strengths(scene, divided_emitters(scene))),
+      lights_(scene, ray_scene, emitters, strengths(scene, emitters)),
       settings_(settings) {
   for (const Emitter& emitter : lights_.emitters())
     lamps_.push_back({emitter.primitive, scene.primitives[emitter.primitive].light_group, is_uniform(scene, emitter),
@@ -110,12 +114,11 @@ void FurtherLight::sample(const ShadingCluster& cluster, const Choices& choices,
   cast(cluster, chosen, seed, samples);
 }
 
-std::pair<std::int32_t, Color> FurtherLight::exitance(std::int32_t emitter, const Vec3d& start,
-                                                      const DirectLight::Sample& ray) const {
+Color FurtherLight::exitance(std::int32_t emitter, const Vec3d& start, const DirectLight::Sample& ray) const {
   const Lamp& lamp = lamps_[emitter];
-  if (lamp.uniform) return {lamp.group, lamp.exitance};
+  if (lamp.uniform) return lamp.exitance;
   const std::int32_t patch = lights_.patch_at(emitter, start, ray);
-  return {lamp.group, patch < 0 ? Color(0.0f) : scene_.patches[patch].emission};
+  return patch < 0 ? Color(0.0f) : scene_.patches[patch].emission;
 }
 
 void FurtherLight::cast(const ShadingCluster& cluster, std::span<const Chosen> chosen, std::uint64_t seed,
@@ -156,7 +159,7 @@ void FurtherLight::cast(const ShadingCluster& cluster, std::span<const Chosen> c
       const ShadingPoint& point = cluster.points[std::size_t(at.x * float(cluster.points.size()))];
       const DirectLight::Sample ray = light.view(point.position, point.normal, kFarLamp).sample(to.x, to.y);
       if (ray.weight <= 0) continue;
-      const Color part = exitance(one.emitter, point.position, ray).second * (ray.weight * one.weight);
+      const Color part = exitance(one.emitter, point.position, ray) * (ray.weight * one.weight);
       if (part == Color(0.0f)) continue;
       if (!closed) sums.whole += part;
       packet.set_shadow(lane, ray_scene_.to_local(point.position), ray.direction, ray.distance);

@@ -53,12 +53,15 @@ class FurtherLight {
   void sample(const ShadingCluster& cluster, const Choices& choices, int count, std::uint64_t seed,
               Samples& samples) const;
 
-  /// Light group and exitance, W/m2 at the scene's own strength, of an emitter where a shadow ray from `start` reaches
-  /// it; black where the alpha mask lets the ray pass.
-  std::pair<std::int32_t, Color> exitance(std::int32_t emitter, const Vec3d& start,
-                                          const DirectLight::Sample& ray) const;
+  std::int32_t group(std::int32_t emitter) const { return lamps_[emitter].group; }
+  /// Exitance, W/m2 at the scene's own strength, of an emitter where a shadow ray from `start` reaches it; black where
+  /// the alpha mask lets the ray pass.
+  Color exitance(std::int32_t emitter, const Vec3d& start, const DirectLight::Sample& ray) const;
 
  private:
+  FurtherLight(const PatchSet& scene, const RayScene& ray_scene, const std::vector<Color>& settings,
+               const std::vector<Emitter>& emitters);
+
   struct Chosen;
   /// What sampling needs to know of an emitter.
   struct Lamp {

@@ -74,8 +74,8 @@ GlossyLights::Sample GlossyLights::sample_further(const Vertex& vertex, double c
   const MetalLobe lobe = metal_lobe(vertex.roughness, vertex.normal, vertex.direction, ray.direction);
   const float density = float(view.density(ray.direction) * probability) * part;
   if (density <= 0 || lobe.value <= 0) return {};
-  const auto [group, exitance] = further_.exitance(l, vertex.position, ray);
-  return {ray.direction, ray.distance, lobe.value / (density + lobe.density), group, exitance};
+  return {ray.direction, ray.distance, lobe.value / (density + lobe.density), further_.group(l),
+          further_.exitance(l, vertex.position, ray)};
 }
 
 float GlossyLights::hit_weight(const Vertex& vertex, const Vec3f& direction, float pdf, std::int32_t patch) const {
