@@ -61,6 +61,7 @@ class Vertices {
     for (const Leaf& leaf : leaves_)
       for (int k = 0; k < 4; ++k) mesh_.cells[leaf.cell].corners[k] = vertex(leaf, corner(leaf, k));
     hide_covered();
+    cut_crossed();
     std::stable_sort(leaves_.begin(), leaves_.end(), [](const Leaf& a, const Leaf& b) { return a.size > b.size; });
     for (const Leaf& leaf : leaves_)
       for (const auto& [a, b] : {std::pair(0, 1), {1, 3}, {2, 3}, {0, 2}})
@@ -136,6 +137,10 @@ class Vertices {
         cell.cut = true;
       }
     }
+  }
+
+  /// Marks leaves as cut whose corners do not all see each other.
+  void cut_crossed() {
     tbb::parallel_for(std::size_t(0), leaves_.size(), [&](std::size_t k) {
       _mm_setcsr(_mm_getcsr() | 0x8040);
       DisplayMesh::Cell& cell = mesh_.cells[leaves_[k].cell];
