@@ -78,6 +78,13 @@ struct LitScene {
   }
 };
 
+inline LitScene closed_room(int fine) {
+  LitScene room(fine);
+  room.walls(0.6f);
+  room.window(0, 0, 0, 0, 0.6f);
+  return room;
+}
+
 /// Sun and sky through a blind of ten slats of 12 cm, half closed.
 inline LitScene blinds(int fine) {
   LitScene room(fine);
@@ -96,9 +103,7 @@ inline LitScene blinds(int fine) {
 
 /// A lampshade of 48 double-sided segments that glow, and no other light.
 inline LitScene lampshade(int fine) {
-  LitScene room(fine);
-  room.walls(0.6f);
-  room.window(0, 0, 0, 0, 0.6f);
+  LitScene room = closed_room(fine);
   constexpr int kSegments = 48;
   const auto at = [](int k, double y) {
     const double turn = 2 * kPi * k / kSegments;
@@ -191,9 +196,7 @@ inline LitScene perforated(int fine) {
 
 /// A room that a string of 150 bulbs lights.
 inline LitScene bulbs(int fine) {
-  LitScene room(fine);
-  room.walls(0.6f);
-  room.window(0, 0, 0, 0, 0.6f);
+  LitScene room = closed_room(fine);
   for (int k = 0; k < 150; ++k) {
     const double t = k / 149.0, turn = 12 * t;
     room.builder.sphere({1.6 * std::cos(turn) * (1 - 0.5 * t), 2.3 - 0.4 * t, -2.5 + 1.8 * std::sin(turn)}, 0.02, 1, 1,
@@ -206,9 +209,7 @@ inline LitScene bulbs(int fine) {
 
 /// A room that a strip of 200 diodes lights, under a shelf 20 cm from a wall.
 inline LitScene strip(int fine) {
-  LitScene room(fine);
-  room.walls(0.6f);
-  room.window(0, 0, 0, 0, 0.6f);
+  LitScene room = closed_room(fine);
   room.double_sided({{{-1.2, 1.8, -4.7}, {1.2, 1.8, -4.7}, {1.2, 1.8, -5}, {-1.2, 1.8, -5}}}, 8, 2, 0.5f);
   for (int k = 0; k < 200; ++k) {
     const double x = -1 + 0.01 * k, z = -4.8;
@@ -221,9 +222,7 @@ inline LitScene strip(int fine) {
 
 /// A dark room before a screen with a picture of 32 x 18 colours.
 inline LitScene screen(int fine) {
-  LitScene room(fine);
-  room.walls(0.6f);
-  room.window(0, 0, 0, 0, 0.6f);
+  LitScene room = closed_room(fine);
   PatchSet& scene = room.builder.get();
   const std::size_t first = scene.patches.size();
   room.quad({{{-0.8, 0.9, -4.95}, {0.8, 0.9, -4.95}, {0.8, 1.8, -4.95}, {-0.8, 1.8, -4.95}}}, 32, 18, 0.05f, 1);

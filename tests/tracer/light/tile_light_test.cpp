@@ -49,6 +49,16 @@ struct Ground {
     return light_of(builder.get(), setting, points, kWidth, x0);
   }
 
+  /// Mean of the pixels over some tiles, which have random numbers of their own.
+  std::vector<double> mean_light(int tiles) {
+    std::vector<double> mean(kWidth, 0.0);
+    for (int tile = 0; tile < tiles; ++tile) {
+      const std::vector<Color> pixels = light(9 * tile);
+      for (int p = 0; p < kWidth; ++p) mean[p] += double(pixels[p].y) / tiles;
+    }
+    return mean;
+  }
+
   /// Irradiance of a pixel by a grid of rays to each lamp, a square that faces down. `hidden(at, to)`: whether a ray is
   /// occluded.
   struct Lamp {
@@ -91,12 +101,7 @@ TEST(TileLight, InPenumbraeIsUnbiased) {
   const RayScene rays(ground.builder.get());
   const DirectLight lamp(ground.builder.get(), rays, explicit_emitters(ground.builder.get()).at(0));
   const std::vector<Ground::Lamp> lamps{{{-0.5, 2, -0.5}, 1, 3}};
-  constexpr int kTiles = 200;
-  std::vector<double> mean(kWidth, 0.0);
-  for (int tile = 0; tile < kTiles; ++tile) {
-    const std::vector<Color> pixels = ground.light(9 * tile);
-    for (int p = 0; p < kWidth; ++p) mean[p] += pixels[p].y / kTiles;
-  }
+  const std::vector<double> mean = ground.mean_light(200);
   // The occluder covers x > 0 at half the lamp's height.
   const auto exact = [&](int p) {
     return ground.brute_force(p, lamps, [](const Vec3d& at, const Vec3d& to) { return at.x + to.x > 0; });
@@ -157,12 +162,7 @@ TEST(TileLight, OfFaintLampsAgreesWithBruteForce) {
   // Below the ground, and facing away: these do not contribute.
   ground.builder.quad({{{0, -1, 0}, {1, -1, 0}, {1, -1, 1}, {0, -1, 1}}}, 1, 1, {0.0f, 9.0f});
   ground.builder.quad({{{0, 3, 0}, {0, 3, 1}, {1, 3, 1}, {1, 3, 0}}}, 1, 1, {0.0f, 9.0f});
-  constexpr int kTiles = 100;
-  std::vector<double> mean(kWidth, 0.0);
-  for (int tile = 0; tile < kTiles; ++tile) {
-    const std::vector<Color> pixels = ground.light(9 * tile);
-    for (int p = 0; p < kWidth; ++p) mean[p] += pixels[p].y / kTiles;
-  }
+  const std::vector<double> mean = ground.mean_light(100);
   for (int p = 0; p < kWidth; ++p) {
     const double exact = ground.brute_force(p, lamps, [](const Vec3d& at, const Vec3d& to) {
       return at.x + (to.x - at.x) / to.y > 0 && at.z + (to.z - at.z) / to.y < 2;
@@ -206,12 +206,7 @@ TEST(TileLight, OfManyLampsIsRightBehindOccluders) {
   Ground ground(1.5);
   ground.builder.quad({{{0, 1, -9}, {0, 1, 9}, {9, 1, 9}, {9, 1, -9}}}, 1, 1, {0.0f, 0.0f});
   const std::vector<Ground::Lamp> lamps = many_lamps(ground);
-  constexpr int kTiles = 200;
-  std::vector<double> mean(kWidth, 0.0);
-  for (int tile = 0; tile < kTiles; ++tile) {
-    const std::vector<Color> pixels = ground.light(9 * tile);
-    for (int p = 0; p < kWidth; ++p) mean[p] += pixels[p].y / kTiles;
-  }
+  const std::vector<double> mean = ground.mean_light(200);
   for (int p = 0; p < kWidth; ++p) {
     const double exact =
         ground.brute_force(p, lamps, [](const Vec3d& at, const Vec3d& to) { return at.x + (to.x - at.x) / to.y > 0; });
@@ -231,12 +226,7 @@ TEST(TileLight, OfAPictureIsThatOfItsPatches) {
     patch.emission = Color(exitance);
     lamps.push_back({patch.center - Vec3d(1.0 / 16, 0, 1.0 / 16), 1.0 / 8, exitance});
   }
-  constexpr int kTiles = 50;
-  std::vector<double> mean(kWidth, 0.0);
-  for (int tile = 0; tile < kTiles; ++tile) {
-    const std::vector<Color> pixels = ground.light(9 * tile);
-    for (int p = 0; p < kWidth; ++p) mean[p] += pixels[p].y / kTiles;
-  }
+  const std::vector<double> mean = ground.mean_light(50);
   for (int p = 0; p < kWidth; ++p) {
     const double exact = ground.brute_force(p, lamps, [](auto, auto) { return false; });
     EXPECT_NEAR(mean[p], exact, 0.01 * exact) << p;
