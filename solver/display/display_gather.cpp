@@ -176,7 +176,8 @@ class Gather {
 
   Spectrum irradiance_at_vertex(std::int32_t vertex) const { return irradiance_of_leaf({&vertex, 1}); }
 
-  /// Mean at some vertices. `gathered`: at vertices with gathered light; `of_patch`: at those that take their patch's.
+  /// Mean of a field over some vertices. `gathered`: the field at vertices that gather light; of_patch(i): its value on
+  /// patch i, for vertices that are interpolated from patches.
   template <class OfPatch>
   Spectrum mean(std::span<const std::int32_t> vertices, const SpectrumField& gathered, OfPatch of_patch) const {
     Spectrum sum;

@@ -28,8 +28,8 @@ struct Emitter {
 std::vector<Emitter> explicit_emitters(const PatchSet& scene);
 
 /// The other quads that emit, and spheres that are lit outside, of which a LightTree chooses some for each receiver:
-/// all patches of a primitive together. Masked ones above a hundredth of the scene's area, which rays find well and
-/// sampling by the mask's holes does not, are left out. Sorted by first patch.
+/// all patches of a primitive together. Masked ones above a hundredth of the scene's area are left out: rays find them
+/// well, and samples of a mask with holes are noisy. Sorted by first patch.
 std::vector<Emitter> further_emitters(const PatchSet& scene);
 
 /// Unoccluded direct light of one emitter at a point, and shadow ray samples towards it.

@@ -149,8 +149,8 @@ float LightTree::Weights::sum() const {
   return sum;
 }
 
-/// Where the children hold nothing but emitters, their importance is that of the emitters: facets of a lamp that face
-/// all ways have bounds that say little.
+/// Weights of a node's children. A child that is a node of emitters has the importance of these emitters together: the
+/// bounds of facets that face all ways say little about them.
 LightTree::Weights LightTree::weights(std::int32_t node, const Receiver& receiver) const {
   Weights result = weights_by_bounds(nodes_[node], receiver);
   for (int k = 0; k < kWidth; ++k)
@@ -214,7 +214,8 @@ double LightTree::probability(std::int32_t emitter, const Receiver& receiver) co
   return probability;
 }
 
-/// The children of a node. Those that are emitters or hold nothing but emitters need no division.
+/// The children of a node, as parts of a cut. A child that is an emitter, or a node whose children are all emitters, is
+/// never divided: its spread is 0.
 std::vector<LightTree::Part> LightTree::parts(std::int32_t node, const Receiver& receiver) const {
   const Weights w = weights(node, receiver);
   std::vector<Part> parts;

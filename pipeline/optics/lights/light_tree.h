@@ -18,8 +18,7 @@ struct LightBounds {
 };
 
 /// A tree over emitters for importance sampling (Conty Estevez and Kulla 2018), with eight children a node. Importance
-/// depends on the bounds alone: area, distance, and the bounds of both cosines. It is positive wherever an emitter can
-/// light the receiver.
+/// depends on area, distance and bounds of both cosines. It is positive wherever an emitter can light the receiver.
 class LightTree {
  public:
   explicit LightTree(std::span<const LightBounds> emitters);
@@ -67,8 +66,6 @@ class LightTree {
     /// The child at a point of the unit interval; the point becomes that within the child, and its part multiplies
     /// `probability`. -1: none has importance.
     int choose(double& at, double& probability) const;
-    /// The child at a point of the unit interval, which becomes the point within the child; -1: none has importance.
-    int choose(double& at) const;
   };
   /// A part of a cut through the tree.
   struct Part {
