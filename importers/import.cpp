@@ -11,6 +11,7 @@
 #include "importers/gltf/read/gltf_reader.h"
 #include "importers/patches/patch_builder.h"
 #include "importers/patches/patch_colors.h"
+#include "importers/patches/patch_cuts.h"
 #include "importers/patches/primitive_builder.h"
 #include "pipeline/job/stage_keys.h"
 #include "pipeline/model/error.h"
@@ -92,14 +93,15 @@ PatchSet import_scene(const Job& job, Progress& progress) {
   PrimitiveList list = build_primitives(scene, job, progress);
 
   PatchSet set;
-  set.patches =
-      build_patches(list.primitives, scene.materials, choose_patch_area(list.primitives, scene.materials, job.import));
+  const double patch_area = choose_patch_area(list.primitives, scene.materials, job.import);
+  set.patches = build_patches(list.primitives, scene.materials, patch_area);
   set.primitives = std::move(list.primitives);
   set.texcoords = std::move(list.texcoords);
   set.emission_texcoords = std::move(list.emission_texcoords);
   set.metallic_roughness_texcoords = std::move(list.metallic_roughness_texcoords);
   set.colors = std::move(list.colors);
   set.shaders = scene.shaders;
+  cut_patches(patch_area, set);
   set.textures = std::move(scene.textures);
   if (masked_primitives(set) > 0) set.masks = std::move(scene.masks);
   set.materials = stored_materials(scene.materials);

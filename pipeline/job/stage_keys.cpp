@@ -7,10 +7,10 @@ namespace patchlight {
 namespace {
 
 // Raised whenever a stage computes different results from the same inputs.
-constexpr int kImportVersion = 5;
-constexpr int kTransportKeyVersion = 27;
-constexpr int kSolveVersion = 27;
-constexpr int kTraceVersion = 12;
+constexpr int kImportVersion = 6;
+constexpr int kTransportKeyVersion = 28;
+constexpr int kSolveVersion = 28;
+constexpr int kTraceVersion = 13;
 
 void add_color(KeyHasher& hasher, const std::optional<Color>& color) {
   hasher.add(color.has_value());

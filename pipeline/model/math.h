@@ -7,6 +7,7 @@ namespace patchlight {
 
 // Default-constructed Imath vectors are uninitialised: write Vec3d(0.0), also in resize().
 using Vec2f = Imath::V2f;
+using Vec2d = Imath::V2d;
 using Vec3f = Imath::V3f;
 using Vec3d = Imath::V3d;
 using Vec4f = Imath::V4f;

@@ -4,6 +4,10 @@
 
 namespace patchlight {
 
+Vec3d position_at(const std::array<Vec3d, 4>& c, double u, double v) {
+  return (c[0] * (1 - u) + c[1] * u) * (1 - v) + (c[3] * (1 - u) + c[2] * u) * v;
+}
+
 Imath::Box3d bounds_of(const std::vector<Primitive>& primitives) {
   Imath::Box3d box;
   for (const Primitive& primitive : primitives) {

@@ -77,8 +77,19 @@ struct Patch {
   float u0 = 0, v0 = 0, u1 = 1, v1 = 1;
   /// Fraction of the area that passes the alpha test. Reflectance, emission and irradiance refer to that part.
   float coverage = 1.0f;
+  std::int32_t cut = -1;       ///< First of the cuts through its cell, into PatchSet::cuts; -1: the patch is the cell.
+  std::uint8_t closed = 0;     ///< Bit k: other surfaces stand along edge k: v = v0, u = u1, v = v1, u = u0.
+  std::vector<Vec3d> outline;  ///< m; the corners of a part of a cut cell, counter-clockwise; empty: the whole cell.
 
   double covered_area() const { return area * double(coverage); }  ///< m2
+};
+
+/// A straight line that cuts a cell of a plane primitive, or a part of it, where another surface stands on it or
+/// crosses it.
+struct Cut {
+  Vec2d from{0.0}, to{0.0};  ///< On the line, in the primitive's PlaneFrame, m.
+  /// What lies to its left and to its right: another cut, or ~patch.
+  std::array<std::int32_t, 2> sides{0, 0};
 };
 
 /// A file that the scene was read from. Its content is part of the import's key.
@@ -87,13 +98,15 @@ struct SourceFile {
   std::string hash;
 };
 
-/// The content of patches.h5. Patches of one primitive are contiguous, in rows of growing v, with growing u within a
-/// row; every row spans u from 0 to 1. Primitives have the order of their patches.
+/// The content of patches.h5. Patches of one primitive are contiguous: first one of each cell of its grid, in rows of
+/// growing v, with growing u within a row, where every row spans u from 0 to 1; then the other parts of cut cells, with
+/// the (u,v) range of their cell. Primitives have the order of their patches.
 struct PatchSet {
   /// Number of cells of the environment; 0 without one.
   int sky_cells() const { return environment ? int(environment->cells.size()) : 0; }
 
   std::vector<Patch> patches;
+  std::vector<Cut> cuts;
   std::vector<Primitive> primitives;
   std::vector<Material> materials;
   std::vector<std::string> nodes;
@@ -128,6 +141,9 @@ inline bool is_colored(const PatchSet& scene, std::int32_t i) {
 inline bool has_varying_metal(const PatchSet& scene, std::int32_t i) {
   return is_colored(scene, i) && scene.materials[scene.primitives[i].material].metal != Color(0.0f);
 }
+
+/// The position of a quad at (u,v).
+Vec3d position_at(const std::array<Vec3d, 4>& corners, double u, double v);
 
 /// The axis-aligned box about all primitives, m; empty without any.
 Imath::Box3d bounds_of(const std::vector<Primitive>& primitives);

@@ -195,9 +195,10 @@ std::vector<float> DirectFactors::sample_image(const Emitter& emitter, const Pla
   return factors;
 }
 
-DirectFactors::FindNeighbours grid_neighbours(const PatchSet& scene, const PatchLookup& lookup) {
-  return [&](std::int32_t i, DirectFactors::NeighbourList& neighbours) {
+DirectFactors::FindNeighbours grid_neighbours(const PatchSet& scene, const PatchLookup& lookup, bool also_behind) {
+  return [&scene, &lookup, also_behind](std::int32_t i, DirectFactors::NeighbourList& neighbours) {
     const Patch& patch = scene.patches[i];
+    const bool all = also_behind || scene.primitives[patch.primitive].shape == Primitive::Shape::sphere;
     const int rows = lookup.rows(patch.primitive);
     const int at = PatchLookup::cell(0.5f * (patch.v0 + patch.v1), rows);
     int count = 0;
@@ -205,7 +206,8 @@ DirectFactors::FindNeighbours grid_neighbours(const PatchSet& scene, const Patch
       const PatchLookup::Row& row = lookup.row(patch.primitive, k);
       const int middle = PatchLookup::cell(0.5f * (patch.u0 + patch.u1), row.cells);
       for (int j = std::max(0, middle - 1); j <= std::min(row.cells - 1, middle + 1); ++j)
-        if (row.first + j != i) neighbours[count++] = row.first + j;
+        if (row.first + j != i && (all || lookup.is_open(patch.primitive, std::min(j, middle), std::min(k, at))))
+          neighbours[count++] = row.first + j;
     }
     return count;
   };

@@ -63,6 +63,8 @@ class DirectFactors {
 };
 
 /// Finds the patches next to a patch in the grid of its primitive; on a sphere, in its ring and the adjacent rings.
-DirectFactors::FindNeighbours grid_neighbours(const PatchSet& scene, const PatchLookup& lookup);
+/// `also_behind`: also those behind something that stands between them.
+DirectFactors::FindNeighbours grid_neighbours(const PatchSet& scene, const PatchLookup& lookup,
+                                              bool also_behind = false);
 
 }  // namespace patchlight

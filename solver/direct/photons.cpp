@@ -37,8 +37,7 @@ class Photons::Source {
         offset_(surface_ ? ray_scene.offset(emitter.primitive) : 0.0f) {
     if (surface_) {
       const Patch& first = scene.patches[emitter.first_patch];
-      const Patch& last = scene.patches[emitter.first_patch + emitter.patches - 1];
-      surface_patch_ = sub_patch(scene, first, first.u0, first.v0, last.u1, last.v1);
+      surface_patch_ = emitter.patches == 1 ? first : sub_patch(scene, first, 0, 0, 1, 1);
       sampler_.emplace(scene.primitives[emitter.primitive], surface_patch_);
       return;
     }

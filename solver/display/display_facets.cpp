@@ -82,7 +82,7 @@ void add_display_facets(const PatchSet& scene, const RayScene& ray_scene, const 
   }
   const auto count = std::int32_t(vertices.size());
   const auto shift_index = [&](std::int32_t& vertex) { vertex += vertex >= mesh.gathered ? count : 0; };
-  for (auto& cell : mesh.cells) std::for_each(cell.corners.begin(), cell.corners.end(), shift_index);
+  std::for_each(mesh.corners.begin(), mesh.corners.end(), shift_index);
   for (auto& pair : mesh.midpoints) std::for_each(pair.begin(), pair.end(), shift_index);
   mesh.vertices.insert(mesh.vertices.begin() + mesh.gathered, vertices.begin(), vertices.end());
   mesh.gathered += count;

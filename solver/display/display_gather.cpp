@@ -4,7 +4,7 @@
 #include <span>
 
 #include "pipeline/optics/lights/direct_light.h"
-#include "solver/display/display_leaves.h"
+#include "solver/display/display_faces.h"
 #include "solver/linear/form_factor_rows.h"
 #include "solver/linear/linear_system.h"
 #include "solver/linear/patch_interpolation.h"
@@ -17,15 +17,14 @@ namespace {
 class Gather {
  public:
   Gather(const PatchSet& scene, const Transport& transport, const std::vector<Emitter>& emitters,
-         const std::vector<Emitter>& further, const LeafElements& leaves, const SpectrumField& leaf_reflectance,
-         EnergyField::Group& group, RadiosityTable& radiosity, std::size_t field)
+         const std::vector<Emitter>& further, const SpectrumField& face_reflectance, EnergyField::Group& group,
+         RadiosityTable& radiosity, std::size_t field)
       : scene_(scene),
         transport_(transport),
         mesh_(transport.display->mesh),
         emitters_(emitters),
         further_(further),
-        leaves_(leaves),
-        leaf_reflectance_(leaf_reflectance),
+        face_reflectance_(face_reflectance),
         group_(group),
         light_group_(std::int32_t(std::find(scene.light_groups.begin(), scene.light_groups.end(), group.name) -
                                   scene.light_groups.begin())),
@@ -37,21 +36,18 @@ class Gather {
     interpolate_photons();
   }
 
-  /// Sets the radiosity to gather: in the first pass from patches, later from the previous pass's irradiance at leaves.
+  /// Sets the radiosity to gather: in the first pass from patches, later from the previous pass's irradiance at faces.
   FormFactorRows::Output begin_pass() {
     if (at_vertices_.empty()) {
       for (std::size_t i = 0; i < patches_; ++i)
         radiosity_.set(field_, i,
                        gathered_emission_[i] + Spectrum(scene_.patches[i].reflectance) *
                                                    (Spectrum(group_.direct[i]) + Spectrum(group_.indirect[i])));
-      leaves_.for_each([&](std::size_t patch, std::int32_t element, auto, float) {
-        set_radiosity(patch, element, irradiance_of_patch(patch));
-      });
+      for (std::int32_t f = 0; f < mesh_.elements(); ++f) set_radiosity(f, irradiance_of_patch(mesh_.faces[f].patch));
       at_vertices_.resize(mesh_.gathered);
     } else {
-      leaves_.for_each([&](std::size_t patch, std::int32_t element, std::span<const std::int32_t> corners, float) {
-        set_radiosity(patch, element, irradiance_of_leaf(corners));
-      });
+      for (std::int32_t f = 0; f < mesh_.elements(); ++f)
+        set_radiosity(f, irradiance_of_face(mesh_.corners_of(mesh_.faces[f])));
     }
     return {&at_vertices_};
   }
@@ -72,24 +68,24 @@ class Gather {
   void add_differences(const std::vector<float>& exposure, SpectrumField& differences) const {
     SpectrumField sums(patches_);
     std::vector<double> weights(patches_);
-    leaves_.for_each([&](std::size_t patch, auto, std::span<const std::int32_t> corners, float part) {
+    for (const DisplayMesh::Face& face : mesh_.faces) {
+      const std::int32_t patch = face.patch;
       const bool covered = !transport_.visible_fractions.empty() && transport_.visible_fractions[2 * patch] < 1;
-      for (const std::int32_t corner : corners) {
-        if (mesh_.vertices[corner].hidden) continue;
-        const double weight = double(part) / double(corners.size()) * (covered ? double(exposure[corner]) : 1.0);
+      for (const std::int32_t corner : mesh_.corners_of(face)) {
+        const double weight = double(face.part) / double(face.count) * (covered ? double(exposure[corner]) : 1.0);
         sums[patch] += irradiance_at_vertex(corner) * Spectrum(weight);
         weights[patch] += weight;
       }
-    });
+    }
     for (std::size_t i = 0; i < patches_; ++i)
       if (weights[i] > 0) differences[i] += sums[i] * Spectrum(1 / weights[i]) - irradiance_of_patch(i);
   }
 
  private:
-  /// Sets direct light of sampled emitters at leaves, and the emission that rays gather from other emitters.
+  /// Sets direct light of sampled emitters at faces, and the emission that rays gather from other emitters.
   void set_emission() {
     gathered_emission_.resize(patches_);
-    direct_.assign(mesh_.elements, Color(0.0f));
+    direct_.assign(mesh_.elements(), Color(0.0f));
     for (std::size_t i = 0; i < patches_; ++i)
       if (is_of_group(i)) gathered_emission_[i] = Spectrum(scene_.patches[i].emission);
     SpectrumField sampled(patches_);
@@ -99,19 +95,19 @@ class Gather {
     if (!further_.empty()) {
       SpectrumField at_vertices(mesh_.gathered);
       gather_lights(transport_.display->lights, sampled, at_vertices, nullptr);
-      leaves_.for_each([&](auto, std::int32_t element, std::span<const std::int32_t> corners, float) {
-        const Spectrum direct = mean(corners, at_vertices, [&](std::size_t i) {
+      for (std::int32_t f = 0; f < mesh_.elements(); ++f) {
+        const Spectrum direct = mean(mesh_.corners_of(mesh_.faces[f]), at_vertices, [&](std::size_t i) {
           return group_.sampled_direct.empty() ? Spectrum() : Spectrum(group_.sampled_direct[i]);
         });
-        direct_[element] = Color(float(direct.c[0]), float(direct.c[1]), float(direct.c[2]));
-      });
+        direct_[f] = Color(float(direct.c[0]), float(direct.c[1]), float(direct.c[2]));
+      }
     }
     for (std::size_t e = 0; e < emitters_.size(); ++e) {
       const Transport::Emitter& emitter = transport_.emitters[e];
       const Color exitance = exitance_of(emitters_[e]);
       std::fill_n(gathered_emission_.begin() + emitter.first_patch, emitter.patches, Spectrum());
       if (exitance == Color(0.0f)) continue;
-      for (std::int32_t k = 0; k < mesh_.elements; ++k)
+      for (std::int32_t k = 0; k < mesh_.elements(); ++k)
         direct_[k] += exitance * (0.5f * (emitter.display[2 * k] + emitter.display[2 * k + 1]));
     }
   }
@@ -129,7 +125,7 @@ class Gather {
     const Environment& sky = *scene_.environment;
     if (sky.light_group != light_group_) return;
     for (std::size_t k = 0; k < sky.cells.size(); ++k)
-      radiosity_.set(field_, patches_ + mesh_.elements + k, Spectrum(sky.cells[k]) * Spectrum(kPi));
+      radiosity_.set(field_, patches_ + mesh_.elements() + k, Spectrum(sky.cells[k]) * Spectrum(kPi));
   }
 
   /// Exitance of sampled patches and of their elements whose specular reflections no photons bring. Shape: [elements].
@@ -142,8 +138,7 @@ class Gather {
     if (group_.over_metals.empty())
       for (const auto& emitter : transport_.emitters) add(emitter.first_patch, emitter.patches);
     for (const Emitter& emitter : further_) add(emitter.first_patch, emitter.patches);
-    leaves_.for_each(
-        [&](std::size_t patch, std::int32_t element, auto, float) { exitance[patches_ + element] = exitance[patch]; });
+    for (std::int32_t f = 0; f < mesh_.elements(); ++f) exitance[patches_ + f] = exitance[mesh_.faces[f].patch];
     return exitance;
   }
 
@@ -159,9 +154,10 @@ class Gather {
     return scene_.primitives[scene_.patches[i].primitive].light_group == light_group_;
   }
 
-  void set_radiosity(std::size_t patch, std::int32_t element, const Spectrum& irradiance) {
-    radiosity_.set(field_, patches_ + element,
-                   gathered_emission_[patch] + leaf_reflectance_[element] * (Spectrum(direct_[element]) + irradiance));
+  void set_radiosity(std::int32_t face, const Spectrum& irradiance) {
+    radiosity_.set(
+        field_, patches_ + face,
+        gathered_emission_[mesh_.faces[face].patch] + face_reflectance_[face] * (Spectrum(direct_[face]) + irradiance));
   }
 
   Spectrum irradiance_of_patch(std::size_t i) const {
@@ -170,11 +166,11 @@ class Gather {
     return sum;
   }
 
-  Spectrum irradiance_of_leaf(std::span<const std::int32_t> corners) const {
+  Spectrum irradiance_of_face(std::span<const std::int32_t> corners) const {
     return mean(corners, at_vertices_, [&](std::size_t i) { return irradiance_of_patch(i); });
   }
 
-  Spectrum irradiance_at_vertex(std::int32_t vertex) const { return irradiance_of_leaf({&vertex, 1}); }
+  Spectrum irradiance_at_vertex(std::int32_t vertex) const { return irradiance_of_face({&vertex, 1}); }
 
   /// Mean of a field over some vertices. `gathered`: the field at vertices that gather light; of_patch(i): its value on
   /// patch i, for vertices that are interpolated from patches.
@@ -197,8 +193,7 @@ class Gather {
   const DisplayMesh& mesh_;
   const std::vector<Emitter>& emitters_;  ///< As in `transport_`.
   const std::vector<Emitter>& further_;   ///< See further_emitters().
-  const LeafElements& leaves_;
-  const SpectrumField& leaf_reflectance_;
+  const SpectrumField& face_reflectance_;
   EnergyField::Group& group_;
   const std::int32_t light_group_;
   const std::size_t patches_;
@@ -218,15 +213,14 @@ SpectrumField gather_display(const PatchSet& scene, const Transport& transport,
   const std::vector<float> exposure = exposure_of_vertices(*transport.display);
   const FormFactorRows rows(transport.display->rows);
   const std::vector<Emitter> emitters = explicit_emitters(scene), further = further_emitters(scene);
-  const LeafElements leaves(scene, transport.display->mesh);
-  const SpectrumField reflectance = leaf_reflectance(scene, transport.display->mesh, leaves);
-  const std::size_t elements = scene.patches.size() + transport.display->mesh.elements + scene.sky_cells();
+  const SpectrumField reflectance = face_reflectance(scene, transport.display->mesh);
+  const std::size_t elements = scene.patches.size() + transport.display->mesh.elements() + scene.sky_cells();
   for (std::size_t first = 0; first < groups.size(); first += RadiosityTable::kMaxFields) {
     const std::size_t count = std::min(groups.size() - first, RadiosityTable::kMaxFields);
     RadiosityTable radiosity(count, elements, RadiosityTable::Precision::single);
     std::vector<Gather> gathers;
     for (std::size_t f = 0; f < count; ++f)
-      gathers.emplace_back(scene, transport, emitters, further, leaves, reflectance, groups[first + f], radiosity, f);
+      gathers.emplace_back(scene, transport, emitters, further, reflectance, groups[first + f], radiosity, f);
     for (int pass = 0; pass < kDisplayPasses; ++pass) {
       std::vector<FormFactorRows::Output> outputs;
       for (Gather& gather : gathers) outputs.push_back(gather.begin_pass());

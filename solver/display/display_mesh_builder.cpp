@@ -4,13 +4,17 @@
 #include <xmmintrin.h>
 
 #include <algorithm>
+#include <cmath>
 #include <span>
+#include <unordered_map>
 
+#include "pipeline/optics/cuts/cell_cutter.h"
 #include "pipeline/optics/sampling/random.h"
-#include "pipeline/optics/transport/elements.h"
+#include "pipeline/optics/transport/face_lookup.h"
 #include "solver/direct/direct_factors.h"
 #include "solver/display/display_facets.h"
-#include "solver/display/display_vertices.h"
+#include "solver/display/leaf_faces.h"
+#include "solver/display/leaf_lattice.h"
 #include "solver/form_factors/harmonic_distance.h"
 
 namespace patchlight {
@@ -23,12 +27,6 @@ constexpr float kNear = 0.25f;    // for vertices of its own
 constexpr float kSplit = 0.25f;   // for refinement
 constexpr float kContact = 4.0f;  // for refinement to the last level, at contacts and small gaps
 
-/// Measures for the refinement of a patch or cell.
-struct CellMeasure {
-  float criterion = 0.0f;  ///< Size over harmonic mean distance.
-  bool cut = false;        ///< A surface stands between the corners.
-};
-
 class Builder {
  public:
   Builder(const PatchSet& scene, const RayScene& ray_scene, const PatchLookup& lookup, std::uint64_t seed)
@@ -40,11 +38,7 @@ class Builder {
     std::vector<std::int32_t> level;
     for (std::size_t i = 0; i < mesh_.cells.size(); ++i) level.push_back(std::int32_t(i));
     for (int depth = 0; !level.empty(); ++depth) level = refine(level, depth, cast);
-    add_display_vertices(scene_, ray_scene_, lookup_, smooth_, mesh_);
-    for (auto& cell : mesh_.cells) {
-      if (cell.children < 0) cell.leaf = mesh_.elements;
-      mesh_.elements += cell.elements();
-    }
+    add_faces(scene_, lookup_, smooth_, crossings(), mesh_);
     add_display_facets(scene_, ray_scene_, lookup_, near_facets_, mesh_);
     cast += std::int64_t(mesh_.vertices.size()) * RayPacket::kSize;
     return std::move(mesh_);
@@ -54,11 +48,11 @@ class Builder {
   /// Adds roots for patches near other surfaces and for their neighbours, so that irradiance varies little where
   /// divided patches border on undivided ones.
   void add_roots(std::int64_t& cast) {
-    const std::vector<CellMeasure> measures = measure(scene_.patches, cast);
-    const DirectFactors::FindNeighbours neighbours = grid_neighbours(scene_, lookup_);
+    const std::vector<float> measures = measure(scene_.patches, cast);
+    const DirectFactors::FindNeighbours neighbours = grid_neighbours(scene_, lookup_, true);
     for (std::int32_t i = 0; i < std::int32_t(measures.size()); ++i) {
-      if (measures[i].criterion < kNear && !measures[i].cut) continue;
-      if (is_facet(scene_.patches[i].primitive)) {
+      if (scene_.patches[i].cut < 0 && measures[i] < kNear) continue;
+      if (scene_.patches[i].cut < 0 && is_facet(scene_.patches[i].primitive)) {
         near_facets_.push_back(i);
         continue;
       }
@@ -66,23 +60,29 @@ class Builder {
       DirectFactors::NeighbourList near;
       for (const std::int32_t j : std::span(near).first(neighbours(i, near))) mesh_.roots[j] = 0;
     }
+    std::unordered_map<std::int32_t, std::int32_t> root_of_cut;
     for (std::size_t i = 0; i < mesh_.roots.size(); ++i) {
+      const Patch& patch = scene_.patches[i];
       if (mesh_.roots[i] < 0) continue;
+      if (patch.cut >= 0) {
+        const auto [at, is_new] = root_of_cut.try_emplace(patch.cut, std::int32_t(mesh_.cells.size()));
+        mesh_.roots[i] = at->second;
+        if (!is_new) continue;
+      }
       mesh_.roots[i] = std::int32_t(mesh_.cells.size());
       mesh_.cells.emplace_back();
-      cell_patches_.push_back(scene_.patches[i]);
+      cell_patches_.push_back(patch.cut < 0 ? patch : sub_patch(scene_, patch, patch.u0, patch.v0, patch.u1, patch.v1));
     }
   }
 
   /// Divides the cells of a level that need it. Returns the new cells.
   std::vector<std::int32_t> refine(const std::vector<std::int32_t>& level, int depth, std::int64_t& cast) {
-    const auto needs_refinement = [&](const CellMeasure& cell) {
-      if (depth + 1 < kDisplayLevels) return cell.criterion >= kSplit || cell.cut;
-      return depth < kDisplayLevels && cell.criterion >= kContact;
+    const auto needs_refinement = [&](float criterion) {
+      return criterion >= (depth + 1 < kDisplayLevels ? kSplit : kContact) && depth < kDisplayLevels;
     };
     std::vector<Patch> parts;
     for (const std::int32_t i : level) parts.push_back(cell_patches_[i]);
-    const std::vector<CellMeasure> measures = measure(parts, cast);
+    const std::vector<float> measures = measure(parts, cast);
     std::vector<std::int32_t> next;
     for (std::size_t k = 0; k < level.size(); ++k) {
       DisplayMesh::Cell& cell = mesh_.cells[level[k]];
@@ -101,18 +101,26 @@ class Builder {
     return (lookup_.rows(i) == 1 || lookup_.row(i, 0).cells == 1) && smooth_.is_smooth(scene_.primitives[i]);
   }
 
-  std::vector<CellMeasure> measure(const std::vector<Patch>& parts, std::int64_t& cast) const {
+  /// Crossings of the primitives that are divided.
+  std::vector<std::vector<Crossing>> crossings() const {
+    std::vector<double> reach(scene_.primitives.size(), -1.0);
+    for (const Patch& cell : cell_patches_)
+      reach[cell.primitive] = std::max(reach[cell.primitive], CellCutter::kHighest * std::sqrt(cell.area));
+    return find_crossings(scene_.primitives, [&](std::int32_t i) { return reach[i]; });
+  }
+
+  /// Size of patches or cells over their harmonic mean distances.
+  std::vector<float> measure(const std::vector<Patch>& parts, std::int64_t& cast) const {
     constexpr int kBlock = 256;
-    std::vector<CellMeasure> measures(parts.size());
+    std::vector<float> measures(parts.size());
     const int count = int(parts.size());
     tbb::parallel_for(0, (count + kBlock - 1) / kBlock, [&](int block) {
       _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree requires denormals to be flushed
       for (int k = block * kBlock; k < std::min((block + 1) * kBlock, count); ++k)
-        measures[k] = {
-            refinement_criterion(scene_, ray_scene_, parts[k], hash64(seed_ ^ hash64(std::uint64_t(k)))).value,
-            is_cut(scene_, ray_scene_, parts[k])};
+        measures[k] =
+            refinement_criterion(scene_, ray_scene_, parts[k], hash64(seed_ ^ hash64(std::uint64_t(k)))).value;
     });
-    cast += std::int64_t(count) * (RayPacket::kSize + 6);
+    cast += std::int64_t(count) * RayPacket::kSize;
     Progress::check_interrupted();
     return measures;
   }

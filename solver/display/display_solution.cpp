@@ -36,11 +36,16 @@ std::vector<Patch> receivers(const PatchSet& scene, const DisplayMesh& mesh) {
   return points;
 }
 
-/// Finds neighbours of a leaf by index, since consecutive leaves are mostly adjacent.
-int leaf_neighbours(const std::vector<Patch>& leaves, std::int32_t i, DirectFactors::NeighbourList& near) {
+/// Finds faces next to a face by index, since consecutive faces are mostly adjacent: those that share a vertex, between
+/// which nothing stands.
+int face_neighbours(const DisplayMesh& mesh, std::int32_t i, DirectFactors::NeighbourList& near) {
+  const auto corners = mesh.corners_of(mesh.faces[i]);
   int count = 0;
-  for (std::int32_t j = std::max(0, i - 4); j <= std::min(std::int32_t(leaves.size()) - 1, i + 4); ++j)
-    if (j != i && leaves[j].primitive == leaves[i].primitive) near[count++] = j;
+  for (std::int32_t j = std::max(0, i - 4); j <= std::min(mesh.elements() - 1, i + 4); ++j) {
+    const auto others = mesh.corners_of(mesh.faces[j]);
+    if (j != i && std::find_first_of(corners.begin(), corners.end(), others.begin(), others.end()) != corners.end())
+      near[count++] = j;
+  }
   return count;
 }
 
@@ -70,9 +75,10 @@ std::int64_t complete_display(const PatchSet& scene, const SolveConfig& config, 
         LightSampler(scene, ray_scene, further, display_seed(config)).sample(points, {}, light_rays(rays), cast);
     transport.lights_id = id;
   }
-  const std::vector<Patch> leaves = leaf_patches(scene, transport.display->mesh);
+  const DisplayMesh& mesh = transport.display->mesh;
+  const std::vector<Patch> faces = face_patches(scene, mesh);
   const DirectFactors direct(
-      scene, ray_scene, leaves, [&](std::int32_t i, auto& near) { return leaf_neighbours(leaves, i, near); },
+      scene, ray_scene, faces, [&](std::int32_t i, auto& near) { return face_neighbours(mesh, i, near); },
       display_seed(config));
   const std::vector<Emitter> emitters = explicit_emitters(scene);
   for (std::size_t k = 0; k < emitters.size(); ++k) {
@@ -98,7 +104,7 @@ std::int64_t cast_display(const PatchSet& scene, const RayScene& ray_scene, cons
   const std::uint64_t seed = display_seed(config);
   display.mesh = build_display_mesh(scene, ray_scene, PatchLookup(scene), seed, mesh_rays);
   const std::vector<Patch> points = receivers(scene, display.mesh);
-  const Elements elements(scene, ray_scene, display.mesh);
+  const Elements elements(scene, display.mesh);
   return RayRows(scene, ray_scene, points, elements, seed, RayRows::SampleSets::joint)
       .cast(rays, display.rows, progress, shard);
 }

@@ -1,31 +1,74 @@
 #pragma once
-#include <cstdint>
+#include <limits>
 #include <unordered_map>
+#include <vector>
 
-#include "pipeline/model/display_mesh.h"
-#include "pipeline/optics/intersect/ray_scene.h"
-#include "pipeline/optics/sampling/patch_lookup.h"
+#include "pipeline/optics/surface/smooth_edges.h"
+#include "solver/display/leaf_lattice.h"
+#include "solver/display/sectors.h"
 
 namespace patchlight {
 
-constexpr int kDisplayLevels = 3;  ///< Largest number of subdivisions of a patch.
-
-/// Finds the edges of quads that join other quads smoothly.
-class SmoothEdges {
- public:
-  explicit SmoothEdges(const PatchSet& scene);
-
-  bool is_smooth(const Primitive& primitive) const;
-  /// Edges 0 to 3 are at v = 0, u = 1, v = 1, u = 0.
-  bool is_smooth(const Primitive& primitive, int edge) const;
-
- private:
-  std::unordered_map<std::uint64_t, int> count_;
+/// What lies around a vertex on a plane with crossings.
+struct Surroundings {
+  Sectors sectors{};
+  int sector = 0;                                         ///< That of the vertex.
+  double room = std::numeric_limits<double>::infinity();  ///< Distance to the far edges of its faces, m.
 };
 
-/// Adds the vertices at the corners of a mesh's leaves, shared by neighbours. Leaves with corners of much lower
-/// visibility than others are marked as cut.
-void add_display_vertices(const PatchSet& scene, const RayScene& ray_scene, const PatchLookup& lookup,
-                          const SmoothEdges& smooth, DisplayMesh& mesh);
+/// Builds the vertices of a DisplayMesh whose cells are given.
+class DisplayVertices {
+ public:
+  DisplayVertices(const PatchSet& scene, const PatchLookup& lookup, const SmoothEdges& smooth, DisplayMesh& mesh)
+      : scene_(scene), lookup_(lookup), smooth_(smooth), mesh_(mesh) {}
+
+  /// The number of a vertex at a corner of a face of `leaf`, on `patch`.
+  std::int32_t at(const VertexKey& key, const Leaf& leaf, std::int32_t patch, const Vec2f& uv,
+                  const Surroundings& around = {});
+
+  /// Moves vertices off the edges of their faces, where surfaces may meet; into their sectors if they have some.
+  void move_off_edges();
+
+  /// Finds vertices of smaller leaves in the middle of the edge from a to b of a leaf that is not cut, whose corners
+  /// are the vertices `at_a` and `at_b`. sector_of(node) is the leaf's sector at a node.
+  template <class SectorOf>
+  void find_midpoints(const VertexKey& a, const VertexKey& b, std::int32_t at_a, std::int32_t at_b,
+                      const SectorOf& sector_of) {
+    if (std::abs(b.x - a.x) + std::abs(b.y - a.y) < 2) return;
+    VertexKey middle{a.grid, (a.x + b.x) / 2, (a.y + b.y) / 2};
+    middle.sector = sector_of(middle);
+    const auto found = numbers_.find(middle);
+    if (found == numbers_.end()) return;
+    const std::int32_t k = found->second;
+    if (places_[k].kind == Kind::gathered) {
+      places_[k].kind = Kind::midpoint;
+      midpoints_.push_back({k, at_a, at_b});
+    }
+    find_midpoints(a, middle, at_a, k, sector_of);
+    find_midpoints(middle, b, k, at_b, sector_of);
+  }
+
+  /// Sorts the mesh's vertices by their kinds.
+  void sort();
+
+ private:
+  enum class Kind { gathered, border, midpoint };
+  struct Place {
+    Kind kind;
+    Vec2f step;            ///< Of the lattice, in (u,v); zeros on a cut.
+    std::uint64_t random;  ///< Of the key.
+    Surroundings around;
+  };
+
+  bool is_border(std::int32_t i, const Vec2f& at, const Vec2f& reach, const Surroundings& around) const;
+
+  const PatchSet& scene_;
+  const PatchLookup& lookup_;
+  const SmoothEdges& smooth_;
+  DisplayMesh& mesh_;
+  std::unordered_map<VertexKey, std::int32_t, VertexKeyHash> numbers_;
+  std::vector<Place> places_;                           ///< [vertices]
+  std::vector<std::array<std::int32_t, 3>> midpoints_;  ///< A vertex and the two vertices it lies between.
+};
 
 }  // namespace patchlight

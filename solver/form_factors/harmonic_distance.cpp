@@ -13,8 +13,6 @@ namespace {
 
 // Relative to the size of a patch or part.
 constexpr float kMinDistance = 0.05f;  // lower bound of hit distances
-constexpr float kLift = 1e-3f;         // height of the rays between the corners
-constexpr float kInset = 0.02f;        // distance of the rays' ends from the borders
 
 }  // namespace
 
@@ -89,28 +87,6 @@ RefinementCriterion refinement_criterion(const PatchSet& scene, const RayScene& 
     result.hits_backs = result.hits_backs || !hit.front;
   }
   return result;
-}
-
-bool is_cut(const PatchSet& scene, const RayScene& ray_scene, const Patch& part) {
-  const Primitive& primitive = scene.primitives[part.primitive];
-  if (primitive.shape != Primitive::Shape::quad) return false;
-  const float u_inset = kInset * (part.u1 - part.u0), v_inset = kInset * (part.v1 - part.v0);
-  const float lift = ray_scene.offset(part.primitive) + kLift * float(std::sqrt(part.area));
-  std::array<Vec3f, 4> corners;
-  for (int k = 0; k < 4; ++k) {
-    const float u = k % 2 ? part.u1 - u_inset : part.u0 + u_inset, v = k / 2 ? part.v1 - v_inset : part.v0 + v_inset;
-    corners[k] = ray_scene.to_local(point_at(primitive, u, v).position) + part.normal * lift;
-  }
-  RayPacket packet;
-  packet.clear();
-  int lane = 0;
-  for (int a = 0; a < 4; ++a)
-    for (int b = a + 1; b < 4; ++b) {
-      const Vec3f across = corners[b] - corners[a];
-      const float distance = across.length();
-      if (distance > 0) packet.set_shadow(lane++, corners[a], across / distance, distance);
-    }
-  return ray_scene.occluded(packet) != 0;
 }
 
 }  // namespace patchlight

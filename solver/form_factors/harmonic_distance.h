@@ -15,9 +15,6 @@ struct RefinementCriterion {
 RefinementCriterion refinement_criterion(const PatchSet& scene, const RayScene& ray_scene, const Patch& part,
                                          std::uint64_t random);
 
-/// Whether a surface blocks a line between any two corners of a plane patch, just above the patch.
-bool is_cut(const PatchSet& scene, const RayScene& ray_scene, const Patch& part);
-
 /// Fraction of 64 rays from a point that find a lit surface or the environment; 1 if none of the first 16 hits an unlit
 /// back. (Where backs are visible, rays that hit nothing are mostly below a floor or outside of a room.)
 float lit_ray_fraction(const PatchSet& scene, const RayScene& ray_scene, std::int32_t primitive,

@@ -33,7 +33,7 @@ struct RayRows::SampleSet {
     for (int k = 0; k < 4; ++k)
       digital_shift[k] = std::uint32_t((k < 2 ? shift_bits : hash64(shift_bits)) >> 32 * (k % 2));
     has_mask = has_alpha_mask(rows.scene_, patch);
-    if (primitive.shape != Primitive::Shape::quad || has_mask) {
+    if (primitive.shape != Primitive::Shape::quad || has_mask || !patch.outline.empty()) {
       sampler.emplace(primitive, patch);
       return;
     }
@@ -47,7 +47,7 @@ struct RayRows::SampleSet {
   const Patch& patch;
   const Primitive& primitive;
   float offset;
-  std::optional<PatchSampler> sampler;  ///< Of spheres and of patches with alpha masks.
+  std::optional<PatchSampler> sampler;  ///< Of spheres, parts of cells and patches with alpha masks.
   bool has_mask = false;
   QuadPatch quad{};
 

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "pipeline/model/error.h"
-#include "pipeline/optics/intersect/quad_shape.h"
+#include "pipeline/optics/sampling/quad_shape.h"
 #include "solver/hemicube/patch_id_shaders.h"
 
 namespace patchlight {
@@ -40,9 +40,20 @@ struct AlphaMaskRecord {
   std::array<float, 2> factor;
 };
 
-std::string with_mask_define(const std::string& shader) {
-  const std::size_t first_line = shader.find('\n') + 1;
-  return shader.substr(0, first_line) + "#define MASKED\n" + shader.substr(first_line);
+struct CutLineRecord {
+  std::array<float, 4> distance;
+  std::array<std::int32_t, 2> sides;
+  std::array<std::int32_t, 2> unused{};
+};
+
+/// A program of quads.
+unsigned link_quad_program(bool masked, bool cut) {
+  const std::string defines = std::string(masked ? "#define MASKED\n" : "") + (cut ? "#define CUT\n" : "");
+  const auto with_defines = [&](const std::string& shader) {
+    const std::size_t first_line = shader.find('\n') + 1;
+    return shader.substr(0, first_line) + defines + shader.substr(first_line);
+  };
+  return link_program(with_defines(kQuadVertexShader).c_str(), with_defines(kQuadFragmentShader).c_str());
 }
 
 template <class T>
@@ -85,6 +96,7 @@ PatchIdRenderer::PatchIdRenderer(const PatchSet& scene) : origin_(patch_bounds_c
     upload_masks(scene);
   }
   upload_spheres(scene, lookup);
+  if (!scene.cuts.empty()) upload_cuts(lookup);
   glGenFramebuffers(1, &framebuffer_);
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
   glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
@@ -113,9 +125,7 @@ PatchIdRenderer::Quads PatchIdRenderer::upload_quads(const PatchSet& scene, cons
   }
   Quads quads;
   quads.vertices = int(vertices.size());
-  quads.program =
-      masked ? link_program(with_mask_define(kQuadVertexShader).c_str(), with_mask_define(kQuadFragmentShader).c_str())
-             : link_program(kQuadVertexShader, kQuadFragmentShader);
+  quads.program = link_quad_program(masked, !scene.cuts.empty());
   glGenVertexArrays(1, &quads.array);
   glBindVertexArray(quads.array);
   upload(GL_ARRAY_BUFFER, vertices);
@@ -159,6 +169,14 @@ void PatchIdRenderer::upload_masks(const PatchSet& scene) const {
   }
   upload_storage(3, alpha_masks);
   upload_storage(4, texels);
+}
+
+void PatchIdRenderer::upload_cuts(const PatchLookup& lookup) const {
+  std::vector<CutLineRecord> lines;
+  for (const CutLine& line : lookup.lines())
+    lines.push_back({{line.constant, line.along_u, line.along_v, line.twist}, line.sides});
+  upload_storage(5, lookup.cut_of());
+  upload_storage(6, lines);
 }
 
 void PatchIdRenderer::upload_spheres(const PatchSet& scene, const PatchLookup& lookup) {

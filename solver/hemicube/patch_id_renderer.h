@@ -53,6 +53,7 @@ class PatchIdRenderer {
 
   Quads upload_quads(const PatchSet& scene, const PatchLookup& lookup, bool masked) const;
   void upload_masks(const PatchSet& scene) const;
+  void upload_cuts(const PatchLookup& lookup) const;
   void upload_spheres(const PatchSet& scene, const PatchLookup& lookup);
 
   GlContext context_;

@@ -1,6 +1,7 @@
 #pragma once
 
-// GLSL of PatchIdRenderer. With MASKED defined, the shaders of quads do alpha tests.
+// GLSL of PatchIdRenderer. With MASKED defined, the shaders of quads do alpha tests; with CUT, they find the parts of
+// cut cells.
 
 namespace patchlight {
 
@@ -87,6 +88,26 @@ bool passes_alpha_test(vec2 uv) {
 }
 #endif
 
+#ifdef CUT
+struct CutLine {
+  vec4 distance;  // to the left: constant, along u, along v, times uv
+  ivec2 sides;    // another line, or ~patch
+  ivec2 unused;
+};
+layout(std430, binding = 5) readonly buffer CutOf { int cut_of[]; };  // by patch: its cell's first line, or -1
+layout(std430, binding = 6) readonly buffer CutLines { CutLine lines[]; };
+
+uint part_of_cell(uint cell_id, vec2 uv) {
+  int at = cell_id == 0u ? -1 : cut_of[cell_id - 1u];
+  if (at < 0) return cell_id;
+  while (at >= 0) {
+    vec4 d = lines[at].distance;
+    at = lines[at].sides[d.x + uv.x * d.y + uv.y * (d.z + uv.x * d.w) < 0.0 ? 1 : 0];
+  }
+  return uint(~at) + 1u;
+}
+#endif
+
 void main() {
   vec2 uv = inverse_bilinear(corner.x, corner.y, at.x, at.y);
 #ifdef MASKED
@@ -96,6 +117,9 @@ void main() {
   if (!gl_FrontFacing) uv.x = 1.0 - uv.x;
   ivec2 cell = clamp(ivec2(uv * grid.yz), ivec2(0), max(grid.yz - 1, ivec2(0)));
   id = uint(grid.x + cell.y * grid.y + cell.x);
+#ifdef CUT
+  id = part_of_cell(id, uv);
+#endif
 }
 )";
 

@@ -47,18 +47,28 @@ const std::vector<double>& projection(int m) {
   return projections[m];
 }
 
-/// Smooths along one axis of a grid: `lines` lines of `cells` values with a stride of `step`.
-VECTOR_CODE void smooth_lines(const SpectrumField& from, SpectrumField& to, int lines, int line_step, int cells,
-                              int step, int width) {
+/// Smooths a line of `cells` values with a stride of `step`.
+VECTOR_CODE void smooth_line(const Spectrum* from, Spectrum* to, int cells, int step, int width) {
   const int m = std::min(width, cells);
   const std::vector<double>& weights = projection(m);
+  for (int i = 0; i < cells; ++i) {
+    const int start = std::clamp(i - m / 2, 0, cells - m);
+    Spectrum sum;
+    for (int k = 0; k < m; ++k) sum += from[(start + k) * step] * Spectrum(weights[(i - start) * m + k]);
+    to[i * step] = sum;
+  }
+}
+
+/// Smooths along one axis of a grid: `lines` lines of `cells` values with a stride of `step`, each between its closed
+/// edges: `ends` tells the values after which one is, or is empty.
+void smooth_lines(const SpectrumField& from, SpectrumField& to, int lines, int line_step, int cells, int step,
+                  int width, const std::vector<bool>& ends) {
   for (int line = 0; line < lines; ++line)
-    for (int i = 0; i < cells; ++i) {
-      const int start = std::clamp(i - m / 2, 0, cells - m);
-      Spectrum sum;
-      for (int k = 0; k < m; ++k)
-        sum += from[line * line_step + (start + k) * step] * Spectrum(weights[(i - start) * m + k]);
-      to[line * line_step + i * step] = sum;
+    for (int first = 0, last = 0; first < cells; first = last) {
+      const int start = line * line_step;
+      do ++last;
+      while (last < cells && (ends.empty() || !ends[start + (last - 1) * step]));
+      smooth_line(from.data() + start + first * step, to.data() + start + first * step, last - first, step, width);
     }
 }
 
@@ -77,10 +87,10 @@ std::vector<double> neighbourhood_sums(const std::vector<double>& values, int nu
   return sums;
 }
 
-SpectrumField smoothed(const SpectrumField& values, int nu, int nv, int width) {
+SpectrumField smoothed(const SpectrumField& values, const IrradianceFilter::Grid& grid, int width) {
   SpectrumField along(values.size()), both(values.size());
-  smooth_lines(values, along, nv, nu, nu, 1, width);
-  smooth_lines(along, both, nu, 1, nv, nu, width);
+  smooth_lines(values, along, grid.nv, grid.nu, grid.nu, 1, width, grid.ends_along_u);
+  smooth_lines(along, both, grid.nu, 1, grid.nv, grid.nu, width, grid.ends_along_v);
   return both;
 }
 
@@ -101,7 +111,14 @@ IrradianceFilter::IrradianceFilter(const PatchLookup& lookup, std::size_t primit
     bool is_lit = false;
     for (std::int32_t i = 0; is_grid && !is_lit && i < nu * nv; ++i)
       is_lit = irradiance[lookup.row(p, 0).first + i].sum() != 0;
-    if (is_lit) grids_.push_back({lookup.row(p, 0).first, nu, nv});
+    if (!is_lit) continue;
+    Grid& grid = grids_.emplace_back(Grid{lookup.row(p, 0).first, nu, nv});
+    std::uint8_t closed = 0;
+    for (std::int32_t i = 0; i < nu * nv; ++i) closed |= lookup.closed_edges(grid.first + i);
+    for (std::int32_t i = 0; closed != 0 && i < nu * nv; ++i) {
+      grid.ends_along_u.push_back(lookup.closed_edges(grid.first + i) & 2);
+      grid.ends_along_v.push_back(lookup.closed_edges(grid.first + i) & 4);
+    }
   }
   tbb::parallel_for(std::size_t(0), grids_.size(),
                     [&](std::size_t g) { choose(grids_[g], irradiance, deviation, reflectance, lit); });
@@ -119,8 +136,8 @@ void IrradianceFilter::choose(const Grid& grid, const SpectrumField& irradiance,
   for (std::size_t i = 0; i < cells; ++i) noise[i] = weighted_square(half_difference[i], weight[i]);
   for (std::uint8_t width = 1; width < kWidths.size(); ++width) {
     if (kWidths[width - 1] >= std::max(grid.nu, grid.nv)) break;
-    SpectrumField wide = smoothed(mean, grid.nu, grid.nv, kWidths[width]);
-    SpectrumField wide_noise = smoothed(half_difference, grid.nu, grid.nv, kWidths[width]);
+    SpectrumField wide = smoothed(mean, grid, kWidths[width]);
+    SpectrumField wide_noise = smoothed(half_difference, grid, kWidths[width]);
     for (std::size_t i = 0; i < cells; ++i) {
       increase[i] = weighted_square(wide[i] - narrow[i], weight[i]) -
                     weighted_square(wide_noise[i] - narrow_noise[i], weight[i]) +
@@ -152,7 +169,7 @@ SpectrumField IrradianceFilter::apply(const SpectrumField& field) const {
     const SpectrumField values(field.begin() + grid.first, field.begin() + grid.first + grid.patches());
     for (std::uint8_t width = 1; width < kWidths.size(); ++width) {
       if (std::find(begin, end, width) == end) continue;
-      const SpectrumField smooth = smoothed(values, grid.nu, grid.nv, kWidths[width]);
+      const SpectrumField smooth = smoothed(values, grid, kWidths[width]);
       for (std::size_t i = 0; i < values.size(); ++i)
         if (choice_[grid.first + i] == width) result[grid.first + i] = smooth[i];
     }

@@ -8,9 +8,20 @@ namespace patchlight {
 ///
 /// The filters fit a polynomial of second degree to a window of patches (Savitzky and Golay 1964), which keeps
 /// gradients and curvature. Each patch has its own window, or none: two independent sample sets give unbiased estimates
-/// of a filter's squared bias and remaining variance (as in Rousselle, Knaus and Zwicker 2012).
+/// of a filter's squared bias and remaining variance (as in Rousselle, Knaus and Zwicker 2012). Windows do not reach
+/// beyond edges on which other surfaces stand, nor into cut cells.
 class IrradianceFilter {
  public:
+  /// A quad's cells.
+  struct Grid {
+    std::int32_t first;  ///< Patch.
+    int nu, nv;
+    /// [cells] Whether the edge towards larger u, or v, is closed; empty: none is.
+    std::vector<bool> ends_along_u{}, ends_along_v{};
+
+    int patches() const { return nu * nv; }
+  };
+
   /// Chooses windows for `irradiance` [n] with its `deviation`, half the difference of its sample sets, both weighted
   /// by `reflectance`. Patches where `lit` [n] is zero are not filtered.
   IrradianceFilter(const PatchLookup& lookup, std::size_t primitives, const SpectrumField& irradiance,
@@ -30,13 +41,6 @@ class IrradianceFilter {
   double correlated_patches(std::size_t i) const;
 
  private:
-  struct Grid {
-    std::int32_t first;
-    int nu, nv;
-
-    int patches() const { return nu * nv; }
-  };
-
   void choose(const Grid& grid, const SpectrumField& irradiance, const SpectrumField& deviation,
               const SpectrumField& reflectance, const SpectrumField& lit);
 

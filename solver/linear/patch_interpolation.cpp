@@ -21,6 +21,9 @@ Spectrum interpolate(const PatchSet& scene, const PatchLookup& lookup, std::int3
     return at(k) * Spectrum(1 - fraction) + at(k + 1) * Spectrum(fraction);
   };
   const int rows = lookup.rows(primitive);
+  const auto lower = [](float x, int cells) { return int(std::floor(x * float(cells) - 0.5f)); };
+  if (!periodic && !lookup.is_open(primitive, lower(u, lookup.row(primitive, 0).cells), lower(v, rows)))
+    return Spectrum(field[patch]);
   const float y = std::clamp(v * float(rows) - 0.5f, 0.0f, float(rows - 1));
   const int k = std::min(int(y), std::max(rows - 2, 0));
   const double fraction = double(y) - k;

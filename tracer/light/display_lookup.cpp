@@ -1,14 +1,13 @@
 #include "tracer/light/display_lookup.h"
 
 #include <algorithm>
-
-#include "pipeline/optics/transport/elements.h"
+#include <cmath>
 
 namespace patchlight {
 
-DisplayLookup::DisplayLookup(const PatchSet& scene, const RayScene& ray_scene, const IrradianceLookup& patches,
-                             const EnergyField& energy, const std::vector<LightMix>& mixes)
-    : scene_(scene), ray_scene_(ray_scene), patches_(patches), mesh_(*energy.display) {
+DisplayLookup::DisplayLookup(const PatchSet& scene, const IrradianceLookup& patches, const EnergyField& energy,
+                             const std::vector<LightMix>& mixes)
+    : patches_(patches), mesh_(*energy.display), faces_(scene, mesh_) {
   for (std::size_t m = 0; m < mixes.size(); ++m) {
     std::vector<Color>& irradiance = irradiance_.emplace_back(mesh_.vertices.size(), Color(0.0f));
     for (std::size_t g = 0; g < energy.groups.size(); ++g)
@@ -35,58 +34,70 @@ DisplayLookup::DisplayLookup(const PatchSet& scene, const RayScene& ray_scene, c
   }
 }
 
-void DisplayLookup::CornerCache::start(std::uint32_t pixel) {
-  if (pixel == pixel_) return;
-  pixel_ = pixel;
-  entries_.fill({});
-}
-
-DisplayLookup::Blend DisplayLookup::blend(std::int32_t i, std::int32_t patch, float u, float v,
-                                          CornerCache& cache) const {
+DisplayLookup::Blend DisplayLookup::blend(std::int32_t patch, float u, float v) const {
   Blend blend;
-  auto& weights = blend.weights;
-  const auto set_weights = [&](float x, float y) {
-    for (int k = 0; k < 4; ++k) weights[k] = (k % 2 ? x : 1.0f - x) * (k / 2 ? y : 1.0f - y);
+  const auto set_bilinear = [&](std::span<const std::int32_t> corners, float x, float y) {
+    blend.count = 4;
+    for (int k = 0; k < 4; ++k) {
+      blend.vertices[k] = corners[k];
+      blend.weights[k] = (k % 2 ? x : 1.0f - x) * (k / 2 ? y : 1.0f - y);
+    }
   };
-  if (mesh_.roots[patch] < 0) {
-    if (facet_of_.empty() || facet_of_[patch] < 0) return blend;
-    blend.vertices = facets_[facet_of_[patch]];
-    set_weights(u, v);
+  const FaceLookup::Place place = faces_.find(patch, u, v);
+  if (place.face < 0) {
+    if (!facet_of_.empty() && facet_of_[patch] >= 0) set_bilinear(facets_[facet_of_[patch]], u, v);
     return blend;
   }
-  const DisplayMesh::Place place = mesh_.find(patch, scene_.patches[patch], u, v);
-  set_weights(place.u, place.v);
-  blend.vertices = place.leaf->corners;
-  if (!place.leaf->cut) return blend;
-
-  const std::uint32_t visible = cached_visible_corners(*place.leaf, i, u, v, cache);
-  float total = 0;
-  for (int k = 0; k < 4; ++k) total += visible >> k & 1u ? weights[k] : 0.0f;
-  if (total <= 0) return blend;
-  for (int k = 0; k < 4; ++k) weights[k] = visible >> k & 1u ? weights[k] / total : 0.0f;
+  const auto corners = mesh_.corners_of(mesh_.faces[place.face]);
+  if (!place.cut) {
+    set_bilinear(corners, place.u, place.v);
+    return blend;
+  }
+  blend.count = int(corners.size());
+  std::copy(corners.begin(), corners.end(), blend.vertices.begin());
+  set_mean_value_weights(u, v, blend);
   return blend;
 }
 
-Color DisplayLookup::operator()(const Blend& blend, std::int32_t i, float u, float v, std::size_t mix) const {
-  if (blend.vertices[0] < 0) return patches_(i, u, v, mix);
-  Color sum(0.0f);
-  for (int k = 0; k < 4; ++k) sum += irradiance_[mix][blend.vertices[k]] * blend.weights[k];
-  return sum;
+void DisplayLookup::set_mean_value_weights(float u, float v, Blend& blend) const {
+  const int n = blend.count;
+  std::array<Vec2d, DisplayMesh::kMostCorners> to;
+  std::array<double, DisplayMesh::kMostCorners> length, half_tangent, weights{};
+  for (int k = 0; k < n; ++k) {
+    const DisplayMesh::Vertex& vertex = mesh_.vertices[blend.vertices[k]];
+    to[k] = Vec2d(double(vertex.u) - u, double(vertex.v) - v);
+    length[k] = to[k].length();
+  }
+  double sum = 0;
+  const auto on_edge = [&](int k, int next) {
+    const double both = length[k] + length[next];
+    weights.fill(0);
+    weights[k] = both > 0 ? length[next] / both : 1;
+    weights[next] += both > 0 ? length[k] / both : 0;
+    sum = 1;
+  };
+  bool inside = true;
+  for (int k = 0; k < n && inside; ++k) {
+    const int next = (k + 1) % n;
+    const double cross = to[k].cross(to[next]), dot = to[k].dot(to[next]);
+    inside = std::abs(cross) > 1e-9 * length[k] * length[next] || dot > 0;
+    if (!inside) on_edge(k, next);
+    half_tangent[k] = (length[k] * length[next] - dot) / cross;
+  }
+  for (int k = 0; k < n && inside; ++k) {
+    const double tangents = half_tangent[(k + n - 1) % n] + half_tangent[k];
+    weights[k] = tangents > 0 && std::isfinite(tangents) ? tangents / length[k] : 0;  // outside by a rounding: none
+    sum += weights[k];
+  }
+  if (sum <= 0) on_edge(int(std::min_element(length.begin(), length.begin() + n) - length.begin()), 0);
+  for (int k = 0; k < n; ++k) blend.weights[k] = float(weights[k] / sum);
 }
 
-std::uint32_t DisplayLookup::cached_visible_corners(const DisplayMesh::Cell& leaf, std::int32_t i, float u, float v,
-                                                    CornerCache& cache) const {
-  for (CornerCache::Entry& entry : cache.entries_)
-    if (entry.leaf == &leaf && entry.uses < CornerCache::kMaxUses) {
-      ++entry.uses;
-      return entry.corners;
-    }
-  const auto found = std::find_if(cache.entries_.begin(), cache.entries_.end(),
-                                  [&](const CornerCache::Entry& entry) { return entry.leaf == &leaf; });
-  CornerCache::Entry& entry =
-      found != cache.entries_.end() ? *found : cache.entries_[cache.next_++ % CornerCache::kLeaves];
-  entry = {&leaf, visible_corners(scene_, ray_scene_, mesh_, leaf, i, std::array{Vec2f(u, v)}), 1};
-  return entry.corners;
+Color DisplayLookup::operator()(const Blend& blend, std::int32_t i, float u, float v, std::size_t mix) const {
+  if (blend.count == 0) return patches_(i, u, v, mix);
+  Color sum(0.0f);
+  for (int k = 0; k < blend.count; ++k) sum += irradiance_[mix][blend.vertices[k]] * blend.weights[k];
+  return sum;
 }
 
 }  // namespace patchlight

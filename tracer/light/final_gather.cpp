@@ -124,8 +124,7 @@ void FinalGather::add_sky(const Vec3f& direction, const GatherRay& ray, Gathered
 /// Adds the radiance of the surface at a hit, times pi.
 void FinalGather::add_surface(const SurfaceHit& hit, const GatherRay& ray, Gathered& gathered) const {
   const SolvedSurfaces::Colors colors = surfaces_.colors(hit);
-  DisplayLookup::CornerCache cache;
-  const DisplayLookup::Blend blend = surfaces_.blend(hit, colors.patch, cache);
+  const DisplayLookup::Blend blend = surfaces_.blend(hit, colors.patch);
   const bool emits = ray.mirrored || !sampled_[colors.patch];
   const auto reflected = [&](std::size_t mix) {
     return ray.throughput * colors.reflectance * surfaces_.total_irradiance(hit, blend, mix);

@@ -196,7 +196,7 @@ Integrator::Integrator(const PatchSet& scene, const EnergyField& energy, const J
       ray_scene_(scene),
       outlines_(scene),
       mixes_(light_settings(job, scene), config_.asks_for("light_groups")),
-      surfaces_(scene, ray_scene_, energy, mixes_, config_),
+      surfaces_(scene, energy, mixes_, config_),
       direct_(config_.quality != "patches") {
   const bool glossy = GlossyLights::is_needed(scene);
   if (direct_ || glossy) {

@@ -161,13 +161,18 @@ class IrradianceLookup::Builder {
     const auto at = [&](int column, int row) -> Color& { return origin[(row + 1) * stride + column + 1]; };
     for (int row = 0; row < nv; ++row)
       for (int column = 0; column < nu; ++column) at(column, row) = cell(i, column, row);
+    // The second cell from an edge; the first where anything stands between them.
+    const auto before = [&](int column, int row, int edge, int to_column, int to_row) {
+      const bool closed = lookup_.closed_edges(lookup_.row(i, row).first + column) >> edge & 1;
+      return closed ? at(column, row) : at(std::clamp(to_column, 0, nu - 1), std::clamp(to_row, 0, nv - 1));
+    };
     for (int k = 0; k < nu; ++k) {
-      at(k, -1) = margin_value(i, 0, k, at(k, 0), at(k, std::min(1, nv - 1)));
-      at(k, nv) = margin_value(i, 2, k, at(k, nv - 1), at(k, std::max(nv - 2, 0)));
+      at(k, -1) = margin_value(i, 0, k, at(k, 0), before(k, 0, 2, k, 1));
+      at(k, nv) = margin_value(i, 2, k, at(k, nv - 1), before(k, nv - 1, 0, k, nv - 2));
     }
     for (int k = 0; k < nv; ++k) {
-      at(-1, k) = margin_value(i, 3, k, at(0, k), at(std::min(1, nu - 1), k));
-      at(nu, k) = margin_value(i, 1, k, at(nu - 1, k), at(std::max(nu - 2, 0), k));
+      at(-1, k) = margin_value(i, 3, k, at(0, k), before(0, k, 1, 1, k));
+      at(nu, k) = margin_value(i, 1, k, at(nu - 1, k), before(nu - 1, k, 3, nu - 2, k));
     }
     for (const int row : {-1, nv})
       for (const int column : {-1, nu}) {
@@ -210,9 +215,12 @@ Color IrradianceLookup::operator()(std::int32_t i, float u, float v, std::size_t
   const Values& values = mixes_[mix_index];
   if (grid.columns == 0) return on_sphere(i, u, v, values);
   const Color* cells = values.cells.data() + grid.first;
+  const auto own = [&] { return values.patches[lookup_.patch(i, u, v)]; };
+  if (grid.columns < 0 && lookup_.closed_edges(lookup_.row(i, 0).first) != 0) return own();
   if (grid.columns < 0) return mix(mix(cells[0], cells[1], u), mix(cells[2], cells[3], u), v);
   const float x = u * float(grid.columns) + 0.5f, y = v * float(grid.rows) + 0.5f;
   const int column = std::clamp(int(x), 0, grid.columns), row = std::clamp(int(y), 0, grid.rows);
+  if (!lookup_.is_open(i, column - 1, row - 1)) return own();
   const int stride = grid.columns + 2;
   const Color* at = cells + row * stride + column;
   const float s = x - float(column), t = y - float(row);

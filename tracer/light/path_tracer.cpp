@@ -89,8 +89,7 @@ bool PathTracer::shade(RayPacket& packet, int lane, Path& path, const CameraRays
         path.center_distance2);
   if (path.pdf > 0)
     colors.emission *= glossy_lights_->hit_weight(sums.glossy_rays->vertices[lane], direction, path.pdf, colors.patch);
-  sums.corner_cache.start(path.pixel);
-  const DisplayLookup::Blend blend = surfaces_.blend(hit, colors.patch, sums.corner_cache);
+  const DisplayLookup::Blend blend = surfaces_.blend(hit, colors.patch);
   const auto radiance = [&](std::size_t mix) {
     return path.throughput *
            (surfaces_.emission(colors, mix) + colors.reflectance * surfaces_.irradiance(hit, blend, mix)) / float(kPi);

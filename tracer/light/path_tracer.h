@@ -33,7 +33,6 @@ struct PathSums {
   LayerSums* layers = nullptr;                    ///< Null: not asked for.
   const TileWindow* window = nullptr;             ///< Of the pixels.
   std::optional<GlossyShadowRays> glossy_rays{};  ///< Once a path has hit a rough metal.
-  DisplayLookup::CornerCache corner_cache{};
 };
 
 /// Traces camera paths to the solved surfaces. Each surface adds E / pi + rho H / pi and, if it is a metal, its

@@ -25,8 +25,8 @@ LightMixes::LightMixes(const std::vector<Color>& settings, bool by_group) : all{
   for (std::size_t g = 0; g < count; ++g) all.emplace_back(count, Color(0.0f))[g] = Color(1.0f);
 }
 
-SolvedSurfaces::SolvedSurfaces(const PatchSet& scene, const RayScene& ray_scene, const EnergyField& energy,
-                               const LightMixes& mixes, const TraceConfig& config)
+SolvedSurfaces::SolvedSurfaces(const PatchSet& scene, const EnergyField& energy, const LightMixes& mixes,
+                               const TraceConfig& config)
     : scene_(scene),
       mixes_(mixes),
       lookup_(scene),
@@ -43,7 +43,7 @@ SolvedSurfaces::SolvedSurfaces(const PatchSet& scene, const RayScene& ray_scene,
     varying_.push_back(is_colored(scene, i) || p.shader >= 0 || p.emission_texture >= 0);
   }
   const bool direct_in_patches = config.quality == "patches";
-  if (!direct_in_patches && energy.display) display_.emplace(scene, ray_scene, patches_, energy, mixes.all);
+  if (!direct_in_patches && energy.display) display_.emplace(scene, patches_, energy, mixes.all);
   const bool has_gathered = std::any_of(energy.groups.begin(), energy.groups.end(),
                                         [](const EnergyField::Group& group) { return !group.gathered_direct.empty(); });
   if (config.asks_for("direct") || config.asks_for("indirect")) {

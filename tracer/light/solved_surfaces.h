@@ -23,8 +23,7 @@ struct LightMixes {
 /// Colours and irradiance of the solution at hits on the lit sides of surfaces.
 class SolvedSurfaces {
  public:
-  SolvedSurfaces(const PatchSet& scene, const RayScene& ray_scene, const EnergyField& energy, const LightMixes& mixes,
-                 const TraceConfig& config);
+  SolvedSurfaces(const PatchSet& scene, const EnergyField& energy, const LightMixes& mixes, const TraceConfig& config);
 
   struct Colors {
     std::int32_t patch = 0;
@@ -45,8 +44,8 @@ class SolvedSurfaces {
   }
 
   /// Argument of irradiance() for a hit on `patch`, valid under all mixes.
-  DisplayLookup::Blend blend(const SurfaceHit& hit, std::int32_t patch, DisplayLookup::CornerCache& cache) const {
-    return display_ ? display_->blend(hit.primitive, patch, hit.u, hit.v, cache) : DisplayLookup::Blend{};
+  DisplayLookup::Blend blend(const SurfaceHit& hit, std::int32_t patch) const {
+    return display_ ? display_->blend(patch, hit.u, hit.v) : DisplayLookup::Blend{};
   }
   /// W/m2. Unless `quality` is `patches`, without the direct light of sampled emitters.
   Color irradiance(const SurfaceHit& hit, const DisplayLookup::Blend& blend, std::size_t mix = 0) const {

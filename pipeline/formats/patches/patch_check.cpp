@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "pipeline/formats/patches/patch_cuts.h"
 #include "pipeline/job/expression.h"
 
 namespace patchlight {
@@ -209,6 +210,9 @@ PatchFault order_fault(const PatchSet& scene) {
     const std::vector<std::size_t> rows = rows_of(scene, i, next);
     if (rows.empty()) return {"patches that do not tile their primitive", "/patches/uv"};
     if (!is_even(scene, scene.primitives[i], rows, first)) return {"patches of uneven size", "/patches/uv"};
+    while (next < scene.patches.size() && scene.patches[next].primitive == std::int32_t(i) &&
+           scene.patches[next].cut >= 0)
+      ++next;  // further parts of cut cells
   }
   if (next != scene.patches.size()) return {"patches that do not tile their primitive", "/patches/uv"};
   return {};
@@ -237,7 +241,8 @@ PatchFault find_fault(const PatchSet& scene) {
       if (!std::isfinite(*x) || !(camera.vertical > 0 && std::isfinite(camera.vertical)))
         return {"a camera that is not finite", "/cameras"};
   if (scene.cameras.empty()) return {"no camera", "/cameras/name"};
-  return order_fault(scene);
+  if (PatchFault fault = order_fault(scene)) return fault;
+  return cut_fault(scene);
 }
 
 }  // namespace patchlight

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "pipeline/formats/patches/patch_check.h"
+#include "pipeline/formats/patches/patch_cuts.h"
 #include "pipeline/formats/patches/patch_environment.h"
 #include "pipeline/formats/patches/patch_lights.h"
 #include "pipeline/formats/patches/patch_motions.h"
@@ -11,6 +12,7 @@
 #include "pipeline/formats/patches/patch_textures.h"
 #include "pipeline/hdf5/h5_store.h"
 #include "pipeline/hdf5/provenance_file.h"
+#include "pipeline/model/cuts/cut_cells.h"
 #include "pipeline/system/content_hash.h"
 
 namespace patchlight {
@@ -209,6 +211,7 @@ std::string metallic_roughness_key(const PatchSet& scene) {
 void write_patches(const std::filesystem::path& file, PatchSet& scene) {
   H5Writer writer(file);
   write_patch_rows(writer, scene);
+  write_cut_datasets(writer, scene);
   write_primitives(writer, scene);
   write_materials(writer, scene.materials);
   write_cameras(writer, scene.cameras);
@@ -226,10 +229,11 @@ void write_patches(const std::filesystem::path& file, PatchSet& scene) {
     names.insert(names.end(), textures.begin(), textures.end());
     return KeyHasher().add(writer.key_of(names)).add(metallic_roughness).hex();
   };
-  scene.key = key_of({"/patches/", "/primitives/type", "/primitives/corners", "/primitives/sphere", "/primitives/back",
-                      "/primitives/light_group", "/light_groups/", "/lights/kind", "/lights/light_group",
-                      "/lights/strength", "/lights/shape", "/environment/cells", "/environment/light_group"});
-  scene.geometry_key = key_of({"/patches/center", "/patches/primitive", "/patches/uv", "/primitives/type",
+  scene.key =
+      key_of({"/patches/", "/cuts/", "/primitives/type", "/primitives/corners", "/primitives/sphere",
+              "/primitives/back", "/primitives/light_group", "/light_groups/", "/lights/kind", "/lights/light_group",
+              "/lights/strength", "/lights/shape", "/environment/cells", "/environment/light_group"});
+  scene.geometry_key = key_of({"/patches/center", "/patches/primitive", "/patches/uv", "/cuts/", "/primitives/type",
                                "/primitives/corners", "/primitives/sphere", "/primitives/back", "/environment/rows"});
   scene.frames_key = writer.key_of(
       {"/primitives/smooth_vertices", "/primitives/material", "/shaders/", "/primitives/shader", "/primitives/texcoord",
@@ -256,6 +260,7 @@ PatchSet read_patches(const std::filesystem::path& file) {
   scene.made = read_provenance(reader);
   read_patch_rows(reader, scene.patches);
   read_primitives(reader, scene);
+  read_cut_datasets(reader, scene);
   read_materials(reader, scene.materials);
   read_cameras(reader, scene.cameras);
   read_motion_datasets(reader, scene);
@@ -268,6 +273,8 @@ PatchSet read_patches(const std::filesystem::path& file) {
   const std::vector<std::string> hashes = reader.strings("/sources/hash", std::int64_t(paths.size()));
   for (std::size_t i = 0; i < paths.size(); ++i) scene.sources.push_back({paths[i], hashes[i]});
   if (const PatchFault fault = find_fault(scene)) reader.refuse(fault.what, fault.where);
+  set_outlines(scene);
+  if (const PatchFault fault = outline_fault(scene)) reader.refuse(fault.what, fault.where);
   return scene;
 }
 

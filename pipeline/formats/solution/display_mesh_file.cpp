@@ -9,32 +9,71 @@ namespace {
 
 constexpr int kMaxDepth = 16;
 const char* const kCells = "/display/mesh/cells";
+const char* const kCuts = "/display/mesh/cuts";
+const char* const kFaces = "/display/mesh/faces";
 const char* const kFacets = "/display/mesh/facets";
 const char* const kVertices = "/display/mesh/vertices";
 
-/// Checks that children follow their parent and that no cell has two parents, which excludes cycles. Sets the leaves.
-void check_tree(const H5Reader& reader, DisplayMesh& mesh) {
+/// Checks that children follow their parent and that no cell has two parents, which excludes cycles. The
+/// parts of a cut cell share their root.
+void check_tree(const H5Reader& reader, const DisplayMesh& mesh) {
   std::vector<int> depth(mesh.cells.size(), -1);
   for (const std::int32_t root : mesh.roots) {
-    if (root < -1 || root >= std::int32_t(mesh.cells.size()) || (root >= 0 && depth[root] >= 0))
+    if (root < -1 || root >= std::int32_t(mesh.cells.size()))
       reader.refuse("an index that is not of a root cell", "/display/mesh/roots");
     if (root >= 0) depth[root] = 0;
   }
   const auto cells = std::int64_t(mesh.cells.size());
   for (std::int64_t i = 0; i < cells; ++i) {
-    DisplayMesh::Cell& cell = mesh.cells[i];
+    const DisplayMesh::Cell& cell = mesh.cells[i];
     if (depth[i] < 0 || depth[i] > kMaxDepth) reader.refuse("a cell without a parent, or too deep", kCells);
-    if (cell.children < 0) {
-      cell.leaf = mesh.elements;
-      mesh.elements += cell.elements();
-      continue;
-    }
+    if (cell.children < 0) continue;
     if (cell.children <= i || cell.children + std::int64_t(4) > cells) reader.refuse("children out of bounds", kCells);
     for (int k = 0; k < 4; ++k) {
       if (depth[cell.children + k] >= 0) reader.refuse("a cell with two parents", kCells);
       depth[cell.children + k] = depth[i] + 1;
     }
   }
+}
+
+/// Checks that every face belongs to one leaf, directly or by one tree of cuts, and has corners.
+void check_faces(const H5Reader& reader, DisplayMesh& mesh) {
+  std::vector<bool> faces(mesh.faces.size()), cuts(mesh.cuts.size());
+  const auto visit = [&](std::vector<bool>& seen, std::int32_t i, const char* where) {
+    if (i < 0 || std::size_t(i) >= seen.size() || seen[i]) reader.refuse("an index out of bounds, or twice", where);
+    seen[i] = true;
+  };
+  std::vector<std::int32_t> todo;
+  for (const DisplayMesh::Cell& cell : mesh.cells) {
+    if (cell.children >= 0) continue;
+    if (cell.cut < 0)
+      visit(faces, cell.face, kCells);
+    else
+      todo.push_back(cell.cut);
+    while (!todo.empty()) {
+      const std::int32_t at = todo.back();
+      todo.pop_back();
+      if (at < 0) {
+        visit(faces, ~at, kCuts);
+        continue;
+      }
+      visit(cuts, at, kCuts);
+      todo.insert(todo.end(), mesh.cuts[at].sides.begin(), mesh.cuts[at].sides.end());
+    }
+  }
+  std::int64_t corners = 0;
+  for (DisplayMesh::Face& face : mesh.faces) {
+    if (face.patch < 0 || std::size_t(face.patch) >= mesh.roots.size() || face.count < 3 ||
+        face.count > DisplayMesh::kMostCorners || !(face.part > 0))
+      reader.refuse("a value out of range", kFaces);
+    face.first = std::int32_t(corners);
+    corners += face.count;
+  }
+  if (corners != std::int64_t(mesh.corners.size()) || std::find(faces.begin(), faces.end(), false) != faces.end())
+    reader.refuse("faces that do not fit the cells", kFaces);
+  for (const Cut& cut : mesh.cuts)
+    if (!(std::isfinite((cut.to - cut.from).length()) && (cut.to - cut.from).length() > 0))
+      reader.refuse("a line that is not finite, or has no length", kCuts);
 }
 
 void check_facets(const H5Reader& reader, const DisplayMesh& mesh) {
@@ -55,36 +94,46 @@ void check_vertices(const H5Reader& reader, const DisplayMesh& mesh, std::int64_
   for (std::int64_t k = 0; k < midpoints; ++k)
     for (const std::int32_t end : mesh.midpoints[k])
       if (end < 0 || end >= count - midpoints + k) reader.refuse("a vertex out of order", "/display/mesh/midpoints");
-  for (const auto& cell : mesh.cells)
-    for (const std::int32_t corner : cell.corners)
-      if (cell.children < 0 && (corner < 0 || corner >= count)) reader.refuse("a corner out of bounds", kCells);
+  for (const std::int32_t corner : mesh.corners)
+    if (corner < 0 || corner >= count) reader.refuse("a corner out of bounds", "/display/mesh/corners");
 }
 
 }  // namespace
 
 void write_display_mesh(H5Writer& writer, const DisplayMesh& mesh) {
-  std::vector<std::int32_t> cells, facets, patches, midpoints;
-  std::vector<float> positions;
-  cells.reserve(6 * mesh.cells.size());
-  patches.reserve(2 * mesh.vertices.size());
+  std::vector<std::int32_t> cells, sides, faces, facets, patches, midpoints;
+  std::vector<double> lines;
+  std::vector<float> parts, positions;
+  cells.reserve(3 * mesh.cells.size());
+  patches.reserve(mesh.vertices.size());
   positions.reserve(2 * mesh.vertices.size());
-  for (const auto& cell : mesh.cells) {
-    const auto& c = cell.corners;
-    cells.insert(cells.end(), {cell.children, cell.cut, c[0], c[1], c[2], c[3]});
+  for (const auto& cell : mesh.cells) cells.insert(cells.end(), {cell.children, cell.face, cell.cut});
+  for (const auto& cut : mesh.cuts) {
+    lines.insert(lines.end(), {cut.from.x, cut.from.y, cut.to.x, cut.to.y});
+    sides.insert(sides.end(), cut.sides.begin(), cut.sides.end());
+  }
+  for (const auto& face : mesh.faces) {
+    faces.insert(faces.end(), {face.patch, face.count});
+    parts.push_back(face.part);
   }
   for (const auto& facet : mesh.facets) {
     facets.push_back(facet.patch);
     facets.insert(facets.end(), facet.corners.begin(), facet.corners.end());
   }
   for (const auto& vertex : mesh.vertices) {
-    patches.insert(patches.end(), {vertex.patch, vertex.hidden});
+    patches.push_back(vertex.patch);
     positions.insert(positions.end(), {vertex.u, vertex.v});
   }
   for (const auto& endpoints : mesh.midpoints) midpoints.insert(midpoints.end(), endpoints.begin(), endpoints.end());
   writer.dataset<std::int32_t>("/display/mesh/roots", mesh.roots);
-  writer.dataset<std::int32_t>(kCells, cells, 6);
+  writer.dataset<std::int32_t>(kCells, cells, 3);
+  writer.dataset<double>(kCuts, lines, 4);
+  writer.dataset<std::int32_t>("/display/mesh/cut_sides", sides, 2);
+  writer.dataset<std::int32_t>(kFaces, faces, 2);
+  writer.dataset<float>("/display/mesh/face_part", parts);
+  writer.dataset<std::int32_t>("/display/mesh/corners", mesh.corners);
   writer.dataset<std::int32_t>(kFacets, facets, 5);
-  writer.dataset<std::int32_t>("/display/mesh/vertex_patch", patches, 2);
+  writer.dataset<std::int32_t>("/display/mesh/vertex_patch", patches);
   writer.dataset<float>(kVertices, positions, 2);
   writer.dataset<std::int32_t>("/display/mesh/midpoints", midpoints, 2);
   writer.attribute("display_vertices", std::int64_t(mesh.gathered));
@@ -94,25 +143,34 @@ DisplayMesh read_display_mesh(const H5Reader& reader, std::int64_t patches) {
   DisplayMesh mesh;
   mesh.roots = reader.dataset<std::int32_t>("/display/mesh/roots", patches);
   patches = std::int64_t(mesh.roots.size());
-  const std::vector<std::int32_t> cells = reader.dataset<std::int32_t>(kCells, -1, 6);
-  mesh.cells.reserve(cells.size() / 6);
-  for (std::size_t k = 0; k < cells.size(); k += 6)
-    mesh.cells.push_back({cells[k], -1, cells[k + 1] != 0, {cells[k + 2], cells[k + 3], cells[k + 4], cells[k + 5]}});
+  const std::vector<std::int32_t> cells = reader.dataset<std::int32_t>(kCells, -1, 3);
+  mesh.cells.reserve(cells.size() / 3);
+  for (std::size_t k = 0; k < cells.size(); k += 3) mesh.cells.push_back({cells[k], cells[k + 1], cells[k + 2]});
+  const std::vector<double> lines = reader.dataset<double>(kCuts, -1, 4);
+  const std::vector<std::int32_t> sides =
+      reader.dataset<std::int32_t>("/display/mesh/cut_sides", std::int64_t(lines.size() / 4), 2);
+  for (std::size_t k = 0; k < sides.size() / 2; ++k)
+    mesh.cuts.push_back(
+        {{lines[4 * k], lines[4 * k + 1]}, {lines[4 * k + 2], lines[4 * k + 3]}, {sides[2 * k], sides[2 * k + 1]}});
+  const std::vector<std::int32_t> faces = reader.dataset<std::int32_t>(kFaces, -1, 2);
+  const std::vector<float> parts = reader.dataset<float>("/display/mesh/face_part", std::int64_t(faces.size() / 2));
+  for (std::size_t k = 0; k < parts.size(); ++k) mesh.faces.push_back({faces[2 * k], 0, faces[2 * k + 1], parts[k]});
+  mesh.corners = reader.dataset<std::int32_t>("/display/mesh/corners", -1);
   const std::vector<std::int32_t> facets = reader.dataset<std::int32_t>(kFacets, -1, 5);
   for (std::size_t k = 0; k < facets.size(); k += 5)
     mesh.facets.push_back({facets[k], {facets[k + 1], facets[k + 2], facets[k + 3], facets[k + 4]}});
   const std::vector<float> positions = reader.dataset<float>(kVertices, -1, 2);
   const auto count = std::int64_t(positions.size() / 2);
-  const std::vector<std::int32_t> owners = reader.dataset<std::int32_t>("/display/mesh/vertex_patch", count, 2);
+  const std::vector<std::int32_t> owners = reader.dataset<std::int32_t>("/display/mesh/vertex_patch", count);
   mesh.vertices.reserve(std::size_t(count));
-  for (std::int64_t k = 0; k < count; ++k)
-    mesh.vertices.push_back({owners[2 * k], positions[2 * k], positions[2 * k + 1], owners[2 * k + 1] != 0});
+  for (std::int64_t k = 0; k < count; ++k) mesh.vertices.push_back({owners[k], positions[2 * k], positions[2 * k + 1]});
   const std::vector<std::int32_t> endpoints = reader.dataset<std::int32_t>("/display/mesh/midpoints", -1, 2);
   for (std::size_t k = 0; k < endpoints.size(); k += 2) mesh.midpoints.push_back({endpoints[k], endpoints[k + 1]});
   const std::int64_t gathered = reader.integer("display_vertices");
   if (gathered < 0 || gathered > count) reader.refuse("a number out of bounds", kVertices);
   mesh.gathered = std::int32_t(gathered);
   check_tree(reader, mesh);
+  check_faces(reader, mesh);
   check_facets(reader, mesh);
   check_vertices(reader, mesh, patches);
   return mesh;

@@ -53,7 +53,7 @@ void read_emitters(const H5Reader& reader, std::int64_t patches, Transport& tran
       return values;
     };
     emitter.factors = factors("/emitters/factor", patches);
-    if (transport.display) emitter.display = factors("/display/factor", transport.display->mesh.elements);
+    if (transport.display) emitter.display = factors("/display/factor", transport.display->mesh.elements());
     emitter.mirrored = read_photons(reader, own, patches);
     if (emitter.mirrored.empty() != transport.emitters.front().mirrored.empty())
       reader.refuse("photons of some emitters only", "/emitters/patches");
@@ -64,8 +64,8 @@ void read_display(const H5Reader& reader, std::int64_t patches, Transport& trans
   if (!reader.has("/display/rows/start")) return;
   auto& display = transport.display.emplace();
   display.mesh = read_display_mesh(reader, patches);
-  read_rows(reader, "/display", patches + display.mesh.elements + transport.sky, false, reader.integer("display_rays"),
-            display.rows);
+  read_rows(reader, "/display", patches + display.mesh.elements() + transport.sky, false,
+            reader.integer("display_rays"), display.rows);
   if (display.rows.rows() != display.mesh.gathered)
     reader.refuse("unequal numbers of rows and vertices", "/display/rows/start");
 }

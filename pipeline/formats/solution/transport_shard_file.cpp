@@ -83,7 +83,7 @@ TransportShard read_transport_shard(const fs::path& file, std::int64_t patches, 
   if (!reader.has("/display/rows/start")) return shard;
   if (!mesh && shard.mesh) mesh = &*shard.mesh;
   if (!mesh) reader.refuse("rows of a display mesh that the file does not contain", "/display/rows/start");
-  read_rows(reader, "/display", patches + mesh->elements + sky, false, reader.integer("display_rays"),
+  read_rows(reader, "/display", patches + mesh->elements() + sky, false, reader.integer("display_rays"),
             shard.display_rows.emplace());
   return shard;
 }

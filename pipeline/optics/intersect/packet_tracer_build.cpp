@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "pipeline/optics/intersect/packet_tracer.h"
-#include "pipeline/optics/intersect/quad_shape.h"
 #include "pipeline/optics/intersect/rounding.h"
+#include "pipeline/optics/sampling/quad_shape.h"
 
 namespace patchlight {
 

@@ -7,8 +7,8 @@
 #include <limits>
 
 #include "pipeline/optics/intersect/alpha_mask.h"
-#include "pipeline/optics/intersect/quad_shape.h"
 #include "pipeline/optics/intersect/rounding.h"
+#include "pipeline/optics/sampling/quad_shape.h"
 
 namespace patchlight {
 

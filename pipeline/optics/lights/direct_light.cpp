@@ -167,16 +167,15 @@ DirectLight::DirectLight(const PatchSet& scene, const RayScene& ray_scene, const
     radius_ = p.sphere_radius;
     return;
   }
-  const Patch& first = scene.patches[emitter.first_patch];
-  const Patch& last = scene.patches[emitter.first_patch + emitter.patches - 1];
+  const Patch patch = emitter.patches == 1 ? scene.patches[emitter.first_patch] : Patch{};
   const auto corner = [&](double u, double v) {
     const Vec3d at = point_at(p, u, v).position;
     if (corner_count_ == 0 || (at != corners_[corner_count_ - 1] && at != corners_[0])) corners_[corner_count_++] = at;
   };
-  corner(first.u0, first.v0);
-  corner(last.u1, first.v0);
-  corner(last.u1, last.v1);
-  corner(first.u0, last.v1);
+  corner(patch.u0, patch.v0);
+  corner(patch.u1, patch.v0);
+  corner(patch.u1, patch.v1);
+  corner(patch.u0, patch.v1);
   normal_ = ((p.corners[2] - p.corners[0]) % (p.corners[3] - p.corners[1])).normalized();
   center_ = Vec3d(0.0);
   for (int k = 0; k < corner_count_; ++k) center_ += corners_[k] / double(corner_count_);

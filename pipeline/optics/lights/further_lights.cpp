@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "pipeline/optics/intersect/alpha_mask.h"
-#include "pipeline/optics/intersect/quad_shape.h"
+#include "pipeline/optics/sampling/quad_shape.h"
 
 namespace patchlight {
 

@@ -33,7 +33,8 @@ struct Visibility {
   bool partial() const { return visible > 0 && hidden > 0; }
   /// Visible fraction, in [0,1]; 1 without samples.
   float visible_fraction() const { return visible + hidden > 0 ? float(visible) / float(visible + hidden) : 1.0f; }
-  bool mostly_visible() const { return visible >= hidden; }
+  /// Without samples nothing is known to be visible.
+  bool mostly_visible() const { return visible > 0 && visible >= hidden; }
 };
 
 /// Collects shadow rays, straight or by a mirror to a virtual image, and casts them in full packets. The sums passed to

@@ -1,5 +1,8 @@
 #include "pipeline/optics/sampling/patch_lookup.h"
 
+#include <algorithm>
+#include <optional>
+
 namespace patchlight {
 
 PatchLookup::PatchLookup(const PatchSet& scene) {
@@ -8,14 +11,55 @@ PatchLookup::PatchLookup(const PatchSet& scene) {
   const auto count = std::int32_t(scene.patches.size());
   for (std::int32_t i = 0; i < std::int32_t(scene.primitives.size()); ++i) {
     starts_.push_back(std::uint32_t(rows_.size()));
-    while (patch < count && scene.patches[patch].primitive == i) {
+    for (bool in_grid = true; in_grid && patch < count && scene.patches[patch].primitive == i;) {
       const std::int32_t first = patch;
       const float v0 = scene.patches[first].v0;
-      while (patch < count && scene.patches[patch].primitive == i && scene.patches[patch].v0 == v0) ++patch;
+      while (patch < count && scene.patches[patch].primitive == i && scene.patches[patch].v0 == v0 &&
+             (patch == first || scene.patches[patch].u0 > 0))
+        ++patch;
       rows_.push_back({first, patch - first});
+      in_grid = scene.patches[first].v1 < 1;
     }
+    while (patch < count && scene.patches[patch].primitive == i) ++patch;  // further parts of cut cells
   }
   starts_.push_back(std::uint32_t(rows_.size()));
+  if (!scene.cuts.empty()) add_cuts(scene);
+  add_closed_edges(scene);
+}
+
+void PatchLookup::add_closed_edges(const PatchSet& scene) {
+  const auto is_closed = [](const Patch& patch) { return patch.closed != 0 || patch.cut >= 0; };
+  if (std::none_of(scene.patches.begin(), scene.patches.end(), is_closed)) return;
+  for (const Patch& patch : scene.patches) closed_.push_back(patch.cut >= 0 ? 15 : patch.closed);
+  for (std::int32_t i = 0; i < std::int32_t(scene.primitives.size()); ++i) {
+    if (scene.primitives[i].shape == Primitive::Shape::sphere) continue;
+    const auto join = [](std::uint8_t& a, std::uint8_t bit_of_a, std::uint8_t& b, std::uint8_t bit_of_b) {
+      if (((a & bit_of_a) | (b & bit_of_b)) == 0) return;
+      a |= bit_of_a;
+      b |= bit_of_b;
+    };
+    for (int y = 0; y < rows(i); ++y)
+      for (int x = 0; x < row(i, y).cells; ++x) {
+        std::uint8_t& at = closed_[row(i, y).first + x];
+        if (x > 0) join(at, 8, closed_[row(i, y).first + x - 1], 2);
+        if (y > 0) join(at, 1, closed_[row(i, y - 1).first + x], 4);
+      }
+  }
+}
+
+void PatchLookup::add_cuts(const PatchSet& scene) {
+  for (const Patch& patch : scene.patches) cut_of_.push_back(patch.cut);
+  lines_.resize(scene.cuts.size());
+  std::vector<std::int32_t> primitive_of(scene.cuts.size(), -1);
+  for (const Patch& patch : scene.patches)
+    if (patch.cut >= 0) primitive_of[patch.cut] = patch.primitive;
+  std::optional<PlaneFrame> frame;
+  for (std::size_t k = 0; k < lines_.size(); ++k) {
+    const std::int32_t i = primitive_of[k] >= 0 ? primitive_of[k] : primitive_of[k - 1];  // roots are first
+    if (k == 0 || i != primitive_of[k - 1]) frame = PlaneFrame::of(scene.primitives[i]);
+    primitive_of[k] = i;
+    lines_[k] = cut_line(scene.cuts[k], scene.primitives[i], *frame);
+  }
 }
 
 }  // namespace patchlight

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pipeline/optics/sampling/quad_shape.h"
+
 namespace patchlight {
 
 namespace {
@@ -21,10 +23,6 @@ double area_density(const std::array<Vec3d, 4>& c, double u, double v) {
 
 }  // namespace
 
-Vec3d position_at(const std::array<Vec3d, 4>& c, double u, double v) {
-  return (c[0] * (1 - u) + c[1] * u) * (1 - v) + (c[3] * (1 - u) + c[2] * u) * v;
-}
-
 SurfacePoint point_at(const Primitive& p, double u, double v) {
   if (p.shape == Primitive::Shape::sphere) {
     const double phi = 2 * kPi * u, theta = kPi * v;
@@ -36,23 +34,54 @@ SurfacePoint point_at(const Primitive& p, double u, double v) {
   return {position_at(p.corners, u, v), Vec3f(normal.normalized())};
 }
 
+Imath::V2d uv_of(const Primitive& quad, const Vec3d& position) {
+  const auto& c = quad.corners;
+  const Vec3d along = c[1] - c[0], across = c[3] - c[0], normal = along % across, to = position - c[0];
+  const double square = normal ^ normal;
+  const Vec2f shape = quad_shape(c);
+  const Vec2f at = inverse_bilinear(shape.x, shape.y, float(((to % across) ^ normal) / square),
+                                    float(((along % to) ^ normal) / square));
+  return {at.x, at.y};
+}
+
 PatchSampler::PatchSampler(const Primitive& primitive, const Patch& patch) : primitive_(primitive), patch_(patch) {
   if (primitive.shape == Primitive::Shape::sphere) {
     cos_top_ = std::cos(kPi * patch.v0);
     cos_bottom_ = std::cos(kPi * patch.v1);
     return;
   }
+  if (!patch.outline.empty()) {
+    fan_.push_back(0);
+    for (std::size_t k = 2; k < patch.outline.size(); ++k) {
+      const Vec3d &o = patch.outline[0], &a = patch.outline[k - 1], &b = patch.outline[k];
+      fan_.push_back(fan_.back() + ((a - o) % (b - o)).length());
+    }
+    return;
+  }
   for (int k = 0; k < 4; ++k)
     density_[k] = area_density(primitive.corners, k % 2 ? patch.u1 : patch.u0, k / 2 ? patch.v1 : patch.v0);
 }
 
+/// x chooses the triangle of the fan and the angle in it, y the distance from the first corner.
+Vec3d PatchSampler::in_outline(double x, double y) const {
+  const double area = x * fan_.back();
+  const auto next = std::clamp<std::ptrdiff_t>(std::upper_bound(fan_.begin(), fan_.end(), area) - fan_.begin(), 1,
+                                               std::ptrdiff_t(fan_.size()) - 1);
+  const double below = fan_[next - 1], size = fan_[next] - below;
+  const double turn = size > 0 ? std::min((area - below) / size, 1.0) : 0.5;
+  const Vec3d &o = patch_.outline[0], &a = patch_.outline[next], &b = patch_.outline[next + 1];
+  return o + ((a - o) * (1 - turn) + (b - o) * turn) * std::sqrt(y);
+}
+
 SurfacePoint PatchSampler::operator()(float x, float y) const {
+  if (!fan_.empty()) return {in_outline(x, y), patch_.normal};
   const Imath::V2d at = uv(x, y);
   if (primitive_.shape == Primitive::Shape::sphere) return point_at(primitive_, at.x, at.y);
   return {position_at(primitive_.corners, at.x, at.y), patch_.normal};
 }
 
 Imath::V2d PatchSampler::uv(float x, float y) const {
+  if (!fan_.empty()) return uv_of(primitive_, in_outline(x, y));
   if (primitive_.shape == Primitive::Shape::sphere) {
     const double u = patch_.u0 + x * double(patch_.u1 - patch_.u0);
     const double cos_theta = cos_top_ + y * (cos_bottom_ - cos_top_);

@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <vector>
 
 #include "pipeline/model/patch_set.h"
 
@@ -11,11 +12,11 @@ struct SurfacePoint {
   Vec3f normal;
 };
 
-/// The position of a quad at (u,v).
-Vec3d position_at(const std::array<Vec3d, 4>& corners, double u, double v);
-
 /// The surface point of a primitive at (u,v).
 SurfacePoint point_at(const Primitive& primitive, double u, double v);
+
+/// The (u,v) of a point of a plane quad.
+Imath::V2d uv_of(const Primitive& quad, const Vec3d& position);
 
 /// Maps the unit square to a patch, uniformly in area (exact for planar patches and for spheres).
 class PatchSampler {
@@ -26,10 +27,13 @@ class PatchSampler {
   Imath::V2d uv(float x, float y) const;
 
  private:
+  Vec3d in_outline(double x, double y) const;
+
   const Primitive& primitive_;
   const Patch& patch_;
   double cos_top_ = 0, cos_bottom_ = 0;  ///< Sphere: cosines of the patch's polar angles.
   double density_[4]{1, 1, 1, 1};        ///< Quad: area per du dv at the patch's corners 00, 10, 01, 11.
+  std::vector<double> fan_{};            ///< Part of a cell: area of the first k triangles about its first corner.
 };
 
 /// A direction about +Z with density cos / pi per sr, by Malley's method; x and y in [0,1).

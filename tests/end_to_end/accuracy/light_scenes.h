@@ -22,7 +22,7 @@ struct LitScene {
   void double_sided(const std::array<Vec3d, 4>& c, int nu, int nv, float reflectance, float emission = 0) {
     const auto first = std::int32_t(builder.get().primitives.size());
     quad(c, nu, nv, reflectance, emission);
-    quad({c[0], c[3], c[2], c[1]}, nv, nu, reflectance, emission);
+    quad({c[1], c[0], c[3], c[2]}, nu, nv, reflectance, emission);
     builder.get().primitives[first].back = first + 1;
     builder.get().primitives[first + 1].back = first;
   }

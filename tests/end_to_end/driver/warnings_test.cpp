@@ -17,7 +17,8 @@ class Warnings : public ProgramTest {
  protected:
   /// That both runs of a job give the warning once, and no other warning.
   void expect_in_both_runs(const std::string& warning, const std::vector<std::string>& more = {}) {
-    std::vector<std::string> words{"run", "job.yaml", "--quiet", "--set", "import.patch_area=0.004"};
+    std::vector<std::string> words{"run",   "job.yaml",      "--quiet", "--set", "import.patch_area=0.004",
+                                   "--set", "solve.rays=128"};
     words.insert(words.end(), more.begin(), more.end());
     std::string errors;
     for (const char* log : {"first.jsonl", "second.jsonl"}) {
@@ -95,7 +96,7 @@ TEST_F(Warnings, AreNotGivenWhereTheJobSaysWhatASurfaceReflects) {
 TEST_F(Warnings, OfOneRunAloneAreNotRepeated) {
   small_job(folder_);
   const std::vector<std::string> run{
-      "run", "job.yaml", "--quiet", "--set", "cache=0", "--set", "import.patch_area=0.004"};
+      "run", "job.yaml", "--quiet", "--set", "cache=0", "--set", "import.patch_area=0.004", "--set", "solve.rays=128"};
   ASSERT_EQ(run_program(folder_, "patchlight", run).code, 0);
   folder_.write("out/transport.h5", "damaged");
   EXPECT_THAT(run_program(folder_, "patchlight", run).err,

@@ -33,14 +33,16 @@ TEST(EnergyFile, ReadsBackTheDisplaySolution) {
   DisplayMesh& mesh = solved.energy.display.emplace();
   mesh.roots = {-1, 0};
   mesh.cells.resize(1);
-  mesh.cells[0].corners = {0, 0, 1, 1};
+  mesh.cells[0].face = 0;
+  mesh.faces = {{1, 0, 4, 1.0f}};
+  mesh.corners = {0, 0, 1, 1};
   mesh.vertices = {{1, 0.5f, 0.0f}, {1, 0.5f, 1.0f}};
   mesh.gathered = 1;
   solved.energy.groups[0].display.assign(1, Color(0.75f));
   write_energy(folder / "energy.h5", solved.scene, solved.energy);
   const EnergyField read = read_energy(folder / "energy.h5", solved.scene);
   ASSERT_TRUE(read.display);
-  EXPECT_EQ(read.display->cells[0].corners, mesh.cells[0].corners);
+  EXPECT_EQ(read.display->corners, mesh.corners);
   EXPECT_EQ(read.groups[0].display, solved.energy.groups[0].display);
   EXPECT_TRUE(read_energy(folder / "energy.h5").display);
   solved.energy.display.reset();

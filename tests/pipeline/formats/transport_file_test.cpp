@@ -67,11 +67,12 @@ DisplayMesh cut_patch() {
   mesh.roots = {-1, 0};
   mesh.cells.resize(5);
   mesh.cells[0].children = 1;
-  mesh.cells[1].corners = {0, 3, 4, 1};
-  mesh.cells[2].corners = {3, 1, 1, 1};
-  mesh.cells[3].corners = {0, 1, 2, 3};
-  mesh.cells[4].corners = {0, 1, 2, 3};
-  mesh.cells[4].cut = true;
+  for (int k = 0; k < 3; ++k) mesh.cells[1 + k].face = k;
+  mesh.cells[4].cut = 0;
+  mesh.cuts = {{{0.5, 0}, {0.5, 1}, {~3, 1}}, {{0, 0.5}, {1, 0.5}, {~4, ~5}}};
+  for (std::int32_t f = 0; f < 6; ++f) mesh.faces.push_back({1, 4 * f, 4, 0.25f});
+  mesh.corners.resize(24, 1);
+  mesh.corners[2] = 4;
   mesh.vertices = {{1, 0.5f, 0.5f}, {1, 0.6f, 0.5f}, {1, 0.7f, 0.5f}, {1, 0.5f, 0.0f}, {1, 0.5f, 0.25f}};
   mesh.gathered = 2;
   mesh.midpoints = {{0, 3}};
@@ -83,11 +84,11 @@ Transport sample_with_display() {
   Transport transport = sample();
   transport.display = {cut_patch(), {}, {}};
   transport.display->rows.starts = {0, 1, 2, 4, 6};
-  transport.display->rows.columns = {7, 8, 0, 1, 2, 3};  // 2 patches, 7 elements of leaves
+  transport.display->rows.columns = {6, 7, 0, 1, 2, 3};  // 2 patches, 6 faces
   transport.display->rows.hit_weights = {1.0f, 1.0f, 0.5f, 0.5f};
   transport.display->rows.rays = 4;
-  transport.display->rows.mirrored = {{1, 0, 8, Color(0.5f)}};
-  for (auto& emitter : transport.emitters) emitter.display.assign(14, 0.125f);
+  transport.display->rows.mirrored = {{1, 0, 7, Color(0.5f)}};
+  for (auto& emitter : transport.emitters) emitter.display.assign(12, 0.125f);
   return transport;
 }
 
@@ -116,22 +117,26 @@ TEST(TransportFile, ReadsBackWhatTheDisplaySolutionNeeds) {
   const Transport read = read_transport(folder / "transport.h5");
   ASSERT_TRUE(read.display);
   EXPECT_EQ(read.display->rows.columns, written.display->rows.columns);
-  EXPECT_EQ(read.display->rows.mirrored[0].patch, 8);
+  EXPECT_EQ(read.display->rows.mirrored[0].patch, 7);
   EXPECT_EQ(read.emitters[1].display, written.emitters[1].display);
   const DisplayMesh &mesh = read.display->mesh, &cut = written.display->mesh;
   ASSERT_EQ(mesh.facets.size(), 1u);
   EXPECT_EQ(mesh.facets[0].corners, cut.facets[0].corners);
   EXPECT_EQ(mesh.roots, cut.roots);
-  EXPECT_EQ(mesh.elements, 7);
+  EXPECT_EQ(mesh.elements(), 6);
   EXPECT_EQ(mesh.gathered, 2);
   EXPECT_EQ(mesh.midpoints, cut.midpoints);
   EXPECT_EQ(mesh.vertices[4].v, 0.25f);
   for (std::size_t k = 0; k < 5; ++k) {
     EXPECT_EQ(mesh.cells[k].children, cut.cells[k].children);
     EXPECT_EQ(mesh.cells[k].cut, cut.cells[k].cut);
-    EXPECT_EQ(mesh.cells[k].corners, cut.cells[k].corners);
+    EXPECT_EQ(mesh.cells[k].face, cut.cells[k].face);
   }
-  EXPECT_EQ(mesh.cells[4].leaf, 3);
+  EXPECT_EQ(mesh.corners, cut.corners);
+  EXPECT_EQ(mesh.cuts[1].sides, cut.cuts[1].sides);
+  EXPECT_EQ(mesh.cuts[1].to.x, 1);
+  EXPECT_EQ(mesh.faces[5].first, cut.faces[5].first);
+  EXPECT_EQ(mesh.faces[5].part, 0.25f);
 }
 
 TEST(TransportFile, RefusesMeshesThatAreNone) {
@@ -145,8 +150,20 @@ TEST(TransportFile, RefusesMeshesThatAreNone) {
       [](Transport::Display& d) { d.mesh.cells[0].children = 2; },
       [](Transport::Display& d) { d.mesh.cells[0].children = 1 << 30; },
       [](Transport::Display& d) { d.mesh.cells[1].children = 2; },
-      [](Transport::Display& d) { d.mesh.cells[1].corners[2] = 5; },
-      [](Transport::Display& d) { d.mesh.cells[1].corners[2] = -1; },
+      [](Transport::Display& d) { d.mesh.cells[1].face = 1; },
+      [](Transport::Display& d) { d.mesh.cells[1].face = 6; },
+      [](Transport::Display& d) { d.mesh.cells[1].cut = 0; },
+      [](Transport::Display& d) { d.mesh.cells[4].cut = 2; },
+      [](Transport::Display& d) { d.mesh.cuts[1].sides[0] = 0; },
+      [](Transport::Display& d) { d.mesh.cuts[1].sides[0] = ~6; },
+      [](Transport::Display& d) { d.mesh.cuts[1].to.x = std::numeric_limits<double>::infinity(); },
+      [](Transport::Display& d) { d.mesh.cuts[1].to = d.mesh.cuts[1].from; },
+      [](Transport::Display& d) { d.mesh.faces[5].count = 2; },
+      [](Transport::Display& d) { d.mesh.faces[5].count = 9; },
+      [](Transport::Display& d) { d.mesh.faces[5].patch = 2; },
+      [](Transport::Display& d) { d.mesh.faces[5].part = 0; },
+      [](Transport::Display& d) { d.mesh.corners[2] = 5; },
+      [](Transport::Display& d) { d.mesh.corners[2] = -1; },
       [](Transport::Display& d) { d.mesh.vertices[0].patch = 2; },
       [](Transport::Display& d) { d.mesh.vertices[0].u = std::numeric_limits<float>::quiet_NaN(); },
       [](Transport::Display& d) { d.mesh.vertices[0].v = 1.5f; },
@@ -194,7 +211,7 @@ TEST(TransportFile, HoldsLightsAndWhatRowsSeeOfTheSky) {
   }
   written.sky = 3;
   written.columns[0] = 4;                 // 2 patches, 3 cells
-  written.display->rows.columns[0] = 11;  // behind 7 elements
+  written.display->rows.columns[0] = 10;  // behind 6 faces
   for (TransportRows* rows : {static_cast<TransportRows*>(&written), &written.display->rows}) {
     rows->sky_starts = {0, 1, 1, 3, 3};
     rows->sky_columns = {4, 3, 4};

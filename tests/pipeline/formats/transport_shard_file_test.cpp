@@ -38,10 +38,11 @@ DisplayMesh mesh() {
   DisplayMesh mesh;
   mesh.roots = {0, -1, -1, -1};
   mesh.cells.resize(1);
-  mesh.cells[0].corners = {0, 0, 0, 0};
+  mesh.cells[0].face = 0;
+  mesh.faces = {{0, 0, 4, 1.0f}};
+  mesh.corners = {0, 0, 0, 0};
   mesh.vertices = {{0, 0.5f, 0.5f}};
   mesh.gathered = 1;
-  mesh.elements = 1;
   return mesh;
 }
 

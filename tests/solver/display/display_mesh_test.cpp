@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pipeline/optics/transport/elements.h"
+#include "pipeline/optics/transport/face_lookup.h"
 #include "tests/alpha_mask_scene.h"
 #include "tests/solver/display/display_scenes.h"
 
@@ -33,36 +33,41 @@ TEST(DisplayMesh, DividesOnlyPatchesAlongCreases) {
     EXPECT_TRUE(mesh.vertices[k].patch >= 256 || mesh.vertices[k].patch % 16 > 0) << "borders are not at the crease";
 }
 
-TEST(DisplayMesh, LeavesCoverTheirPatches) {
+TEST(DisplayMesh, FacesCoverTheirPatches) {
   PatchScene builder = divided_room();
   builder.sphere({0.5, -0.8, 0.3}, 0.2, 8, 12, {});
   const PatchSet& scene = builder.get();
   const DisplayMesh mesh = mesh_of(scene);
-  const std::vector<Patch> leaves = leaf_patches(scene, mesh);
+  const std::vector<Patch> faces = face_patches(scene, mesh);
+  const FaceLookup lookup(scene, mesh);
+  std::vector<double> hits(faces.size());
   double area = 0, whole = 0;
-  for (std::size_t i = 0; i < mesh.roots.size(); ++i) whole += mesh.roots[i] >= 0 ? scene.patches[i].area : 0.0;
-  for (const Patch& leaf : leaves) area += leaf.area;
-  double cut = 0;
   for (std::size_t i = 0; i < mesh.roots.size(); ++i) {
     if (mesh.roots[i] < 0) continue;
     const Patch& patch = scene.patches[i];
-    for (float x = 0.01f; x < 1; x += 0.06f)
-      for (float y = 0.01f; y < 1; y += 0.06f) {
+    whole += patch.area;
+    for (float x = 0.03f; x < 1; x += 0.06f)
+      for (float y = 0.03f; y < 1; y += 0.06f) {
         const float u = patch.u0 + x * (patch.u1 - patch.u0), v = patch.v0 + y * (patch.v1 - patch.v0);
-        const DisplayMesh::Place place = mesh.find(std::int32_t(i), patch, u, v);
-        ASSERT_LT(place.leaf->children, 0);
-        if (place.leaf->cut) {
-          cut += patch.area / (17 * 17);
-          continue;
-        }
-        const Patch& leaf = leaves[place.leaf->leaf];
-        ASSERT_TRUE(leaf.u0 <= u && u <= leaf.u1 && leaf.v0 <= v && v <= leaf.v1);
-        ASSERT_NEAR(leaf.u0 + place.u * (leaf.u1 - leaf.u0), u, 1e-5);
+        const FaceLookup::Place place = lookup.find(std::int32_t(i), u, v);
+        ASSERT_GE(place.face, 0);
+        const Patch& face = faces[place.face];
+        hits[place.face] += patch.area / (17 * 17);
+        ASSERT_TRUE(face.u0 <= u && u <= face.u1 && face.v0 <= v && v <= face.v1);
+        ASSERT_NEAR(face.u0 + place.u * (face.u1 - face.u0), u, 1e-5);
       }
   }
-  EXPECT_NEAR(area + cut, whole, 0.01 * whole);
+  double difference = 0, cut = 0;
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    area += faces[f].area;
+    difference += std::abs(hits[f] - faces[f].area);
+    cut += faces[f].outline.empty() ? 0 : faces[f].area;
+    EXPECT_NEAR(faces[f].normal.length(), 1, 1e-5);
+    EXPECT_NEAR(mesh.faces[f].part, faces[f].area / scene.patches[mesh.faces[f].patch].area, 1e-6);
+  }
+  EXPECT_NEAR(area, whole, 1e-6 * whole);
+  EXPECT_LT(difference, 0.2 * whole) << "points fall on the faces that they lie on";
   EXPECT_GT(cut, 0);
-  for (const Patch& leaf : leaves) EXPECT_NEAR(leaf.normal.length(), 1, 1e-5);
 }
 
 TEST(DisplayMesh, DoesNotDivideFacetsOfCurvedMeshes) {
@@ -89,46 +94,79 @@ TEST(DisplayMesh, HasVerticesForFacetsNearOtherSurfaces) {
     for (const std::int32_t corner : facet.corners) EXPECT_LT(corner, mesh.gathered);
 }
 
-TEST(DisplayMesh, LeavesBesideAPanelIgnoreVerticesAtItsEdge) {
-  PatchScene builder;
-  builder.room(1, 8, {});  // the panel is 1 cm in front of the wall at z = -1
-  builder.quad({{{-0.5, -0.5, -0.99}, {0.5, -0.5, -0.99}, {0.5, 0.5, -0.99}, {-0.5, 0.5, -0.99}}}, 4, 4, {});
-  const DisplayMesh mesh = mesh_of(builder.get());
-  constexpr std::int32_t kWall = 4;
-  int leaves = 0;
-  for (const auto& cell : mesh.cells) {
-    if (cell.children >= 0) continue;
-    const DisplayMesh::Vertex &low = mesh.vertices[cell.corners[0]], &high = mesh.vertices[cell.corners[3]];
-    if (builder.get().patches[low.patch].primitive != kWall || std::abs(low.v - 0.75f) > 0.01f) continue;
-    if (high.v < 0.76f || low.u < 0.27f || high.u > 0.73f) continue;
-    ++leaves;
-    EXPECT_TRUE(cell.cut && low.hidden) << low.u;
-    EXPECT_FALSE(high.hidden) << high.u;
+/// Number of pairs of corners of a face, or of ends of a hanging vertex's edge, between which a surface stands.
+int parted_pairs(const PatchSet& scene, const DisplayMesh& mesh, std::int32_t primitive) {
+  const RayScene ray_scene(scene);
+  const auto is_parted = [&](std::int32_t a, std::int32_t b) {
+    const auto above = [&](std::int32_t i) {
+      const SurfacePoint at = point_at(scene.primitives[primitive], mesh.vertices[i].u, mesh.vertices[i].v);
+      return at.position + Vec3d(at.normal) * 1e-4;
+    };
+    const Vec3f across(above(b) - above(a));
+    if (across.length() == 0) return false;
+    RayPacket packet;
+    packet.clear();
+    packet.set_shadow(0, ray_scene.to_local(above(a)), across.normalized(), across.length());
+    return ray_scene.occluded(packet) != 0;
+  };
+  int count = 0;
+  for (const DisplayMesh::Face& face : mesh.faces) {
+    if (scene.patches[face.patch].primitive != primitive) continue;
+    for (const std::int32_t a : mesh.corners_of(face))
+      for (const std::int32_t b : mesh.corners_of(face)) count += a < b && is_parted(a, b);
   }
-  EXPECT_GE(leaves, 3);
+  for (const auto& [a, b] : mesh.midpoints)
+    count += scene.patches[mesh.vertices[a].patch].primitive == primitive && is_parted(a, b);
+  return count;
 }
 
-TEST(DisplayMesh, LeavesWithCornersOnBothSidesOfASheetAreCut) {
+TEST(DisplayMesh, NoFaceLiesOnBothSidesOfAWall) {
+  PatchScene builder = divided_room();
+  const DisplayMesh mesh = mesh_of(builder.get());
+  for (int wall = 2; wall < 6; ++wall) EXPECT_EQ(parted_pairs(builder.get(), mesh, wall), 0) << wall;
+  const auto is_cut = [](const auto& cell) { return cell.cut >= 0; };
+  EXPECT_GE(std::count_if(mesh.cells.begin(), mesh.cells.end(), is_cut), 4 * 16);
+}
+
+TEST(DisplayMesh, NoFaceLiesOnBothSidesOfAPanelsEdge) {
+  PatchScene builder;
+  builder.room(1, 8, {});  // the panel is 5 mm in front of the wall at z = -1
+  builder.quad({{{-0.55, -0.5, -0.995}, {0.5, -0.5, -0.995}, {0.5, 0.5, -0.995}, {-0.55, 0.5, -0.995}}}, 4, 4, {});
+  const DisplayMesh mesh = mesh_of(builder.get());
+  constexpr std::int32_t kWall = 4;
+  const PatchSet& scene = builder.get();
+  const auto is_covered = [&](std::int32_t i) {
+    const Vec3d at = point_at(scene.primitives[kWall], mesh.vertices[i].u, mesh.vertices[i].v).position;
+    return at.x > -0.55 && at.x < 0.5 && std::abs(at.y) < 0.5;
+  };
+  int covered = 0, open = 0;
+  for (const DisplayMesh::Face& face : mesh.faces) {
+    if (scene.patches[face.patch].primitive != kWall) continue;
+    const auto corners = mesh.corners_of(face);
+    const auto count = std::count_if(corners.begin(), corners.end(), is_covered);
+    EXPECT_TRUE(count == 0 || count == face.count) << count << " of " << face.count;
+    ++(count == 0 ? open : covered);
+  }
+  EXPECT_GE(covered, 16);
+  EXPECT_GE(open, 16);
+}
+
+TEST(DisplayMesh, FacesBesideASheetOnTheirEdgesDoNotShareVertices) {
   PatchScene builder;
   builder.quad({{{-1, 0, -1}, {-1, 0, 1}, {1, 0, 1}, {1, 0, -1}}}, 8, 8, {});
-  constexpr double kSheet = 0.0;  // along the edges of patches, from which vertices are moved to either side
-  builder.quad({{{kSheet, -1, -1}, {kSheet, 1, -1}, {kSheet, 1, 1}, {kSheet, -1, 1}}}, 4, 4, {});
-  builder.quad({{{kSheet, -1, 1}, {kSheet, 1, 1}, {kSheet, 1, -1}, {kSheet, -1, -1}}}, 4, 4, {});
+  builder.quad({{{0, -1, -1}, {0, 1, -1}, {0, 1, 1}, {0, -1, 1}}}, 4, 4, {});
+  builder.quad({{{0, -1, 1}, {0, 1, 1}, {0, 1, -1}, {0, -1, -1}}}, 4, 4, {});
   test::make_sides(builder.get(), 1, 2);
-  const PatchSet& scene = builder.get();
-  const DisplayMesh mesh = mesh_of(scene);
-  int leaves = 0;
-  for (const auto& cell : mesh.cells) {
-    if (cell.children >= 0) continue;
-    const DisplayMesh::Vertex &low = mesh.vertices[cell.corners[0]], &high = mesh.vertices[cell.corners[3]];
-    if (scene.patches[low.patch].primitive != 0) continue;
-    const double a = point_at(scene.primitives[0], low.u, low.v).position.x - kSheet;
-    const double b = point_at(scene.primitives[0], high.u, high.v).position.x - kSheet;
-    if (a * b > 0) continue;
-    ++leaves;
-    EXPECT_TRUE(cell.cut) << a << " " << b;
+  const DisplayMesh mesh = mesh_of(builder.get());
+  EXPECT_EQ(parted_pairs(builder.get(), mesh, 0), 0);
+  int near = 0;
+  for (std::int32_t k = 0; k < mesh.gathered; ++k) {
+    if (builder.get().patches[mesh.vertices[k].patch].primitive != 0) continue;
+    const double x = point_at(builder.get().primitives[0], mesh.vertices[k].u, mesh.vertices[k].v).position.x;
+    EXPECT_GT(std::abs(x), 1e-4) << "on its side of the sheet";
+    near += std::abs(x) < 0.01;
   }
-  EXPECT_GE(leaves, 8);
+  EXPECT_GE(near, 32) << "on both sides of it";
 }
 
 TEST(DisplayMesh, NoVertexIsTheMeanOfBothSidesOfASheet) {
@@ -141,47 +179,9 @@ TEST(DisplayMesh, NoVertexIsTheMeanOfBothSidesOfASheet) {
     builder.quad({{{x1, -1, z1}, {x1, 1, z1}, {x0, 1, z0}, {x0, -1, z0}}}, 4, 4, {});
     test::make_sides(builder.get(), first, first + 1);
   }
-  const PatchSet& scene = builder.get();
-  const RayScene ray_scene(scene);
-  const DisplayMesh mesh = mesh_of(scene);
-  int midpoints = 0;
-  for (const auto& [a, b] : mesh.midpoints) {
-    const auto at = [&](std::int32_t i) {
-      return point_at(scene.primitives[0], mesh.vertices[i].u, mesh.vertices[i].v).position + Vec3d(0, 0.001, 0);
-    };
-    if (scene.patches[mesh.vertices[a].patch].primitive != 0) continue;
-    ++midpoints;
-    const Vec3f across(at(b) - at(a));
-    RayPacket packet;
-    packet.clear();
-    packet.set_shadow(0, ray_scene.to_local(at(a)), across.normalized(), across.length());
-    EXPECT_EQ(ray_scene.occluded(packet), 0) << at(a) << " " << at(b);
-  }
-  EXPECT_GE(midpoints, 10);
-}
-
-TEST(Elements, OfVisiblePointsNeverBelongToHiddenCorners) {
-  PatchScene builder;
-  builder.quad({{{0, 0, 0}, {0, 0, 1}, {1, 0, 1}, {1, 0, 0}}}, 4, 4, {});
-  const double x = 0.256;  // a block stands left of x
-  builder.quad({{{x, 0, 0}, {x, 1, 0}, {x, 1, 1}, {x, 0, 1}}}, 4, 4, {});
-  builder.quad({{{0, 1, 0}, {0, 1, 1}, {x, 1, 1}, {x, 1, 0}}}, 4, 4, {});
-  builder.quad({{{0, 0, 0}, {0, 0, 1}, {0, 1, 1}, {0, 1, 0}}}, 4, 4, {});
-  const PatchSet& scene = builder.get();
-  const RayScene ray_scene(scene);
-  const DisplayMesh mesh = mesh_of(scene);
-  std::vector<bool> hidden(std::size_t(mesh.elements), false);
-  for (const auto& cell : mesh.cells)
-    for (int k = 0; cell.children < 0 && cell.cut && k < 4; ++k)
-      hidden[std::size_t(cell.leaf + k)] = mesh.vertices[cell.corners[k]].hidden;
-  ASSERT_TRUE(std::find(hidden.begin(), hidden.end(), true) != hidden.end());
-  const Elements elements(scene, ray_scene, mesh);
-  for (const float beyond : {1e-4f, 5e-4f, 1.5e-3f})
-    for (int k = 0; k < 1000; ++k) {
-      const std::int32_t element = elements.at(0, (float(k) + 0.5f) / 1000, float(x) + beyond);
-      ASSERT_GE(element, std::int32_t(scene.patches.size()));
-      EXPECT_FALSE(hidden[std::size_t(element) - scene.patches.size()]) << k << " " << beyond;
-    }
+  const DisplayMesh mesh = mesh_of(builder.get());
+  EXPECT_GE(mesh.midpoints.size(), 10u);
+  EXPECT_EQ(parted_pairs(builder.get(), mesh, 0), 0);
 }
 
 }  // namespace

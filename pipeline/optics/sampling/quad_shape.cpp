@@ -1,4 +1,4 @@
-#include "pipeline/optics/intersect/quad_shape.h"
+#include "pipeline/optics/sampling/quad_shape.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,0 +1,198 @@
+#include "pipeline/optics/cuts/crossings.h"
+
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <unsupported/Eigen/BVH>
+
+namespace patchlight {
+
+namespace {
+
+constexpr double kLow = 0.25;  // height of an edge that stands on a plane, over the size of its surface
+constexpr double kPositionRounding = 1.0 / (1 << 22);  // of positions, relative to their coordinates
+
+using Box = Eigen::AlignedBox3d;
+using Tree = Eigen::KdBVH<double, 3, std::int32_t>;
+
+Eigen::Vector3d to_eigen(const Vec3d& p) {
+  return {p.x, p.y, p.z};
+}
+
+/// A surface that may cross others.
+struct Crosser {
+  std::array<Vec3d, 4> corners;
+  double size;      ///< Root of its area, m.
+  double rounding;  ///< Error of its positions, m.
+  Box box;          ///< With a margin of `rounding`.
+
+  explicit Crosser(const Primitive& primitive) : corners(primitive.corners) {
+    const Vec3d normal = (corners[2] - corners[0]) % (corners[3] - corners[1]);
+    double largest = 0;
+    for (const Vec3d& c : corners) {
+      box.extend(to_eigen(c));
+      for (int k = 0; k < 3; ++k) largest = std::max(largest, std::abs(c[k]));
+    }
+    rounding = kPositionRounding * largest;
+    size = std::sqrt(0.5 * normal.length());
+    box.extend(box.min() - Eigen::Vector3d::Constant(rounding));
+    box.extend(box.max() + Eigen::Vector3d::Constant(rounding));
+  }
+};
+
+/// Collects the crossers whose boxes overlap a box.
+struct Overlaps {
+  const Box& box;
+  const std::vector<Crosser>& crossers;
+  std::vector<std::int32_t> found{};
+
+  bool intersectVolume(const Box& volume) const { return volume.intersects(box); }
+  bool intersectObject(std::int32_t i) {
+    if (crossers[i].box.intersects(box)) found.push_back(i);
+    return false;
+  }
+};
+
+/// Crossings of one plane primitive.
+class Plane {
+ public:
+  Plane(const Primitive& primitive, const PlaneFrame& frame) : frame_(frame), triangle_(primitive.is_triangle()) {
+    for (int k = 0; k < 4; ++k) {
+      outline_[k] = frame.to_plane(primitive.corners[k]);
+      size_ = std::max(size_, outline_[k].length());
+    }
+  }
+
+  void add(const Crosser& crosser, double reach) {
+    std::array<double, 4> heights;
+    for (int k = 0; k < 4; ++k) heights[k] = frame_.height(crosser.corners[k]);
+    const auto [low, high] = std::minmax_element(heights.begin(), heights.end());
+    const double rounding = crosser.rounding + kPositionRounding * size_;
+    if (*high <= rounding) return;
+    if (*low < -rounding) {
+      add_part({0, 1, 2}, crosser, heights);
+      add_part({0, 2, 3}, crosser, heights);
+    } else {
+      const double highest = std::min(reach, kLow * crosser.size) + rounding;
+      for (int k = 0; k < 4; ++k) {
+        const int next = (k + 1) % 4;
+        const double height = std::max(heights[k], heights[next]);
+        if (height <= highest)
+          add(crosser.corners[k], crosser.corners[next], rounding, height <= rounding ? 0.0 : height);
+      }
+    }
+  }
+
+  std::vector<Crossing> crossings() && {
+    const auto ends = [](const Crossing& c) { return std::array{c.from.x, c.from.y, c.to.x, c.to.y, c.height}; };
+    std::sort(found_.begin(), found_.end(), [&](const auto& a, const auto& b) { return ends(a) < ends(b); });
+    const auto same_line = [](const Crossing& a, const Crossing& b) { return a.from == b.from && a.to == b.to; };
+    found_.erase(std::unique(found_.begin(), found_.end(), same_line), found_.end());
+    const std::vector<std::int32_t> group = connected();
+    std::vector<Imath::Box2d> boxes(found_.size());
+    for (std::size_t i = 0; i < found_.size(); ++i)
+      for (const Vec2d& end : {found_[i].from, found_[i].to}) boxes[group[i]].extendBy(end);
+    for (std::size_t i = 0; i < found_.size(); ++i) found_[i].extent = boxes[group[i]].size().length();
+    return std::move(found_);
+  }
+
+ private:
+  /// Adds the line in which a triangle of a crosser meets the plane.
+  void add_part(const std::array<int, 3>& triangle, const Crosser& crosser, const std::array<double, 4>& heights) {
+    std::array<Vec3d, 2> ends;
+    int count = 0;
+    for (int k = 0; k < 3; ++k) {
+      const int a = triangle[k], b = triangle[(k + 1) % 3];
+      if ((heights[a] < 0) == (heights[b] < 0) || count == 2) continue;
+      const double t = heights[a] / (heights[a] - heights[b]);
+      ends[count++] = crosser.corners[a] * (1 - t) + crosser.corners[b] * t;
+    }
+    if (count == 2) add(ends[0], ends[1], crosser.rounding + kPositionRounding * size_, 0.0);
+  }
+
+  /// Adds the part of a line that lies inside of the outline and not along its edges.
+  void add(const Vec3d& from, const Vec3d& to, double rounding, double height) {
+    Vec2d a = frame_.to_plane(from), b = frame_.to_plane(to);
+    for (int k = 0; k < (triangle_ ? 3 : 4); ++k) {
+      const Vec2d &p = outline_[k], &q = outline_[triangle_ ? (k + 1) % 3 : (k + 1) % 4];
+      const double length = (q - p).length();
+      if (length == 0) continue;
+      const double inside_a = side_of(p, q, a) / length, inside_b = side_of(p, q, b) / length;
+      if (inside_a <= rounding && inside_b <= rounding) return;
+      if (inside_a < 0) a += (b - a) * (inside_a / (inside_a - inside_b));
+      if (inside_b < 0) b += (a - b) * (inside_b / (inside_b - inside_a));
+    }
+    if ((b - a).length() <= 4 * rounding) return;
+    if (std::array{b.x, b.y} < std::array{a.x, a.y}) std::swap(a, b);
+    found_.push_back({a, b, height});
+  }
+
+  /// One of those that each crossing is connected to, directly or by others: the same for all of them.
+  std::vector<std::int32_t> connected() const {
+    std::vector<std::int32_t> parent(found_.size());
+    std::iota(parent.begin(), parent.end(), 0);
+    const auto root = [&](std::int32_t i) {
+      while (parent[i] != i) i = parent[i] = parent[parent[i]];
+      return i;
+    };
+    const double cell = 1e-4 * size_;
+    std::map<std::array<std::int64_t, 2>, std::int32_t> first;  // of the ends in a cell
+    for (std::int32_t i = 0; i < std::int32_t(found_.size()); ++i)
+      for (const Vec2d& end : {found_[i].from, found_[i].to}) {
+        const auto x = std::int64_t(std::floor(end.x / cell)), y = std::int64_t(std::floor(end.y / cell));
+        for (std::int64_t dx = -1; dx <= 1; ++dx)
+          for (std::int64_t dy = -1; dy <= 1; ++dy)
+            if (const auto at = first.find({x + dx, y + dy}); at != first.end()) parent[root(at->second)] = root(i);
+        first.try_emplace({x, y}, i);
+      }
+    for (std::int32_t i = 0; i < std::int32_t(found_.size()); ++i) parent[i] = root(i);
+    return parent;
+  }
+
+  const PlaneFrame& frame_;
+  std::array<Vec2d, 4> outline_;
+  bool triangle_;
+  double size_ = 0;
+  std::vector<Crossing> found_;
+};
+
+}  // namespace
+
+std::vector<std::vector<Crossing>> find_crossings(const std::vector<Primitive>& primitives,
+                                                  const std::function<double(std::int32_t)>& reach) {
+  std::vector<Crosser> crossers;
+  std::vector<Box> boxes;
+  for (std::size_t i = 0; i < primitives.size(); ++i) {
+    const Primitive& p = primitives[i];
+    const bool is_back = p.back >= 0 && p.back < std::int32_t(i);  // in the same place as its front
+    if (p.shape != Primitive::Shape::quad || p.mask >= 0 || is_back) continue;
+    boxes.push_back(crossers.emplace_back(p).box);
+  }
+  std::vector<std::int32_t> numbers(crossers.size());
+  std::iota(numbers.begin(), numbers.end(), 0);
+  const Tree tree(numbers.begin(), numbers.end(), boxes.begin(), boxes.end());
+  std::vector<std::vector<Crossing>> result(primitives.size());
+  tbb::parallel_for(std::size_t(0), primitives.size(), [&](std::size_t i) {
+    const double height = reach(std::int32_t(i));
+    const std::optional<PlaneFrame> frame = height < 0 ? std::nullopt : PlaneFrame::of(primitives[i]);
+    if (!frame) return;
+    Box box;
+    for (const Vec3d& corner : primitives[i].corners) {
+      box.extend(to_eigen(corner));
+      box.extend(to_eigen(corner + frame->normal() * height));
+    }
+    Overlaps overlaps{box, crossers};
+    Eigen::BVIntersect(tree, overlaps);
+    Plane plane(primitives[i], *frame);
+    for (const std::int32_t k : overlaps.found) plane.add(crossers[k], height);
+    result[i] = std::move(plane).crossings();
+  });
+  return result;
+}
+
+}  // namespace patchlight

@@ -1,0 +1,24 @@
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "pipeline/model/cuts/plane_frame.h"
+
+namespace patchlight {
+
+/// A straight line on a plane primitive along which another plane surface stands on it or crosses it: irradiance is
+/// discontinuous there (Baum, Mann, Smith and Winget 1991, "Making radiosity usable").
+struct Crossing {
+  Vec2d from, to;       ///< In the primitive's PlaneFrame, m.
+  double height = 0.0;  ///< Of the other surface's edge above the primitive, m; 0 if it crosses.
+  double extent = 0.0;  ///< Size of all crossings of the primitive that are connected to this one, m.
+};
+
+/// The crossings of plane primitives, inside of their outlines. A surface stands on primitive `i` where one of its
+/// edges is no higher than reach(i), m; a negative reach: the primitive's crossings are not wanted. Coplanar surfaces,
+/// spheres and surfaces with alpha masks make no crossings. Shape: [primitives].
+std::vector<std::vector<Crossing>> find_crossings(const std::vector<Primitive>& primitives,
+                                                  const std::function<double(std::int32_t)>& reach);
+
+}  // namespace patchlight

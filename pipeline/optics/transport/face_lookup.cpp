@@ -1,0 +1,117 @@
+#include "pipeline/optics/transport/face_lookup.h"
+
+#include <cmath>
+
+#include "pipeline/model/error.h"
+#include "pipeline/optics/sampling/patch_sampling.h"
+
+namespace patchlight {
+
+namespace {
+
+/// The frame of a primitive whose leaves are cut. Throws: Error (bad_data) if it is not plane.
+PlaneFrame frame_of(const Primitive& primitive) {
+  const std::optional<PlaneFrame> frame = PlaneFrame::of(primitive);
+  if (!frame)
+    throw Error(ExitCode::bad_data, "the display solution cuts a surface that is not plane", "", "solve again");
+  return *frame;
+}
+
+}  // namespace
+
+FaceLookup::FaceLookup(const PatchSet& scene, const DisplayMesh& mesh)
+    : scene_(scene), mesh_(mesh), lines_(mesh.cuts.size()) {
+  if (mesh.cuts.empty()) return;
+  for_each_leaf(scene, mesh, [&](const DisplayMesh::Cell& leaf, const Patch& part) {
+    if (leaf.cut < 0) return;
+    const Primitive& primitive = scene.primitives[part.primitive];
+    const PlaneFrame frame = frame_of(primitive);
+    std::vector<std::int32_t> todo{leaf.cut};
+    while (!todo.empty()) {
+      const std::int32_t at = todo.back();
+      todo.pop_back();
+      if (at < 0) continue;
+      lines_[at] = cut_line(mesh.cuts[at], primitive, frame);
+      todo.insert(todo.end(), mesh.cuts[at].sides.begin(), mesh.cuts[at].sides.end());
+    }
+  });
+}
+
+Patch sub_patch(const PatchSet& scene, const Patch& patch, float u0, float v0, float u1, float v1) {
+  const Primitive& primitive = scene.primitives[patch.primitive];
+  Patch part = patch;
+  part.u0 = u0;
+  part.v0 = v0;
+  part.u1 = u1;
+  part.v1 = v1;
+  part.cut = -1;
+  part.outline.clear();
+  const SurfacePoint middle = point_at(primitive, 0.5 * (u0 + u1), 0.5 * (v0 + v1));
+  part.center = middle.position;
+  part.normal = middle.normal;
+  const double across = double(u1) - u0;
+  if (primitive.shape == Primitive::Shape::sphere) {
+    const double radius = primitive.sphere_radius;
+    part.area = 2 * kPi * radius * radius * across * (std::cos(kPi * v0) - std::cos(kPi * v1));
+  } else {
+    const double u = 0.5 * (u0 + u1), v = 0.5 * (v0 + v1);  // the density is linear in both
+    const auto& c = primitive.corners;
+    const Vec3d along_u = (c[1] - c[0]) * (1 - v) + (c[2] - c[3]) * v;
+    const Vec3d along_v = (c[3] - c[0]) * (1 - u) + (c[2] - c[1]) * u;
+    part.area = (along_u % along_v).length() * across * (double(v1) - v0);
+  }
+  return part;
+}
+
+std::array<Patch, 4> quarters(const PatchSet& scene, const Patch& p) {
+  const float u = 0.5f * (p.u0 + p.u1), v = 0.5f * (p.v0 + p.v1);
+  return {sub_patch(scene, p, p.u0, p.v0, u, v), sub_patch(scene, p, u, p.v0, p.u1, v),
+          sub_patch(scene, p, p.u0, v, u, p.v1), sub_patch(scene, p, u, v, p.u1, p.v1)};
+}
+
+void for_each_leaf(const PatchSet& scene, const DisplayMesh& mesh,
+                   const std::function<void(const DisplayMesh::Cell&, const Patch&)>& act) {
+  std::vector<bool> visited(mesh.cells.size());
+  std::vector<std::pair<std::int32_t, Patch>> todo;
+  for (std::size_t i = 0; i < mesh.roots.size(); ++i) {
+    const std::int32_t root = mesh.roots[i];
+    if (root < 0 || visited[root]) continue;
+    visited[root] = true;
+    const Patch& p = scene.patches[i];
+    todo.emplace_back(root, p.cut < 0 ? p : sub_patch(scene, p, p.u0, p.v0, p.u1, p.v1));
+    while (!todo.empty()) {
+      const auto [index, part] = std::move(todo.back());
+      todo.pop_back();
+      const DisplayMesh::Cell& cell = mesh.cells[index];
+      if (cell.children < 0) {
+        act(cell, part);
+        continue;
+      }
+      const std::array<Patch, 4> parts = quarters(scene, part);
+      for (int k = 0; k < 4; ++k) todo.emplace_back(cell.children + k, parts[k]);
+    }
+  }
+}
+
+std::vector<Patch> face_patches(const PatchSet& scene, const DisplayMesh& mesh) {
+  std::vector<Patch> patches(mesh.faces.size());
+  for_each_leaf(scene, mesh, [&](const DisplayMesh::Cell& leaf, const Patch& part) {
+    if (leaf.cut < 0) {
+      patches[leaf.face] = part;
+      return;
+    }
+    const Primitive& primitive = scene.primitives[part.primitive];
+    const PlaneFrame frame = frame_of(primitive);
+    for_each_part(mesh.cuts, leaf.cut, cell_polygon(primitive, frame, part),
+                  [&](const Polygon& polygon, std::int32_t face) {
+                    Patch& patch = patches[face] = part;
+                    patch.reflectance = scene.patches[mesh.faces[face].patch].reflectance;
+                    patch.area = area_of(polygon);
+                    patch.center = frame.to_world(centroid_of(polygon));
+                    for (const Vec2d& corner : polygon) patch.outline.push_back(frame.to_world(corner));
+                  });
+  });
+  return patches;
+}
+
+}  // namespace patchlight

@@ -1,0 +1,16 @@
+#pragma once
+#include <vector>
+
+#include "pipeline/model/display_mesh.h"
+#include "pipeline/optics/cuts/crossings.h"
+#include "pipeline/optics/sampling/patch_lookup.h"
+#include "pipeline/optics/surface/smooth_edges.h"
+
+namespace patchlight {
+
+/// Cuts a mesh's leaves into faces along `crossings` [primitives], and adds the vertices at the faces' corners. Faces
+/// share vertices unless another surface stands between them.
+void add_faces(const PatchSet& scene, const PatchLookup& lookup, const SmoothEdges& smooth,
+               const std::vector<std::vector<Crossing>>& crossings, DisplayMesh& mesh);
+
+}  // namespace patchlight

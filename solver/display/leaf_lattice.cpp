@@ -1,0 +1,42 @@
+#include "solver/display/leaf_lattice.h"
+
+namespace patchlight {
+
+namespace {
+
+void add_leaves(const Leaf& leaf, const DisplayMesh& mesh, std::vector<Leaf>& leaves) {
+  const std::int32_t children = mesh.cells[leaf.cell].children;
+  if (children < 0) {
+    leaves.push_back(leaf);
+    return;
+  }
+  const int half = leaf.size / 2;
+  for (int k = 0; k < 4; ++k) {
+    const VertexKey at{leaf.at.grid, leaf.at.x + k % 2 * half, leaf.at.y + k / 2 * half};
+    add_leaves({children + k, leaf.patch, at, half, leaf.step}, mesh, leaves);
+  }
+}
+
+}  // namespace
+
+std::vector<Leaf> find_leaves(const PatchSet& scene, const PatchLookup& lookup, const DisplayMesh& mesh) {
+  std::vector<Leaf> leaves;
+  std::vector<bool> visited(mesh.cells.size());
+  for (std::size_t i = 0; i < mesh.roots.size(); ++i) {
+    const std::int32_t root = mesh.roots[i];
+    if (root < 0 || visited[root]) continue;
+    visited[root] = true;
+    const Patch& p = scene.patches[i];
+    const int rows = lookup.rows(p.primitive), row = PatchLookup::cell(0.5f * (p.v0 + p.v1), rows);
+    const PatchLookup::Row& cells = lookup.row(p.primitive, row);
+    const int column = PatchLookup::cell(0.5f * (p.u0 + p.u1), cells.cells);
+    const bool ring = scene.primitives[p.primitive].shape == Primitive::Shape::sphere;
+    const std::int32_t grid = ring ? cells.first : lookup.row(p.primitive, 0).first;
+    const Vec2f step(1.0f / float(cells.cells * kFinestCells), 1.0f / float(rows * kFinestCells));
+    add_leaves({root, cells.first + column, {grid, column * kFinestCells, row * kFinestCells}, kFinestCells, step},
+               mesh, leaves);
+  }
+  return leaves;
+}
+
+}  // namespace patchlight

@@ -1,0 +1,90 @@
+#include "pipeline/formats/patches/patch_cuts.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+
+#include "pipeline/formats/patches/patch_file.h"
+#include "pipeline/model/cuts/cut_cells.h"
+#include "tests/expect_error.h"
+#include "tests/patch_scene.h"
+#include "tests/temporary_folder.h"
+
+namespace patchlight {
+namespace {
+
+using test::TemporaryFolder;
+
+/// Two cells of 1 m2, of which the second is cut into three parts.
+PatchSet cut_scene() {
+  test::PatchScene builder;
+  builder.quad({{{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {0, 1, 0}}}, 2, 1, {});
+  PatchSet scene = builder.get();
+  for (int k = 0; k < 2; ++k) scene.patches.push_back(scene.patches[1]);
+  scene.cuts = {{{1.5, 0}, {1.5, 1}, {~1, 1}}, {{1, 0.5}, {2, 0.5}, {~2, ~3}}};
+  const double areas[]{1, 0.5, 0.25, 0.25};
+  for (std::size_t i = 0; i < 4; ++i) {
+    scene.patches[i].area = areas[i];
+    scene.patches[i].cut = i > 0 ? 0 : -1;
+  }
+  scene.patches[0].closed = 2;
+  return scene;
+}
+
+TEST(PatchCutsFile, ReadsBackWhatWasWritten) {
+  const TemporaryFolder folder;
+  PatchSet scene = cut_scene();
+  write_patches(folder / "patches.h5", scene);
+  const PatchSet read = read_patches(folder / "patches.h5");
+  ASSERT_EQ(read.cuts.size(), 2u);
+  EXPECT_EQ(read.cuts[1].from, scene.cuts[1].from);
+  EXPECT_EQ(read.cuts[0].sides, scene.cuts[0].sides);
+  EXPECT_EQ(read.patches[0].closed, 2);
+  EXPECT_EQ(read.patches[3].cut, 0);
+  EXPECT_TRUE(read.patches[0].outline.empty());
+  EXPECT_EQ(read.patches[1].outline.size(), 4u);
+  for (const Vec3d& corner : read.patches[1].outline) EXPECT_LE(corner.x, 1.5) << "to the left of a line upwards";
+  PatchSet uncut = cut_scene();
+  uncut.cuts[1].to.y = 0.6;
+  uncut.patches[2].area = 0.225;
+  uncut.patches[3].area = 0.275;
+  write_patches(folder / "other.h5", uncut);
+  EXPECT_NE(uncut.geometry_key, scene.geometry_key);
+}
+
+TEST(PatchCutsFile, RefusesCutsThatAreNone) {
+  const std::vector<std::function<void(PatchSet&)>> faults{
+      [](PatchSet& s) { s.cuts[0].sides[1] = 0; },
+      [](PatchSet& s) { s.cuts[0].sides[1] = 2; },
+      [](PatchSet& s) { s.cuts[0].sides[1] = ~2; },
+      [](PatchSet& s) { s.cuts[1].sides[1] = ~4; },
+      [](PatchSet& s) { s.cuts[1].sides[1] = ~2; },
+      [](PatchSet& s) { s.cuts[1].sides[1] = ~0; },
+      [](PatchSet& s) { s.cuts[1].sides[1] = std::numeric_limits<std::int32_t>::min(); },
+      [](PatchSet& s) { s.cuts[0].to = s.cuts[0].from; },
+      [](PatchSet& s) { s.cuts[0].to.x = std::numeric_limits<double>::quiet_NaN(); },
+      [](PatchSet& s) { s.cuts[0].from.x = s.cuts[0].to.x = 1e300; },
+      [](PatchSet& s) { s.cuts[0].from.x = s.cuts[0].to.x = 5; },
+      [](PatchSet& s) { s.patches[3].cut = -1; },
+      [](PatchSet& s) { s.patches[3].cut = 1; },
+      [](PatchSet& s) { s.patches[3].cut = 2; },
+      [](PatchSet& s) { s.patches[3].cut = -2; },
+      [](PatchSet& s) { s.patches[3].u1 = 0.75f; },
+      [](PatchSet& s) { s.patches[3].area = 0.5; },
+      [](PatchSet& s) { s.patches.pop_back(); },
+      [](PatchSet& s) { s.cuts.pop_back(); },
+      [](PatchSet& s) { s.primitives[0].corners[2].z = 0.1; },
+      [](PatchSet& s) { s.patches[0].closed = 16; },
+  };
+  const TemporaryFolder folder;
+  for (std::size_t k = 0; k < faults.size(); ++k) {
+    PatchSet scene = cut_scene();
+    faults[k](scene);
+    write_patches(folder / "patches.h5", scene);
+    EXPECT_THROW(read_patches(folder / "patches.h5"), Error) << k;
+  }
+}
+
+}  // namespace
+}  // namespace patchlight
