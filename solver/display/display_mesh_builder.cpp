@@ -13,6 +13,7 @@
 #include "pipeline/optics/transport/face_lookup.h"
 #include "solver/direct/direct_factors.h"
 #include "solver/display/display_facets.h"
+#include "solver/display/fine_detail.h"
 #include "solver/display/leaf_faces.h"
 #include "solver/display/leaf_lattice.h"
 #include "solver/form_factors/harmonic_distance.h"
@@ -25,12 +26,19 @@ namespace {
 // Thresholds of the size of a patch or cell over the harmonic mean distance.
 constexpr float kNear = 0.25f;    // for vertices of its own
 constexpr float kSplit = 0.25f;   // for refinement
-constexpr float kContact = 4.0f;  // for refinement to the last level, at contacts and small gaps
+constexpr float kContact = 4.0f;  // for refinement to the last of kLevels, at contacts and small gaps
+constexpr int kLevels = 3;        // of refinement by distances
 
 class Builder {
  public:
   Builder(const PatchSet& scene, const RayScene& ray_scene, const PatchLookup& lookup, std::uint64_t seed)
-      : scene_(scene), ray_scene_(ray_scene), lookup_(lookup), smooth_(scene), seed_(seed) {}
+      : scene_(scene),
+        ray_scene_(ray_scene),
+        lookup_(lookup),
+        smooth_(scene),
+        crossings_(crossings()),
+        detail_(scene, crossings_),
+        seed_(seed) {}
 
   DisplayMesh build(std::int64_t& cast) {
     mesh_.roots.assign(scene_.patches.size(), -1);
@@ -38,7 +46,7 @@ class Builder {
     std::vector<std::int32_t> level;
     for (std::size_t i = 0; i < mesh_.cells.size(); ++i) level.push_back(std::int32_t(i));
     for (int depth = 0; !level.empty(); ++depth) level = refine(level, depth, cast);
-    add_faces(scene_, lookup_, smooth_, crossings(), mesh_);
+    add_faces(scene_, lookup_, smooth_, crossings_, mesh_);
     add_display_facets(scene_, ray_scene_, lookup_, near_facets_, mesh_);
     cast += std::int64_t(mesh_.vertices.size()) * RayPacket::kSize;
     return std::move(mesh_);
@@ -51,8 +59,9 @@ class Builder {
     const std::vector<float> measures = measure(scene_.patches, cast);
     const DirectFactors::FindNeighbours neighbours = grid_neighbours(scene_, lookup_, true);
     for (std::int32_t i = 0; i < std::int32_t(measures.size()); ++i) {
-      if (scene_.patches[i].cut < 0 && measures[i] < kNear) continue;
-      if (scene_.patches[i].cut < 0 && is_facet(scene_.patches[i].primitive)) {
+      const Patch& patch = scene_.patches[i];
+      if (patch.cut < 0 && measures[i] < kNear && !detail_.is_too_large(patch)) continue;
+      if (patch.cut < 0 && is_facet(scene_.patches[i].primitive)) {
         near_facets_.push_back(i);
         continue;
       }
@@ -77,8 +86,9 @@ class Builder {
 
   /// Divides the cells of a level that need it. Returns the new cells.
   std::vector<std::int32_t> refine(const std::vector<std::int32_t>& level, int depth, std::int64_t& cast) {
-    const auto needs_refinement = [&](float criterion) {
-      return criterion >= (depth + 1 < kDisplayLevels ? kSplit : kContact) && depth < kDisplayLevels;
+    const auto needs_refinement = [&](float criterion, const Patch& cell) {
+      if (depth < kLevels && criterion >= (depth + 1 < kLevels ? kSplit : kContact)) return true;
+      return depth < kMostLevels && detail_.is_too_large(cell);
     };
     std::vector<Patch> parts;
     for (const std::int32_t i : level) parts.push_back(cell_patches_[i]);
@@ -86,7 +96,7 @@ class Builder {
     std::vector<std::int32_t> next;
     for (std::size_t k = 0; k < level.size(); ++k) {
       DisplayMesh::Cell& cell = mesh_.cells[level[k]];
-      if (!needs_refinement(measures[k])) continue;
+      if (!needs_refinement(measures[k], parts[k])) continue;
       cell.children = std::int32_t(mesh_.cells.size());
       for (const Patch& quarter : quarters(scene_, parts[k])) {
         next.push_back(std::int32_t(mesh_.cells.size()));
@@ -101,12 +111,11 @@ class Builder {
     return (lookup_.rows(i) == 1 || lookup_.row(i, 0).cells == 1) && smooth_.is_smooth(scene_.primitives[i]);
   }
 
-  /// Crossings of the primitives that are divided.
   std::vector<std::vector<Crossing>> crossings() const {
     std::vector<double> reach(scene_.primitives.size(), -1.0);
-    for (const Patch& cell : cell_patches_)
-      reach[cell.primitive] = std::max(reach[cell.primitive], CellCutter::kHighest * std::sqrt(cell.area));
-    return find_crossings(scene_.primitives, [&](std::int32_t i) { return reach[i]; });
+    for (const Patch& patch : scene_.patches)
+      reach[patch.primitive] = std::max(reach[patch.primitive], CellCutter::kHighest * std::sqrt(patch.area));
+    return find_crossings(scene_.primitives, [&](std::int32_t i) { return is_facet(i) ? -1.0 : reach[i]; });
   }
 
   /// Size of patches or cells over their harmonic mean distances.
@@ -129,6 +138,8 @@ class Builder {
   const RayScene& ray_scene_;
   const PatchLookup& lookup_;
   const SmoothEdges smooth_;
+  const std::vector<std::vector<Crossing>> crossings_;  ///< [primitives]
+  const FineDetail detail_;
   const std::uint64_t seed_;
   DisplayMesh mesh_;
   std::vector<Patch> cell_patches_;        ///< [cells].

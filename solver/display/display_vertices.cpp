@@ -10,7 +10,8 @@ namespace patchlight {
 
 namespace {
 
-constexpr float kNudge = 0.02f;       // of a finest cell: distance of vertices from edges, where surfaces may meet
+constexpr float kNudge = 0.02f;       // of a leaf: distance of vertices from edges, where surfaces may meet
+constexpr float kLargest = 0.125f;    // of a patch: leaves that are larger count as that
 constexpr double kNudgeOfHeight = 3;  // of an edge's height above a face: what it covers is narrower
 constexpr double kNudgeOfRoom = 0.3;  // of the distance to the far edges of a vertex's faces
 
@@ -21,19 +22,23 @@ std::int32_t DisplayVertices::at(const VertexKey& key, const Leaf& leaf, std::in
   const auto [found, is_new] = numbers_.try_emplace(key, std::int32_t(mesh_.vertices.size()));
   const std::int32_t number = found->second;
   if (is_new) {
-    const bool border = is_border(scene_.patches[leaf.patch].primitive, uv, leaf.step * 0.5f, around);
+    const Vec2f half = leaf.step * (0.5f * float(leaf.size));
+    const bool border = is_border(scene_.patches[leaf.patch].primitive, uv, half, around);
     mesh_.vertices.push_back({patch, uv.x, uv.y});
-    // Nothing meets a cut that is not a crossing.
-    places_.push_back(
-        {border ? Kind::border : Kind::gathered, key.grid < 0 ? Vec2f(0) : leaf.step, VertexKeyHash()(key), around});
+    places_.push_back({border ? Kind::border : Kind::gathered, Vec2f(std::numeric_limits<float>::infinity()),
+                       VertexKeyHash()(key), around});
   }
-  places_[number].around.room = std::min(places_[number].around.room, around.room);
+  Place& place = places_[number];
+  // Nothing meets a cut that is not a crossing.
+  const float cells = key.grid < 0 ? 0.0f : std::min(float(leaf.size), kLargest * float(kFinestCells));
+  place.size = Vec2f(std::min(place.size.x, cells * leaf.step.x), std::min(place.size.y, cells * leaf.step.y));
+  place.around.room = std::min(place.around.room, around.room);
   return number;
 }
 
 void DisplayVertices::move_off_edges() {
-  const auto nudged = [](float x, float step, std::uint64_t random) {
-    const float shift = kNudge * step * (random & 1 ? 1.0f : -1.0f);
+  const auto nudged = [](float x, float size, std::uint64_t random) {
+    const float shift = kNudge * size * (random & 1 ? 1.0f : -1.0f);
     return x + shift < 0.0f || x + shift > 1.0f ? x - shift : x + shift;
   };
   for (std::size_t k = 0; k < places_.size(); ++k) {
@@ -45,15 +50,15 @@ void DisplayVertices::move_off_edges() {
       const Primitive& primitive = scene_.primitives[i];
       const PlaneFrame frame = *PlaneFrame::of(primitive);
       const double cell = std::sqrt(area_of(cell_polygon(primitive, frame, scene_.patches[vertex.patch])));
-      const double shift = std::min(std::max(double(kNudge) * cell / kFinestCells, kNudgeOfHeight * sectors.height),
+      const double shift = std::min(std::max(double(kNudge * kLargest) * cell, kNudgeOfHeight * sectors.height),
                                     kNudgeOfRoom * place.around.room);
       const Imath::V2d uv = uv_of(primitive, frame.to_world(sectors.at + sectors.middle(place.around.sector) * shift));
       vertex.u = std::clamp(float(uv.x), 0.0f, 1.0f);
       vertex.v = std::clamp(float(uv.y), 0.0f, 1.0f);
       vertex.patch = lookup_.patch(i, vertex.u, vertex.v);
     } else if (place.kind == Kind::gathered) {
-      vertex.u = nudged(vertex.u, place.step.x, place.random);
-      vertex.v = nudged(vertex.v, place.step.y, place.random >> 1);
+      vertex.u = nudged(vertex.u, place.size.x, place.random);
+      vertex.v = nudged(vertex.v, place.size.y, place.random >> 1);
     }
   }
 }

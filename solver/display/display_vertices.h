@@ -55,7 +55,7 @@ class DisplayVertices {
   enum class Kind { gathered, border, midpoint };
   struct Place {
     Kind kind;
-    Vec2f step;            ///< Of the lattice, in (u,v); zeros on a cut.
+    Vec2f size;            ///< Of the smallest leaf around, in (u,v); zeros on a cut.
     std::uint64_t random;  ///< Of the key.
     Surroundings around;
   };

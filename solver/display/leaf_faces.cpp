@@ -14,8 +14,9 @@ namespace patchlight {
 
 namespace {
 
-constexpr double kSmall = 0.1;    // extent of crossings that do not cut, over the size of a leaf
-constexpr double kMargin = 1e-3;  // around a leaf, over its size, in which crossings are looked for
+constexpr double kSmall = 0.1;          // extent of crossings that do not cut, over the size of a leaf
+constexpr double kSmallestPart = 1e-9;  // of a patch; faces have an area
+constexpr double kMargin = 1e-3;        // around a leaf, over its size, in which crossings are looked for
 
 /// A plane primitive with crossings.
 struct Plane {
@@ -189,7 +190,7 @@ class Faces {
     const std::vector<Patch> parts = face_patches(scene_, mesh_);
     for (std::size_t f = 0; f < parts.size(); ++f) {
       DisplayMesh::Face& face = mesh_.faces[f];
-      face.part = float(std::min(1.0, parts[f].area / scene_.patches[face.patch].area));
+      face.part = float(std::clamp(parts[f].area / scene_.patches[face.patch].area, kSmallestPart, 1.0));
     }
   }
 

@@ -8,8 +8,8 @@
 
 namespace patchlight {
 
-constexpr int kDisplayLevels = 3;                  ///< Largest number of subdivisions of a patch.
-constexpr int kFinestCells = 1 << kDisplayLevels;  ///< Along an edge of a patch.
+constexpr int kMostLevels = 12;                 ///< Largest number of subdivisions of a patch.
+constexpr int kFinestCells = 1 << kMostLevels;  ///< Along an edge of a patch.
 
 /// Names a vertex of a DisplayMesh: faces share it if nothing stands between them there.
 struct VertexKey {

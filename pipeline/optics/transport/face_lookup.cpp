@@ -104,11 +104,16 @@ std::vector<Patch> face_patches(const PatchSet& scene, const DisplayMesh& mesh) 
     const PlaneFrame frame = frame_of(primitive);
     for_each_part(mesh.cuts, leaf.cut, cell_polygon(primitive, frame, part),
                   [&](const Polygon& polygon, std::int32_t face) {
+                    const DisplayMesh::Vertex& corner = mesh.vertices[mesh.corners[mesh.faces[face].first]];
+                    if (polygon.size() < 3 || area_of(polygon) <= 0) {  // so thin that it is lost in rounding
+                      patches[face] = sub_patch(scene, part, corner.u, corner.v, corner.u, corner.v);
+                      return;
+                    }
                     Patch& patch = patches[face] = part;
                     patch.reflectance = scene.patches[mesh.faces[face].patch].reflectance;
                     patch.area = area_of(polygon);
                     patch.center = frame.to_world(centroid_of(polygon));
-                    for (const Vec2d& corner : polygon) patch.outline.push_back(frame.to_world(corner));
+                    for (const Vec2d& at : polygon) patch.outline.push_back(frame.to_world(at));
                   });
   });
   return patches;

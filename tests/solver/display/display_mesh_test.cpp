@@ -94,6 +94,31 @@ TEST(DisplayMesh, HasVerticesForFacetsNearOtherSurfaces) {
     for (const std::int32_t corner : facet.corners) EXPECT_LT(corner, mesh.gathered);
 }
 
+TEST(DisplayMesh, IsAsFineBesideASmallThingOnAnyGround) {
+  for (const double ground : {2.0, 30.0, 1000.0}) {
+    PatchScene builder;
+    const double h = ground / 2;
+    builder.quad({{{-h, 0, -h}, {-h, 0, h}, {h, 0, h}, {h, 0, -h}}}, 40, 40, {});
+    const std::array<Vec2f, 5> foot{Vec2f(-0.15f, 0), {0.15f, 0}, {0.15f, -0.3f}, {-0.15f, -0.3f}, {-0.15f, 0}};
+    for (int k = 0; k < 4; ++k) {
+      const Vec3d a(foot[k].x, 0, foot[k].y), b(foot[k + 1].x, 0, foot[k + 1].y), up(0, 0.3, 0);
+      builder.quad({{a, b, b + up, a + up}}, 4, 4, {});
+    }
+    const PatchSet& scene = builder.get();
+    const DisplayMesh mesh = mesh_of(scene);
+    const FaceLookup lookup(scene, mesh);
+    const PatchLookup patches(scene);
+    const std::vector<Patch> faces = face_patches(scene, mesh);
+    for (const double distance : {0.002, 0.05, 0.2}) {
+      const auto u = float((distance + h) / ground), v = 0.5f;  // u runs along z, v along x
+      const FaceLookup::Place place = lookup.find(patches.patch(0, u, v), u, v);
+      ASSERT_GE(place.face, 0) << ground;
+      EXPECT_LT(std::sqrt(faces[place.face].area), 0.025 + 0.7 * distance) << ground << " " << distance;
+    }
+    EXPECT_LT(mesh.gathered, 6000) << ground;
+  }
+}
+
 /// Number of pairs of corners of a face, or of ends of a hanging vertex's edge, between which a surface stands.
 int parted_pairs(const PatchSet& scene, const DisplayMesh& mesh, std::int32_t primitive) {
   const RayScene ray_scene(scene);
