@@ -76,9 +76,10 @@ class DirectFactors::EmitterSampler {
         const std::size_t k = 2 * std::size_t(row) + sample_set;
         const LightSamples& samples = refined_[k].count > 0 ? refined_[k] : pilots_[k];
         if (samples.count == 0) continue;
-        values[k] =
-            float(nearby_visibility(row, sample_set).mostly_visible() ? samples.estimate_from_hidden(unoccluded_[row])
-                                                                      : samples.estimate_from_visible());
+        const double value = nearby_visibility(row, sample_set).mostly_visible()
+                                 ? samples.estimate_from_hidden(unoccluded_[row])
+                                 : samples.estimate_from_visible();
+        values[k] = float(std::max(value, 0.0));  // by noise, what is hidden may exceed the whole
       }
     return values;
   }
