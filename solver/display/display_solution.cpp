@@ -36,8 +36,8 @@ std::vector<Patch> receivers(const PatchSet& scene, const DisplayMesh& mesh) {
   return points;
 }
 
-/// Finds faces next to a face by index, since consecutive faces are mostly adjacent: those that share a vertex, between
-/// which nothing stands.
+/// Finds neighbours of face `i`: faces with a number near its own that share a vertex with it. No surface stands
+/// between such faces.
 int face_neighbours(const DisplayMesh& mesh, std::int32_t i, DirectFactors::NeighbourList& near) {
   const auto corners = mesh.corners_of(mesh.faces[i]);
   int count = 0;

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kPart = 1.0 / 24;         // of a crossing's extent
 constexpr double kOfDistance = 0.5;        // size of a cell over its distance from a crossing
-constexpr double kCellsBesideAPart = 6.0;  // about as many for each that lies beside a crossing
+constexpr double kCellsBesideAPart = 6.0;  // an estimate: cells for each that lies beside a crossing
 constexpr double kMostCells = 0.125;       // over the number of patches
 
 Imath::Box2d box_of(const Crossing& crossing) {

@@ -1,6 +1,7 @@
 #pragma once
+#include <algorithm>
 #include <cstdint>
-#include <functional>
+#include <vector>
 
 #include "pipeline/model/display_mesh.h"
 #include "pipeline/optics/sampling/patch_lookup.h"

@@ -93,7 +93,7 @@ class Plane {
     std::sort(found_.begin(), found_.end(), [&](const auto& a, const auto& b) { return ends(a) < ends(b); });
     const auto same_line = [](const Crossing& a, const Crossing& b) { return a.from == b.from && a.to == b.to; };
     found_.erase(std::unique(found_.begin(), found_.end(), same_line), found_.end());
-    const std::vector<std::int32_t> group = connected();
+    const std::vector<std::int32_t> group = groups();
     std::vector<Imath::Box2d> boxes(found_.size());
     for (std::size_t i = 0; i < found_.size(); ++i)
       for (const Vec2d& end : {found_[i].from, found_[i].to}) boxes[group[i]].extendBy(end);
@@ -132,8 +132,9 @@ class Plane {
     found_.push_back({a, b, height});
   }
 
-  /// One of those that each crossing is connected to, directly or by others: the same for all of them.
-  std::vector<std::int32_t> connected() const {
+  /// The group of each crossing: crossings of one group touch each other, directly or through others of it. Named by
+  /// the number of one of its crossings.
+  std::vector<std::int32_t> groups() const {
     std::vector<std::int32_t> parent(found_.size());
     std::iota(parent.begin(), parent.end(), 0);
     const auto root = [&](std::int32_t i) {
