@@ -2,18 +2,14 @@
 
 #include <gtest/gtest.h>
 
-#include <functional>
 #include <limits>
 
-#include "pipeline/formats/patches/patch_file.h"
-#include "pipeline/model/cuts/cut_cells.h"
-#include "tests/expect_error.h"
-#include "tests/patch_scene.h"
-#include "tests/temporary_folder.h"
+#include "tests/pipeline/formats/patch_sample.h"
 
 namespace patchlight {
 namespace {
 
+using test::expect_refused;
 using test::TemporaryFolder;
 
 /// Two cells of 1 m2, of which the second is cut into three parts.
@@ -54,36 +50,29 @@ TEST(PatchCutsFile, ReadsBackWhatWasWritten) {
 }
 
 TEST(PatchCutsFile, RefusesCutsThatAreNone) {
-  const std::vector<std::function<void(PatchSet&)>> faults{
-      [](PatchSet& s) { s.cuts[0].sides[1] = 0; },
-      [](PatchSet& s) { s.cuts[0].sides[1] = 2; },
-      [](PatchSet& s) { s.cuts[0].sides[1] = ~2; },
-      [](PatchSet& s) { s.cuts[1].sides[1] = ~4; },
-      [](PatchSet& s) { s.cuts[1].sides[1] = ~2; },
-      [](PatchSet& s) { s.cuts[1].sides[1] = ~0; },
-      [](PatchSet& s) { s.cuts[1].sides[1] = std::numeric_limits<std::int32_t>::min(); },
-      [](PatchSet& s) { s.cuts[0].to = s.cuts[0].from; },
-      [](PatchSet& s) { s.cuts[0].to.x = std::numeric_limits<double>::quiet_NaN(); },
-      [](PatchSet& s) { s.cuts[0].from.x = s.cuts[0].to.x = 1e300; },
-      [](PatchSet& s) { s.cuts[0].from.x = s.cuts[0].to.x = 5; },
-      [](PatchSet& s) { s.patches[3].cut = -1; },
-      [](PatchSet& s) { s.patches[3].cut = 1; },
-      [](PatchSet& s) { s.patches[3].cut = 2; },
-      [](PatchSet& s) { s.patches[3].cut = -2; },
-      [](PatchSet& s) { s.patches[3].u1 = 0.75f; },
-      [](PatchSet& s) { s.patches[3].area = 0.5; },
-      [](PatchSet& s) { s.patches.pop_back(); },
-      [](PatchSet& s) { s.cuts.pop_back(); },
-      [](PatchSet& s) { s.primitives[0].corners[2].z = 0.1; },
-      [](PatchSet& s) { s.patches[0].closed = 16; },
-  };
-  const TemporaryFolder folder;
-  for (std::size_t k = 0; k < faults.size(); ++k) {
-    PatchSet scene = cut_scene();
-    faults[k](scene);
-    write_patches(folder / "patches.h5", scene);
-    EXPECT_THROW(read_patches(folder / "patches.h5"), Error) << k;
-  }
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  expect_refused(cut_scene(), {
+                                  {"/cuts/sides", [](PatchSet& s) { s.cuts[0].sides[1] = 0; }},
+                                  {"/cuts/sides", [](PatchSet& s) { s.cuts[0].sides[1] = 2; }},
+                                  {"/cuts/sides", [](PatchSet& s) { s.cuts[0].sides[1] = ~2; }},
+                                  {"/cuts/sides", [](PatchSet& s) { s.cuts[1].sides[1] = ~4; }},
+                                  {"/cuts/sides", [](PatchSet& s) { s.cuts[1].sides[1] = ~2; }},
+                                  {"/cuts/sides", [](PatchSet& s) { s.cuts[1].sides[1] = ~0; }},
+                                  {"/cuts/sides", [](PatchSet& s) { s.cuts[1].sides[1] = INT32_MIN; }},
+                                  {"/cuts/line", [](PatchSet& s) { s.cuts[0].to = s.cuts[0].from; }},
+                                  {"/cuts/line", [](PatchSet& s) { s.cuts[0].to.x = kNone; }},
+                                  {"/patches/area", [](PatchSet& s) { s.cuts[0].from.x = s.cuts[0].to.x = 5; }},
+                                  {"/patches/uv", [](PatchSet& s) { s.patches[3].cut = -1; }},
+                                  {"/cuts/sides", [](PatchSet& s) { s.patches[3].cut = 1; }},
+                                  {"/cuts/sides", [](PatchSet& s) { s.patches[3].cut = 2; }},
+                                  {"/patches/uv", [](PatchSet& s) { s.patches[3].cut = -2; }},
+                                  {"/cuts/sides", [](PatchSet& s) { s.patches[3].u1 = 0.75f; }},
+                                  {"/patches/area", [](PatchSet& s) { s.patches[3].area = 0.5; }},
+                                  {"/cuts/sides", [](PatchSet& s) { s.patches.pop_back(); }},
+                                  {"/cuts/sides", [](PatchSet& s) { s.cuts.pop_back(); }},
+                                  {"/patches/cut", [](PatchSet& s) { s.primitives[0].corners[2].z = 0.1; }},
+                                  {"/patches/closed", [](PatchSet& s) { s.patches[0].closed = 16; }},
+                              });
 }
 
 }  // namespace
