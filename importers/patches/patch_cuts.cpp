@@ -51,8 +51,8 @@ void cut_patch(const CellParts& cell, const PlaneFrame& frame, std::int32_t inde
     numbers[k] = k == largest ? index : next++;
     (k == largest ? patch : others.emplace_back()) = part;
   }
-  for (const CellParts::Line& line : cell.lines) {
-    Cut& cut = cuts.emplace_back(Cut{line.from, line.to, line.sides});
+  for (const Cut& of_cell : cell.cuts) {
+    Cut& cut = cuts.emplace_back(of_cell);
     for (std::int32_t& side : cut.sides) side = side >= 0 ? first_cut + side : ~numbers[~side];
   }
 }
@@ -93,7 +93,7 @@ void cut_patches(double patch_area, PatchSet& scene) {
       Patch& patch = patches[k];
       patch.closed = closed_edges(cutter, primitive, frame, patch);
       const CellParts cell = cutter.cut(cell_polygon(primitive, frame, patch));
-      if (!cell.lines.empty())
+      if (!cell.cuts.empty())
         cut_patch(cell, frame, std::int32_t(k), std::int32_t(last + others.size()), patch, others, scene.cuts);
     }
     patches.insert(patches.end(), others.begin(), others.end());

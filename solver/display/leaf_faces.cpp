@@ -94,15 +94,15 @@ class Faces {
     }
     const std::vector<Crossing> near = near_crossings(leaf, plane, polygon);
     const CellParts parts = CellCutter(near, kSmall, plane.rounding).cut(polygon);
-    if (parts.lines.empty()) {
+    if (parts.cuts.empty()) {
       cell.face = add_face(patch_at(leaf, plane, polygon), 4);
       for (int k = 0; k < 4; ++k) add_corner(leaf, plane, leaf.corner(k), corners[k], near, polygon);
       return;
     }
     const auto first_face = mesh_.elements(), first_cut = std::int32_t(mesh_.cuts.size());
     cell.cut = first_cut;
-    for (const CellParts::Line& line : parts.lines) {
-      Cut& cut = mesh_.cuts.emplace_back(Cut{line.from, line.to, line.sides});
+    for (const Cut& of_leaf : parts.cuts) {
+      Cut& cut = mesh_.cuts.emplace_back(of_leaf);
       for (std::int32_t& side : cut.sides) side = side >= 0 ? first_cut + side : ~(first_face + ~side);
     }
     for (const Polygon& part : parts.parts) {

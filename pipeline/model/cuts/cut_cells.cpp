@@ -12,11 +12,21 @@ Polygon cell_polygon(const Primitive& quad, const PlaneFrame& frame, const Patch
   return polygon;
 }
 
-CutLine cut_line(const Cut& cut, const Primitive& quad, const PlaneFrame& frame) {
-  std::array<double, 4> at;
-  const double length = (cut.to - cut.from).length();
-  for (int k = 0; k < 4; ++k) at[k] = side_of(cut.from, cut.to, frame.to_plane(quad.corners[k])) / length;
-  return {float(at[0]), float(at[1] - at[0]), float(at[3] - at[0]), float(at[0] - at[1] + at[2] - at[3]), cut.sides};
+void set_lines(const std::vector<Cut>& cuts, std::int32_t root, const Primitive& quad, const PlaneFrame& frame,
+               std::vector<CutLine>& lines) {
+  std::vector<std::int32_t> todo{root};
+  while (!todo.empty()) {
+    const std::int32_t i = todo.back();
+    todo.pop_back();
+    if (i < 0) continue;
+    const Cut& cut = cuts[i];
+    std::array<double, 4> at;
+    const double length = (cut.to - cut.from).length();
+    for (int k = 0; k < 4; ++k) at[k] = side_of(cut.from, cut.to, frame.to_plane(quad.corners[k])) / length;
+    lines[i] = {float(at[0]), float(at[1] - at[0]), float(at[3] - at[0]), float(at[0] - at[1] + at[2] - at[3]),
+                cut.sides};
+    todo.insert(todo.end(), cut.sides.begin(), cut.sides.end());
+  }
 }
 
 void set_outlines(PatchSet& scene) {

@@ -19,8 +19,9 @@ struct CutLine {
   int side(float u, float v) const { return constant + u * along_u + v * (along_v + u * twist) < 0; }
 };
 
-/// A cut through a cell of a plane primitive, as a line in (u,v).
-CutLine cut_line(const Cut& cut, const Primitive& quad, const PlaneFrame& frame);
+/// Sets the lines of all cuts through a cell of a plane primitive, whose first is `root`. `lines`: as `cuts`.
+void set_lines(const std::vector<Cut>& cuts, std::int32_t root, const Primitive& quad, const PlaneFrame& frame,
+               std::vector<CutLine>& lines);
 
 /// Calls act(polygon, number) for each part of a cell, where `root` is the first of the cuts through it, and ~number
 /// the side of a cut.

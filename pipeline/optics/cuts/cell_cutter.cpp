@@ -37,7 +37,7 @@ class Cutting {
   Cutting(const Polygon& cell, double thinnest) : thinnest_(thinnest) { result_.parts = {cell}; }
 
   void add(const std::array<Vec2d, 2>& segment) {
-    if (result_.lines.empty()) {
+    if (result_.cuts.empty()) {
       cut_part(0, segment, nullptr);
     } else {
       add(0, segment);
@@ -52,7 +52,7 @@ class Cutting {
 
  private:
   void add(std::int32_t line, std::array<Vec2d, 2> segment) {
-    const CellParts::Line at = result_.lines[line];
+    const Cut at = result_.cuts[line];
     const std::array<double, 2> left{distance(at.from, at.to, segment[0]), distance(at.from, at.to, segment[1])};
     for (int side = 0; side < 2; ++side) {
       const std::array<double, 2> inside{side ? -left[0] : left[0], side ? -left[1] : left[1]};
@@ -63,7 +63,7 @@ class Cutting {
       if (at.sides[side] >= 0) {
         add(at.sides[side], part);
       } else {
-        cut_part(~at.sides[side], part, &result_.lines[line].sides[side]);
+        cut_part(~at.sides[side], part, &result_.cuts[line].sides[side]);
       }
     }
   }
@@ -85,15 +85,15 @@ class Cutting {
   /// Divides a part between two of its corners.
   void halve(std::int32_t part) {
     const Polygon& polygon = result_.parts[part];
-    for (CellParts::Line& line : result_.lines)
+    for (Cut& line : result_.cuts)
       for (std::int32_t& side : line.sides)
         if (side == ~part) return divide(part, polygon[0], polygon[polygon.size() / 2], &side);
   }
 
   void divide(std::int32_t part, const Vec2d a, const Vec2d b, std::int32_t* parent) {
     std::array<Polygon, 2> halves = split(result_.parts[part], a, b);
-    if (parent) *parent = std::int32_t(result_.lines.size());
-    result_.lines.push_back({a, b, {~part, ~std::int32_t(result_.parts.size())}});
+    if (parent) *parent = std::int32_t(result_.cuts.size());
+    result_.cuts.push_back({a, b, {~part, ~std::int32_t(result_.parts.size())}});
     result_.parts[part] = std::move(halves[0]);
     result_.parts.push_back(std::move(halves[1]));
   }

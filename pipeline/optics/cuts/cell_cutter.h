@@ -12,13 +12,7 @@ namespace patchlight {
 
 /// The convex parts of a cell that is cut along crossings.
 struct CellParts {
-  /// A line that cuts the cell or a part of it. `sides`: what lies to its left and right, another line or ~part.
-  struct Line {
-    Vec2d from, to;
-    std::array<std::int32_t, 2> sides;
-  };
-
-  std::vector<Line> lines;     ///< A tree whose root is the first; empty: not cut.
+  std::vector<Cut> cuts;       ///< A tree whose root is the first; sides are other cuts or ~part. Empty: not cut.
   std::vector<Polygon> parts;  ///< The cell itself if it is not cut.
 };
 

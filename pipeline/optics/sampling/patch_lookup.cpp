@@ -1,7 +1,6 @@
 #include "pipeline/optics/sampling/patch_lookup.h"
 
 #include <algorithm>
-#include <optional>
 
 namespace patchlight {
 
@@ -48,17 +47,13 @@ void PatchLookup::add_closed_edges(const PatchSet& scene) {
 }
 
 void PatchLookup::add_cuts(const PatchSet& scene) {
-  for (const Patch& patch : scene.patches) cut_of_.push_back(patch.cut);
   lines_.resize(scene.cuts.size());
-  std::vector<std::int32_t> primitive_of(scene.cuts.size(), -1);
-  for (const Patch& patch : scene.patches)
-    if (patch.cut >= 0) primitive_of[patch.cut] = patch.primitive;
-  std::optional<PlaneFrame> frame;
-  for (std::size_t k = 0; k < lines_.size(); ++k) {
-    const std::int32_t i = primitive_of[k] >= 0 ? primitive_of[k] : primitive_of[k - 1];  // roots are first
-    if (k == 0 || i != primitive_of[k - 1]) frame = PlaneFrame::of(scene.primitives[i]);
-    primitive_of[k] = i;
-    lines_[k] = cut_line(scene.cuts[k], scene.primitives[i], *frame);
+  std::int32_t last = -1;  // the parts of a cell that are not in the grid follow each other
+  for (const Patch& patch : scene.patches) {
+    cut_of_.push_back(patch.cut);
+    if (patch.cut < 0 || patch.cut == last) continue;
+    const Primitive& primitive = scene.primitives[patch.primitive];
+    set_lines(scene.cuts, last = patch.cut, primitive, *PlaneFrame::of(primitive), lines_);
   }
 }
 

@@ -25,15 +25,7 @@ FaceLookup::FaceLookup(const PatchSet& scene, const DisplayMesh& mesh)
   for_each_leaf(scene, mesh, [&](const DisplayMesh::Cell& leaf, const Patch& part) {
     if (leaf.cut < 0) return;
     const Primitive& primitive = scene.primitives[part.primitive];
-    const PlaneFrame frame = frame_of(primitive);
-    std::vector<std::int32_t> todo{leaf.cut};
-    while (!todo.empty()) {
-      const std::int32_t at = todo.back();
-      todo.pop_back();
-      if (at < 0) continue;
-      lines_[at] = cut_line(mesh.cuts[at], primitive, frame);
-      todo.insert(todo.end(), mesh.cuts[at].sides.begin(), mesh.cuts[at].sides.end());
-    }
+    set_lines(mesh.cuts, leaf.cut, primitive, frame_of(primitive), lines_);
   });
 }
 

@@ -88,7 +88,7 @@ const Polygon kCell{{0, 0}, {1, 0}, {1, 1}, {0, 1}};
 TEST(CellCutter, CutsNothingWithoutCrossings) {
   const std::vector<Crossing> none;
   const CellParts parts = CellCutter(none, 0.1, 1e-7).cut(kCell);
-  EXPECT_TRUE(parts.lines.empty());
+  EXPECT_TRUE(parts.cuts.empty());
   EXPECT_EQ(parts.parts.at(0), kCell);
 }
 
@@ -103,9 +103,9 @@ void expect_parts_of_the_cell(const CellParts& cell) {
     area += area_of(part);
   }
   EXPECT_NEAR(area, 1, 1e-12);
-  EXPECT_EQ(cell.lines.size() + 1, cell.parts.size());
+  EXPECT_EQ(cell.cuts.size() + 1, cell.parts.size());
   std::vector<int> named(cell.parts.size());
-  for (const auto& line : cell.lines)
+  for (const auto& line : cell.cuts)
     for (const std::int32_t side : line.sides)
       if (side < 0) ++named.at(std::size_t(~side));
   for (const int count : named) EXPECT_EQ(count, 1);
@@ -128,7 +128,7 @@ TEST(CellCutter, NoPartLiesOnBothSidesOfACrossing) {
                                                  tower};
   for (const auto& crossings : cases) {
     const CellParts cell = CellCutter(crossings, 0.1, 1e-7).cut(kCell);
-    EXPECT_GE(cell.lines.size(), 1u);
+    EXPECT_GE(cell.cuts.size(), 1u);
     expect_parts_of_the_cell(cell);
     for (const Polygon& part : cell.parts)
       for (const Crossing& crossing : crossings)
@@ -154,7 +154,7 @@ TEST(CellCutter, LeavesOutWhatIsSmallHighOrOnTheEdge) {
     EXPECT_EQ(CellCutter(std::vector{crossing}, 0.25, 1e-7).cut(kCell).parts.size(), parts) << extent << " " << height;
   }
   const std::vector<Crossing> edge{{{1, -1}, {1, 0.7}, 0, 3}};
-  EXPECT_TRUE(CellCutter(edge, 0.25, 1e-7).cut(kCell).lines.empty());
+  EXPECT_TRUE(CellCutter(edge, 0.25, 1e-7).cut(kCell).cuts.empty());
   EXPECT_TRUE(CellCutter(edge, 0.25, 1e-7).is_closed({1, 0}, {1, 1}));
   EXPECT_FALSE(CellCutter(edge, 0.25, 1e-7).is_closed({0, 0}, {0, 1}));
   EXPECT_FALSE(CellCutter(edge, 0.25, 1e-7).is_closed({0, 0}, {1, 0}));
