@@ -8,8 +8,8 @@ namespace {
 
 // Raised whenever a stage computes different results from the same inputs.
 constexpr int kImportVersion = 6;
-constexpr int kTransportKeyVersion = 28;
-constexpr int kSolveVersion = 28;
+constexpr int kTransportKeyVersion = 29;
+constexpr int kSolveVersion = 29;
 constexpr int kTraceVersion = 13;
 
 void add_color(KeyHasher& hasher, const std::optional<Color>& color) {

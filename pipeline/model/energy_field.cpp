@@ -60,12 +60,23 @@ double weighted_percentile(std::vector<std::pair<double, double>> weighted, doub
 
 double local_radiosity_error(const PatchSet& scene, const EnergyField& energy, const EnergyField& reference) {
   const std::vector<Color> a = radiosity(scene, energy), b = radiosity(scene, reference);
+  const auto is_counted = [&](std::size_t i) {
+    const Patch& patch = scene.patches[i];
+    return patch.emission == Color(0.0f) && patch.reflectance != Color(0.0f);
+  };
+  double square = 0, area = 0;
+  for (std::size_t i = 0; i < b.size(); ++i) {
+    if (!is_counted(i)) continue;
+    square += scene.patches[i].covered_area() * double(b[i].length2());
+    area += scene.patches[i].covered_area();
+  }
+  const double black = area > 0 ? kBlack * std::sqrt(square / area) : 0.0;
   std::vector<std::pair<double, double>> errors;
   for (std::size_t i = 0; i < a.size(); ++i) {
-    const Patch& patch = scene.patches[i];
-    if (patch.emission != Color(0.0f) || patch.reflectance == Color(0.0f)) continue;
-    const double difference = (a[i] - b[i]).length();
-    errors.emplace_back(difference == 0 ? 0.0 : difference / double(b[i].length()), patch.covered_area());
+    if (!is_counted(i)) continue;
+    const double difference = (a[i] - b[i]).length(), reflected = b[i].length();
+    if (std::max(difference, reflected) <= black) continue;
+    errors.emplace_back(difference == 0 ? 0.0 : difference / reflected, scene.patches[i].covered_area());
   }
   return weighted_percentile(std::move(errors), 0.95);
 }

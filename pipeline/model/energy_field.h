@@ -89,9 +89,13 @@ double radiosity_error(const PatchSet& scene, const EnergyField& energy, const E
 /// `weighted`: pairs of a value and its weight.
 double weighted_percentile(std::vector<std::pair<double, double>> weighted, double level);
 
+/// Reflected radiosity below which a patch is black, over the root mean square of the scene's: rounding lights the
+/// insides of closed bodies so much.
+inline constexpr double kBlack = 1e-6;
+
 /// Local error: the 95th percentile, by area, of the relative difference of reflected radiosity at a patch, over
-/// patches that reflect and do not emit. A bright place does not hide the error of a dark one. Infinite where only
-/// `reference` is black.
+/// patches that reflect and do not emit and are not black in both solutions. A bright place does not hide the error of
+/// a dark one. Infinite where only `reference` is black.
 double local_radiosity_error(const PatchSet& scene, const EnergyField& energy, const EnergyField& reference);
 
 }  // namespace patchlight

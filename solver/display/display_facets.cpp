@@ -4,6 +4,7 @@
 #include <xmmintrin.h>
 
 #include <algorithm>
+#include <atomic>
 #include <vector>
 
 #include "pipeline/optics/sampling/random.h"
@@ -42,28 +43,32 @@ std::vector<std::int32_t> add_vertices(const PatchSet& scene, const PatchLookup&
 }
 
 std::vector<bool> covered(const PatchSet& scene, const RayScene& ray_scene,
-                          std::span<const DisplayMesh::Vertex> vertices) {
+                          std::span<const DisplayMesh::Vertex> vertices, std::int64_t& cast) {
   const SmoothNormals normals(scene);
   std::vector<std::uint8_t> is_covered(vertices.size());
+  std::atomic<std::int64_t> all_rays{0};
   tbb::parallel_for(std::size_t(0), vertices.size(), [&](std::size_t k) {
     _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree requires denormals to be flushed
     const DisplayMesh::Vertex& vertex = vertices[k];
     const std::int32_t primitive = scene.patches[vertex.patch].primitive;
     SurfacePoint point = point_at(scene.primitives[primitive], vertex.u, vertex.v);
     point.normal = normals(primitive, vertex.u, vertex.v, point.normal);
-    is_covered[k] = lit_ray_fraction(scene, ray_scene, primitive, point, hash64(k)) < kCovered;
+    int rays = 0;
+    is_covered[k] = lit_ray_fraction(scene, ray_scene, primitive, point, hash64(k), rays) < kCovered;
+    all_rays += rays;
   });
+  cast += all_rays;
   return {is_covered.begin(), is_covered.end()};
 }
 
 }  // namespace
 
 void add_display_facets(const PatchSet& scene, const RayScene& ray_scene, const PatchLookup& lookup,
-                        std::span<const std::int32_t> near_patches, DisplayMesh& mesh) {
+                        std::span<const std::int32_t> near_patches, DisplayMesh& mesh, std::int64_t& cast) {
   std::vector<DisplayMesh::Vertex> vertices;
   const std::vector<std::int32_t> number = add_vertices(scene, lookup, near_patches, vertices);
   if (vertices.empty()) return;
-  const std::vector<bool> is_covered = covered(scene, ray_scene, vertices);
+  const std::vector<bool> is_covered = covered(scene, ray_scene, vertices, cast);
   for (std::int32_t i = 0; i < std::int32_t(scene.patches.size()); ++i) {
     const Primitive& primitive = scene.primitives[scene.patches[i].primitive];
     if (primitive.shape != Primitive::Shape::quad || primitive.smooth_vertices[0] < 0) continue;

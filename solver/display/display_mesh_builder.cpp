@@ -46,9 +46,8 @@ class Builder {
     std::vector<std::int32_t> level;
     for (std::size_t i = 0; i < mesh_.cells.size(); ++i) level.push_back(std::int32_t(i));
     for (int depth = 0; !level.empty(); ++depth) level = refine(level, depth, cast);
-    add_faces(scene_, lookup_, smooth_, crossings_, mesh_);
-    add_display_facets(scene_, ray_scene_, lookup_, near_facets_, mesh_);
-    cast += std::int64_t(mesh_.vertices.size()) * RayPacket::kSize;
+    add_faces(scene_, lookup_, smooth_, crossings_, is_open_, mesh_);
+    add_display_facets(scene_, ray_scene_, lookup_, near_facets_, mesh_, cast);
     return std::move(mesh_);
   }
 
@@ -56,11 +55,13 @@ class Builder {
   /// Adds roots for patches near other surfaces and for their neighbours, so that irradiance varies little where
   /// divided patches border on undivided ones.
   void add_roots(std::int64_t& cast) {
-    const std::vector<float> measures = measure(scene_.patches, cast);
+    const std::vector<RefinementCriterion> measures = measure(scene_.patches, cast);
+    for (const RefinementCriterion& measure : measures) is_open_.push_back(measure.is_open);
     const DirectFactors::FindNeighbours neighbours = grid_neighbours(scene_, lookup_, true);
     for (std::int32_t i = 0; i < std::int32_t(measures.size()); ++i) {
       const Patch& patch = scene_.patches[i];
-      if (patch.cut < 0 && measures[i] < kNear && !detail_.is_too_large(patch)) continue;
+
+      if (patch.cut < 0 && measures[i].value < kNear && !detail_.is_too_large(patch)) continue;
       if (patch.cut < 0 && is_facet(scene_.patches[i].primitive)) {
         near_facets_.push_back(i);
         continue;
@@ -86,13 +87,14 @@ class Builder {
 
   /// Divides the cells of a level that need it. Returns the new cells.
   std::vector<std::int32_t> refine(const std::vector<std::int32_t>& level, int depth, std::int64_t& cast) {
-    const auto needs_refinement = [&](float criterion, const Patch& cell) {
-      if (depth < kLevels && criterion >= (depth + 1 < kLevels ? kSplit : kContact)) return true;
+    const auto needs_refinement = [&](const RefinementCriterion& criterion, const Patch& cell) {
+      if (!criterion.is_open) return false;
+      if (depth < kLevels && criterion.value >= (depth + 1 < kLevels ? kSplit : kContact)) return true;
       return depth < kMostLevels && detail_.is_too_large(cell);
     };
     std::vector<Patch> parts;
     for (const std::int32_t i : level) parts.push_back(cell_patches_[i]);
-    const std::vector<float> measures = measure(parts, cast);
+    const std::vector<RefinementCriterion> measures = measure(parts, cast);
     std::vector<std::int32_t> next;
     for (std::size_t k = 0; k < level.size(); ++k) {
       DisplayMesh::Cell& cell = mesh_.cells[level[k]];
@@ -118,18 +120,17 @@ class Builder {
     return find_crossings(scene_.primitives, [&](std::int32_t i) { return is_facet(i) ? -1.0 : reach[i]; });
   }
 
-  /// Size of patches or cells over their harmonic mean distances.
-  std::vector<float> measure(const std::vector<Patch>& parts, std::int64_t& cast) const {
+  /// Criteria of patches or cells.
+  std::vector<RefinementCriterion> measure(const std::vector<Patch>& parts, std::int64_t& cast) const {
     constexpr int kBlock = 256;
-    std::vector<float> measures(parts.size());
+    std::vector<RefinementCriterion> measures(parts.size());
     const int count = int(parts.size());
     tbb::parallel_for(0, (count + kBlock - 1) / kBlock, [&](int block) {
       _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree requires denormals to be flushed
       for (int k = block * kBlock; k < std::min((block + 1) * kBlock, count); ++k)
-        measures[k] =
-            refinement_criterion(scene_, ray_scene_, parts[k], hash64(seed_ ^ hash64(std::uint64_t(k)))).value;
+        measures[k] = refinement_criterion(scene_, ray_scene_, parts[k], hash64(seed_ ^ hash64(std::uint64_t(k))));
     });
-    cast += std::int64_t(count) * RayPacket::kSize;
+    for (const RefinementCriterion& measure : measures) cast += measure.rays;
     Progress::check_interrupted();
     return measures;
   }
@@ -142,6 +143,7 @@ class Builder {
   const FineDetail detail_;
   const std::uint64_t seed_;
   DisplayMesh mesh_;
+  std::vector<bool> is_open_;              ///< [patches] See RefinementCriterion.
   std::vector<Patch> cell_patches_;        ///< [cells].
   std::vector<std::int32_t> near_facets_;  ///< Patches.
 };

@@ -36,18 +36,34 @@ std::vector<Patch> receivers(const PatchSet& scene, const DisplayMesh& mesh) {
   return points;
 }
 
-/// Finds neighbours of face `i`: faces with a number near its own that share a vertex with it. No surface stands
-/// between such faces.
-int face_neighbours(const DisplayMesh& mesh, std::int32_t i, DirectFactors::NeighbourList& near) {
-  const auto corners = mesh.corners_of(mesh.faces[i]);
-  int count = 0;
-  for (std::int32_t j = std::max(0, i - 4); j <= std::min(mesh.elements() - 1, i + 4); ++j) {
-    const auto others = mesh.corners_of(mesh.faces[j]);
-    if (j != i && std::find_first_of(corners.begin(), corners.end(), others.begin(), others.end()) != corners.end())
-      near[count++] = j;
+/// Finds neighbours of faces: faces with a number near theirs that share a vertex with them. No surface stands between
+/// such faces.
+class FaceNeighbours {
+ public:
+  explicit FaceNeighbours(const DisplayMesh& mesh) : behind_(mesh.faces.size()) {
+    for (std::int32_t i = 0; i < mesh.elements(); ++i)
+      for (int k = 1; k <= std::min(kFarthest, i); ++k)
+        if (touch(mesh.corners_of(mesh.faces[i]), mesh.corners_of(mesh.faces[i - k]))) behind_[i] |= 1 << k;
   }
-  return count;
-}
+
+  int operator()(std::int32_t i, DirectFactors::NeighbourList& near) const {
+    int count = 0;
+    for (int k = kFarthest; k > 0; --k)
+      if (behind_[i] & 1 << k) near[count++] = i - k;
+    for (int k = 1; k <= kFarthest && std::size_t(i + k) < behind_.size(); ++k)
+      if (behind_[i + k] & 1 << k) near[count++] = i + k;
+    return count;
+  }
+
+ private:
+  static constexpr int kFarthest = 4;
+
+  static bool touch(std::span<const std::int32_t> a, std::span<const std::int32_t> b) {
+    return std::find_first_of(a.begin(), a.end(), b.begin(), b.end()) != a.end();
+  }
+
+  std::vector<std::uint8_t> behind_;  ///< [faces] Bit k: whether the k-th face before is a neighbour.
+};
 
 /// Casts and samples what `transport` lacks for the display solution. Returns the number of rays.
 std::int64_t complete_display(const PatchSet& scene, const SolveConfig& config, int rays, Transport& transport,
@@ -77,9 +93,9 @@ std::int64_t complete_display(const PatchSet& scene, const SolveConfig& config, 
   }
   const DisplayMesh& mesh = transport.display->mesh;
   const std::vector<Patch> faces = face_patches(scene, mesh);
+  const FaceNeighbours neighbours(mesh);
   const DirectFactors direct(
-      scene, ray_scene, faces, [&](std::int32_t i, auto& near) { return face_neighbours(mesh, i, near); },
-      display_seed(config));
+      scene, ray_scene, faces, [&](std::int32_t i, auto& near) { return neighbours(i, near); }, display_seed(config));
   const std::vector<Emitter> emitters = explicit_emitters(scene);
   for (std::size_t k = 0; k < emitters.size(); ++k) {
     if (k == transport.emitters.size())

@@ -25,10 +25,11 @@ std::int32_t DisplayVertices::at(const VertexKey& key, const Leaf& leaf, std::in
     const Vec2f half = leaf.step * (0.5f * float(leaf.size));
     const bool border = is_border(scene_.patches[leaf.patch].primitive, uv, half, around);
     mesh_.vertices.push_back({patch, uv.x, uv.y});
-    places_.push_back({border ? Kind::border : Kind::gathered, Vec2f(std::numeric_limits<float>::infinity()),
+    places_.push_back({border ? Kind::border : Kind::hidden, Vec2f(std::numeric_limits<float>::infinity()),
                        VertexKeyHash()(key), around});
   }
   Place& place = places_[number];
+  if (place.kind == Kind::hidden && is_open_[patch]) place.kind = Kind::gathered;
   // Nothing meets a cut that is not a crossing.
   const float cells = key.grid < 0 ? 0.0f : std::min(float(leaf.size), kLargest * float(kFinestCells));
   place.size = Vec2f(std::min(place.size.x, cells * leaf.step.x), std::min(place.size.y, cells * leaf.step.y));
@@ -83,11 +84,13 @@ bool DisplayVertices::is_border(std::int32_t i, const Vec2f& at, const Vec2f& re
 
 void DisplayVertices::sort() {
   std::vector<std::int32_t> order, number(places_.size());
-  for (const Kind kind : {Kind::gathered, Kind::border}) {
+  const auto add = [&](auto is_next) {
     for (std::int32_t i = 0; i < std::int32_t(places_.size()); ++i)
-      if (places_[i].kind == kind) order.push_back(i);
-    if (kind == Kind::gathered) mesh_.gathered = std::int32_t(order.size());
-  }
+      if (is_next(places_[i].kind)) order.push_back(i);
+  };
+  add([](Kind kind) { return kind == Kind::gathered; });
+  mesh_.gathered = std::int32_t(order.size());
+  add([](Kind kind) { return kind == Kind::border || kind == Kind::hidden; });
   for (const auto& m : midpoints_) order.push_back(m[0]);
   std::vector<DisplayMesh::Vertex> vertices;
   for (std::size_t k = 0; k < order.size(); ++k) {

@@ -19,8 +19,10 @@ struct Surroundings {
 /// Builds the vertices of a DisplayMesh whose cells are given.
 class DisplayVertices {
  public:
-  DisplayVertices(const PatchSet& scene, const PatchLookup& lookup, const SmoothEdges& smooth, DisplayMesh& mesh)
-      : scene_(scene), lookup_(lookup), smooth_(smooth), mesh_(mesh) {}
+  /// `is_open` [patches]: where vertices gather light.
+  DisplayVertices(const PatchSet& scene, const PatchLookup& lookup, const SmoothEdges& smooth,
+                  const std::vector<bool>& is_open, DisplayMesh& mesh)
+      : scene_(scene), lookup_(lookup), smooth_(smooth), is_open_(is_open), mesh_(mesh) {}
 
   /// The number of a vertex at a corner of a face of `leaf`, on `patch`.
   std::int32_t at(const VertexKey& key, const Leaf& leaf, std::int32_t patch, const Vec2f& uv,
@@ -52,7 +54,7 @@ class DisplayVertices {
   void sort();
 
  private:
-  enum class Kind { gathered, border, midpoint };
+  enum class Kind { gathered, border, hidden, midpoint };
   struct Place {
     Kind kind;
     Vec2f size;            ///< Of the smallest leaf around, in (u,v); zeros on a cut.
@@ -65,6 +67,7 @@ class DisplayVertices {
   const PatchSet& scene_;
   const PatchLookup& lookup_;
   const SmoothEdges& smooth_;
+  const std::vector<bool>& is_open_;
   DisplayMesh& mesh_;
   std::unordered_map<VertexKey, std::int32_t, VertexKeyHash> numbers_;
   std::vector<Place> places_;                           ///< [vertices]

@@ -38,12 +38,12 @@ double room_at(const Polygon& polygon, const Vec2d& corner) {
 class Faces {
  public:
   Faces(const PatchSet& scene, const PatchLookup& lookup, const SmoothEdges& smooth,
-        const std::vector<std::vector<Crossing>>& crossings, DisplayMesh& mesh)
+        const std::vector<std::vector<Crossing>>& crossings, const std::vector<bool>& is_open, DisplayMesh& mesh)
       : scene_(scene),
         lookup_(lookup),
         crossings_(crossings),
         mesh_(mesh),
-        vertices_(scene, lookup, smooth, mesh),
+        vertices_(scene, lookup, smooth, is_open, mesh),
         planes_(scene.primitives.size()) {}
 
   void add() {
@@ -205,8 +205,9 @@ class Faces {
 }  // namespace
 
 void add_faces(const PatchSet& scene, const PatchLookup& lookup, const SmoothEdges& smooth,
-               const std::vector<std::vector<Crossing>>& crossings, DisplayMesh& mesh) {
-  Faces(scene, lookup, smooth, crossings, mesh).add();
+               const std::vector<std::vector<Crossing>>& crossings, const std::vector<bool>& is_open,
+               DisplayMesh& mesh) {
+  Faces(scene, lookup, smooth, crossings, is_open, mesh).add();
 }
 
 }  // namespace patchlight

@@ -9,8 +9,10 @@
 namespace patchlight {
 
 /// Cuts a mesh's leaves into faces along `crossings` [primitives], and adds the vertices at the faces' corners. Faces
-/// share vertices unless another surface stands between them.
+/// share vertices unless another surface stands between them. `is_open` [patches]: whether a patch has vertices that
+/// gather light.
 void add_faces(const PatchSet& scene, const PatchLookup& lookup, const SmoothEdges& smooth,
-               const std::vector<std::vector<Crossing>>& crossings, DisplayMesh& mesh);
+               const std::vector<std::vector<Crossing>>& crossings, const std::vector<bool>& is_open,
+               DisplayMesh& mesh);
 
 }  // namespace patchlight

@@ -26,10 +26,14 @@ class ReflectedErrors {
   /// Counts a filter's bias as a part of all local errors: on each primitive its mean, relative to the solution.
   void add_bias(const IrradianceFilter& filter);
 
-  /// The value that the local relative errors stay below on the part `level`, in [0,1], of the area that reflects.
+  /// The value that the local relative errors stay below on the part `level`, in [0,1], of the area that reflects
+  /// and is not black in the solution.
   double percentile(const SpectrumField& error, double level) const;
 
  private:
+  /// Square of the reflected light of a black patch.
+  double squared_black() const;
+
   const PatchSet& scene_;
   const SpectrumField& reflectance_;
   const std::vector<double>& areas_;

@@ -46,7 +46,7 @@ void leave_surface(int lane, const RayScene& ray_scene, const SurfacePoint& poin
 }
 
 float lit_ray_fraction(const PatchSet& scene, const RayScene& ray_scene, std::int32_t primitive,
-                       const SurfacePoint& point, std::uint64_t random) {
+                       const SurfacePoint& point, std::uint64_t random, int& rays) {
   constexpr int kPackets = 4;
   int lit = 0, backs = 0;
   for (int k = 0; k < kPackets; ++k) {
@@ -57,6 +57,7 @@ float lit_ray_fraction(const PatchSet& scene, const RayScene& ray_scene, std::in
     for (int lane = 0; lane < RayPacket::kSize; ++lane)
       leave_surface(lane, ray_scene, point, ray_scene.offset(primitive), directions[lane], packet);
     ray_scene.intersect(packet, false);
+    rays += RayPacket::kSize;
     for (int lane = 0; lane < RayPacket::kSize; ++lane) {
       const SurfaceHit hit = ray_scene.hit(packet, lane);
       lit += hit.front || (hit.primitive < 0 && scene.environment);
@@ -69,22 +70,29 @@ float lit_ray_fraction(const PatchSet& scene, const RayScene& ray_scene, std::in
 
 RefinementCriterion refinement_criterion(const PatchSet& scene, const RayScene& ray_scene, const Patch& part,
                                          std::uint64_t random) {
+  constexpr int kPackets = 5;
   const PatchSampler sampler(scene.primitives[part.primitive], part);
   const float size = float(std::sqrt(part.area));
-  const auto directions = stratified_directions(random);
-  RayPacket packet;
-  packet.clear();
-  for (int lane = 0; lane < RayPacket::kSize; ++lane) {
-    const Vec2f at = kronecker2(std::uint64_t(lane), random);
-    leave_surface(lane, ray_scene, sampler(at.x, at.y), ray_scene.offset(part.primitive), directions[lane], packet);
-  }
-  ray_scene.intersect(packet, false);
   RefinementCriterion result;
-  for (int lane = 0; lane < RayPacket::kSize; ++lane) {
-    const SurfaceHit hit = ray_scene.hit(packet, lane);
-    if (hit.primitive < 0) continue;
-    result.value += size / std::max(hit.t, kMinDistance * size) / float(RayPacket::kSize);
-    result.hits_backs = result.hits_backs || !hit.front;
+  for (int k = 0; k < kPackets && !result.is_open; ++k, random = hash64(random)) {
+    const auto directions = stratified_directions(random);
+    RayPacket packet;
+    packet.clear();
+    for (int lane = 0; lane < RayPacket::kSize; ++lane) {
+      const Vec2f at = kronecker2(std::uint64_t(lane), random);
+      leave_surface(lane, ray_scene, sampler(at.x, at.y), ray_scene.offset(part.primitive), directions[lane], packet);
+    }
+    ray_scene.intersect(packet, false);
+    float value = 0;
+    for (int lane = 0; lane < RayPacket::kSize; ++lane) {
+      const SurfaceHit hit = ray_scene.hit(packet, lane);
+      result.is_open = result.is_open || hit.front || hit.primitive < 0;
+      if (hit.primitive < 0) continue;
+      value += size / std::max(hit.t, kMinDistance * size) / float(RayPacket::kSize);
+      result.hits_backs = result.hits_backs || !hit.front;
+    }
+    result.value += (value - result.value) / float(k + 1);
+    result.rays += RayPacket::kSize;
   }
   return result;
 }

@@ -134,7 +134,7 @@ void RayRows::cast_row(std::int32_t row, const DirectionTable& table, Scratch& s
   }
   result.visible_fractions.insert(result.visible_fractions.end(), 2, density ? density->visible_fraction() : 1.0f);
   const auto block_count = [&](const SampleSet& other) {
-    const int hit_count = int(other.columns.size());
+    const int hit_count = int(other.columns.size()) + other.back_hits;
     return hit_count == 0 ? 1 : std::min(kMaxSequenceBlocks, (table.count() + hit_count / 2) / hit_count);
   };
   const std::array<int, 2> block_counts{block_count(sets[1]), block_count(sets[0])};

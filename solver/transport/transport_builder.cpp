@@ -54,8 +54,9 @@ std::vector<float> find_visible_fractions(const PatchSet& scene, const RayScene&
     _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree requires denormals to be flushed
     const Patch& patch = scene.patches[i];
     const std::uint64_t random = visible_density_random(seed, std::int32_t(i));
-    rays += RayPacket::kSize;
-    if (!refinement_criterion(scene, ray_scene, patch, random).hits_backs) return;
+    const RefinementCriterion criterion = refinement_criterion(scene, ray_scene, patch, random);
+    rays += criterion.rays;
+    if (!criterion.hits_backs) return;
     fractions[2 * i] = fractions[2 * i + 1] = VisibleDensity(scene, ray_scene, patch, random).visible_fraction();
     rays += VisibleDensity::kRays;
   });

@@ -1,6 +1,5 @@
 #include "pipeline/optics/sampling/quad_shape.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace patchlight {
@@ -12,19 +11,6 @@ Vec2f quad_shape(const std::array<Vec3d, 4>& c) {
   const double scale = 1.0 / (normal ^ normal);
   const auto snapped = [](double x) { return std::abs(x - 1.0) < 1e-5 ? 1.0f : float(x); };
   return {snapped(((d % e3) ^ normal) * scale), snapped(((e1 % d) ^ normal) * scale)};
-}
-
-Vec2f inverse_bilinear(float a, float b, float s, float t) {
-  const float k = a - 1.0f;
-  const float linear = 1.0f + (b - 1.0f) * s - t * k;
-  float v = t / linear;
-  if (k != 0.0f) {
-    const float root = std::sqrt(std::max(0.0f, linear * linear + 4.0f * k * t));
-    v = 2.0f * t / (linear + root);
-  }
-  v = std::clamp(v, 0.0f, 1.0f);
-  const float width = 1.0f + v * k;
-  return {width > 0.0f ? std::clamp(s / width, 0.0f, 1.0f) : 0.5f, v};
 }
 
 }  // namespace patchlight

@@ -54,6 +54,16 @@ TEST(LocalRadiosityError, LeavesOutEmittersAndATwentiethOfTheArea) {
   EXPECT_EQ(local_radiosity_error(scene, wrong.energy, exact.energy), 0) << "black patches reflect nothing";
 }
 
+TEST(LocalRadiosityError, LeavesOutWhatIsBlackInBothSolutions) {
+  BrightAndDark exact, wrong;
+  std::fill_n(exact.energy.groups[0].direct.begin() + 40, 40, Color(1e-8f));
+  std::fill_n(wrong.energy.groups[0].direct.begin() + 40, 40, Color(3e-8f));
+  const PatchSet& scene = wrong.builder.get();
+  EXPECT_EQ(local_radiosity_error(scene, wrong.energy, exact.energy), 0);
+  std::fill_n(wrong.energy.groups[0].direct.begin() + 40, 40, Color(1.0f));
+  EXPECT_GT(local_radiosity_error(scene, wrong.energy, exact.energy), 1e6) << "a leak";
+}
+
 TEST(LocalRadiosityError, IsInfiniteWhereOnlyTheReferenceIsBlack) {
   BrightAndDark exact;
   const BrightAndDark wrong;

@@ -153,6 +153,28 @@ TEST(DisplayMesh, NoFaceLiesOnBothSidesOfAWall) {
   EXPECT_GE(std::count_if(mesh.cells.begin(), mesh.cells.end(), is_cut), 4 * 16);
 }
 
+TEST(DisplayMesh, NoVertexGathersLightInsideOfAClosedBody) {
+  PatchScene builder;
+  builder.quad({{{-1, 0, -1}, {-1, 0, 1}, {1, 0, 1}, {1, 0, -1}}}, 16, 16, {});
+  builder.quad({{{-1, 2, -1}, {1, 2, -1}, {1, 2, 1}, {-1, 2, 1}}}, 16, 16, {});
+  const std::array<Vec2f, 5> foot{Vec2f(-0.5f, 0.5f), {0.5f, 0.5f}, {0.5f, -0.5f}, {-0.5f, -0.5f}, {-0.5f, 0.5f}};
+  for (int k = 0; k < 4; ++k) {
+    const Vec3d a(foot[k].x, -0.1, foot[k].y), b(foot[k + 1].x, -0.1, foot[k + 1].y), up(0, 0.6, 0);
+    builder.quad({{a, b, b + up, a + up}}, 8, 8, {});
+  }
+  builder.quad({{{-0.5, 0.5, 0.5}, {0.5, 0.5, 0.5}, {0.5, 0.5, -0.5}, {-0.5, 0.5, -0.5}}}, 8, 8, {});
+  const PatchSet& scene = builder.get();
+  const DisplayMesh mesh = mesh_of(scene);
+  int inside = 0, outside = 0;
+  for (const auto& vertex : std::span(mesh.vertices).first(mesh.gathered)) {
+    const std::int32_t i = scene.patches[vertex.patch].primitive;
+    const Vec3d at = position_at(scene.primitives[i].corners, vertex.u, vertex.v);
+    if (i == 0) ++(std::max(std::abs(at.x), std::abs(at.z)) < 0.5 ? inside : outside);
+  }
+  EXPECT_EQ(inside, 0);
+  EXPECT_GT(outside, 100);
+}
+
 TEST(DisplayMesh, NoFaceLiesOnBothSidesOfAPanelsEdge) {
   PatchScene builder;
   builder.room(1, 8, {});  // the panel is 5 mm in front of the wall at z = -1
