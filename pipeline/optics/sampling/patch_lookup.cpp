@@ -13,10 +13,11 @@ PatchLookup::PatchLookup(const PatchSet& scene) {
     for (bool in_grid = true; in_grid && patch < count && scene.patches[patch].primitive == i;) {
       const std::int32_t first = patch;
       const float v0 = scene.patches[first].v0;
+      bool has_cuts = false;
       while (patch < count && scene.patches[patch].primitive == i && scene.patches[patch].v0 == v0 &&
              (patch == first || scene.patches[patch].u0 > 0))
-        ++patch;
-      rows_.push_back({first, patch - first});
+        has_cuts |= scene.patches[patch++].cut >= 0;
+      rows_.push_back({first, patch - first, has_cuts});
       in_grid = scene.patches[first].v1 < 1;
     }
     while (patch < count && scene.patches[patch].primitive == i) ++patch;  // further parts of cut cells

@@ -16,6 +16,7 @@ class PatchLookup {
   struct Row {
     std::int32_t first;  ///< Patch of the cell at u = 0.
     std::int32_t cells;  ///< Number of cells.
+    bool has_cuts;
   };
 
   explicit PatchLookup(const PatchSet& scene);
@@ -28,7 +29,7 @@ class PatchLookup {
   std::int32_t patch(std::int32_t i, float u, float v) const {
     const Row& at = row(i, cell(v, rows(i)));
     const std::int32_t patch = at.first + cell(u, at.cells);
-    return cut_of_.empty() || cut_of_[patch] < 0 ? patch : part(cut_of_[patch], u, v);
+    return at.has_cuts && cut_of_[patch] >= 0 ? part(cut_of_[patch], u, v) : patch;
   }
 
   /// Whether anything stands on the edges between four cells of a quad's grid, or cuts one of them: the cells from
