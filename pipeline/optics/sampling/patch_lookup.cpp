@@ -15,7 +15,7 @@ PatchLookup::PatchLookup(const PatchSet& scene) {
       const float v0 = scene.patches[first].v0;
       bool has_cuts = false;
       while (patch < count && scene.patches[patch].primitive == i && scene.patches[patch].v0 == v0 &&
-             (patch == first || scene.patches[patch].u0 > 0))
+             (patch == first || scene.patches[patch - 1].u1 < 1))
         has_cuts |= scene.patches[patch++].cut >= 0;
       rows_.push_back({first, patch - first, has_cuts});
       in_grid = scene.patches[first].v1 < 1;
