@@ -246,7 +246,9 @@ void TileLight::add(std::vector<ShadingPoint>& points, std::span<Color> pixels) 
       const float share = factors.share(lamps[l], l, s);
       const bool scattered = clusters[s].scattered;  // then visibility from other points tells nothing
       const bool may_be_found = visibility[s].visible == 0 && seen_[l] != 0;
-      if ((!visibility[s].partial() && !scattered && !may_be_found) || share < kMinShare) continue;
+      const bool unknown = own[s].visible + own[s].hidden == 0;  // all probes went below the horizon
+      const bool partial = visibility[s].partial() || scattered || may_be_found;
+      if (!unknown && (!partial || share < kMinShare)) continue;
       const float part = float(clusters[s].points.size()) / float(points_of_pixel[clusters[s].pixel]);
       const int count = scattered ? std::max(kMinScatteredRays, int(share * float(clusters[s].points.size())))
                                   : ray_count(part * share, samples_, visibility[s]);
