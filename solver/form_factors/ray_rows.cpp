@@ -4,7 +4,10 @@
 #include <xmmintrin.h>
 
 #include <algorithm>
+#include <bit>
+#include <cmath>
 
+#include "pipeline/optics/cuts/cell_cutter.h"
 #include "pipeline/optics/transport/mirror_path.h"
 #include "pipeline/system/prefaulted_memory.h"
 #include "solver/form_factors/row_samples.h"
@@ -198,7 +201,10 @@ void RayRows::cast_block(SampleSet& set, const DirectionTable& table, int block)
     for (int lane = 0; lane < RayPacket::kSize; ++lane) {
       const SurfaceHit hit = ray_scene_.hit(packet, lane);
       if (hit.front) {
-        set.columns.push_back(elements_.at(hit.primitive, hit.u, hit.v));
+        const Elements::Place place = elements_.find(hit.primitive, hit.u, hit.v);
+        const bool certain = !hit.at_edge && !place.cut;
+        if (const std::int32_t element = certain ? place.element : certain_element(packet, lane, hit); element >= 0)
+          set.columns.push_back(element);
       } else if (hit.primitive >= 0) {
         ++set.back_hits;
       } else if (scene_.environment) {
@@ -208,6 +214,36 @@ void RayRows::cast_block(SampleSet& set, const DirectionTable& table, int block)
     }
     if (has_metals_) trace_reflections(set, first, packet);
   }
+}
+
+/// The element that a ray hits at the edge of a quad or on a cut face, where rounding may put the hit behind what
+/// stands there: the ray is turned a little until it hits no edge, and the hit is taken back by the rounding. -1: none.
+std::int32_t RayRows::certain_element(const RayPacket& packet, int lane, SurfaceHit hit) const {
+  constexpr int kAttempts = 4;
+  constexpr float kTurn = 0.01f;  // rad
+  const Vec3f origin = packet.origin(lane);
+  Vec3f direction = packet.direction(lane);
+  for (int k = 0; k < kAttempts && hit.at_edge; ++k) {
+    const std::uint64_t random =
+        hash64(hash64(std::bit_cast<std::uint32_t>(direction.x)) ^ std::bit_cast<std::uint32_t>(direction.z));
+    Vec3f along, across;
+    orthonormal_frame(direction, along, across);
+    const float angle = float(2 * kPi) * uniform01(random);
+    direction = (direction + (along * std::cos(angle) + across * std::sin(angle)) * kTurn).normalized();
+    RayPacket turned;
+    turned.clear();
+    turned.set(0, origin, direction);
+    ray_scene_.intersect(turned, false);
+    hit = ray_scene_.hit(turned, 0);
+  }
+  if (!hit.front || hit.at_edge) return -1;
+  const Elements::Place place = elements_.find(hit.primitive, hit.u, hit.v);
+  if (!place.cut) return place.element;
+  const Primitive& primitive = scene_.primitives[hit.primitive];
+  const double rounding = position_rounding(primitive) + ray_scene_.offset(hit.primitive);
+  const Vec3d before = position_at(primitive.corners, hit.u, hit.v) - Vec3d(direction) * rounding;
+  const Vec2f uv(uv_of(primitive, before));
+  return elements_.at(hit.primitive, uv.x, uv.y);
 }
 
 void RayRows::trace_reflections(SampleSet& set, int first, RayPacket& packet) const {

@@ -56,6 +56,7 @@ class RayRows {
   void cast_row(std::int32_t row, const DirectionTable& table, Scratch& scratch, RowBlock& result) const;
   void cast_block(SampleSet& set, const DirectionTable& table, int block) const;
   void start_packet(const SampleSet& set, QuadSamples& samples, int first, RayPacket& packet) const;
+  std::int32_t certain_element(const RayPacket& packet, int lane, SurfaceHit hit) const;
   void trace_reflections(SampleSet& set, int first, RayPacket& packet) const;
 
   static constexpr int kGuideReach = 64;  ///< Neighbours of a row are at most so many rows before or after it.

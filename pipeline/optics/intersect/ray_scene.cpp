@@ -222,6 +222,7 @@ inline SurfaceHit RayScene::surface_hit(unsigned geometry, unsigned index, float
   } else {
     result.u = std::clamp(result.u, 0.0f, 1.0f);
     result.v = std::clamp(result.v, 0.0f, 1.0f);
+    result.at_edge = result.u != s || result.v != t;
   }
   if (!from_front && quad.back >= 0) result.u = 1.0f - result.u;
   return result;

@@ -37,6 +37,7 @@ struct SurfaceHit {
   float u = 0.0f;
   float v = 0.0f;
   float t = 0.0f;
+  bool at_edge = false;  ///< On a parallelogram's margin, which closes the gaps of rounding to its neighbours.
 };
 
 /// A scene's primitives for ray casting, in single precision relative to the scene's centre; both sides of a surface

@@ -20,13 +20,19 @@ class Elements {
         faces_(std::in_place, scene, mesh),
         first_sky_(std::int32_t(scene.patches.size()) + mesh.elements()) {}
 
+  struct Place {
+    std::int32_t element;
+    bool cut;  ///< Whether it is a face that is a part of its leaf.
+  };
+
   /// The element at (u,v) of primitive `i`.
-  std::int32_t at(std::int32_t i, float u, float v) const {
+  Place find(std::int32_t i, float u, float v) const {
     const std::int32_t patch = lookup_.patch(i, u, v);
-    if (!faces_) return patch;
-    const std::int32_t face = faces_->find(patch, u, v).face;
-    return face < 0 ? patch : std::int32_t(scene_.patches.size()) + face;
+    if (!faces_) return {patch, false};
+    const FaceLookup::Place at = faces_->find(patch, u, v);
+    return {at.face < 0 ? patch : std::int32_t(scene_.patches.size()) + at.face, at.cut};
   }
+  std::int32_t at(std::int32_t i, float u, float v) const { return find(i, u, v).element; }
 
   /// The element of a ray in this direction that hits no surface; -1 without an environment.
   std::int32_t sky(const Vec3f& direction) const {
