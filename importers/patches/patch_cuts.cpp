@@ -6,6 +6,7 @@
 #include "importers/patches/patch_grid.h"
 #include "pipeline/model/cuts/cut_cells.h"
 #include "pipeline/optics/cuts/cell_cutter.h"
+#include "pipeline/optics/surface/lattices.h"
 #include "pipeline/optics/surface/smooth_edges.h"
 
 namespace patchlight {
@@ -57,6 +58,24 @@ void cut_patch(const CellParts& cell, const PlaneFrame& frame, std::int32_t inde
   }
 }
 
+/// Marks the edges between quads whose grids continue each other, where others stand on them. `largest`: see
+/// cut_patches().
+void close_edges_of_quads(const std::vector<double>& largest, PatchSet& scene) {
+  const PatchLookup lookup(scene);
+  const Lattices lattices(scene, lookup);
+  if (lattices.empty()) return;
+  std::vector<double> reach(scene.primitives.size(), -1.0);
+  for (const auto& quads : lattices.quads())
+    for (const std::int32_t i : quads) reach[i] = CellCutter::kHighest * largest[i];
+  const auto crossings = find_crossings_at_edges(scene.primitives, [&](std::int32_t i) { return reach[i]; });
+  for (Patch& patch : scene.patches) {
+    if (crossings[patch.primitive].empty() || patch.cut >= 0) continue;
+    const Primitive& primitive = scene.primitives[patch.primitive];
+    const CellCutter cutter(crossings[patch.primitive], kSmall, position_rounding(primitive));
+    patch.closed |= closed_edges(cutter, primitive, *PlaneFrame::of(primitive), patch);
+  }
+}
+
 }  // namespace
 
 void cut_patches(double patch_area, PatchSet& scene) {
@@ -99,6 +118,7 @@ void cut_patches(double patch_area, PatchSet& scene) {
     patches.insert(patches.end(), others.begin(), others.end());
   }
   scene.patches = std::move(patches);
+  close_edges_of_quads(largest, scene);
   set_outlines(scene);
 }
 

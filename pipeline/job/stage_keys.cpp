@@ -7,10 +7,10 @@ namespace patchlight {
 namespace {
 
 // Raised whenever a stage computes different results from the same inputs.
-constexpr int kImportVersion = 6;
-constexpr int kTransportKeyVersion = 29;
-constexpr int kSolveVersion = 29;
-constexpr int kTraceVersion = 13;
+constexpr int kImportVersion = 7;
+constexpr int kTransportKeyVersion = 31;
+constexpr int kSolveVersion = 31;
+constexpr int kTraceVersion = 15;
 
 void add_color(KeyHasher& hasher, const std::optional<Color>& color) {
   hasher.add(color.has_value());

@@ -24,6 +24,8 @@ struct DisplayMesh {
     std::int32_t first = 0;  ///< Of its corners.
     std::int32_t count = 0;  ///< Number of its corners: 3 to kMostCorners.
     float part = 1.0f;       ///< Its area relative to its patch's.
+    /// Number of vertices after its corners: in the middle of edges of a leaf that border on undivided patches.
+    std::int32_t middles = 0;
   };
   static constexpr int kMostCorners = 8;
 
@@ -44,7 +46,8 @@ struct DisplayMesh {
   std::vector<Cell> cells;  ///< Parents before their children.
   std::vector<Cut> cuts;    ///< Through leaves; their sides are other cuts, or ~face.
   std::vector<Face> faces;
-  /// Vertices of the faces: of leaves that are not cut, in rows of growing u; of others counter-clockwise.
+  /// Vertices of the faces: of leaves that are not cut, in rows of growing u, then middles of edges; of others
+  /// counter-clockwise.
   std::vector<std::int32_t> corners;
   std::vector<Facet> facets;  ///< On patches without a root cell.
 
@@ -58,6 +61,9 @@ struct DisplayMesh {
   std::int32_t elements() const { return std::int32_t(faces.size()); }
   std::span<const std::int32_t> corners_of(const Face& face) const {
     return std::span(corners).subspan(std::size_t(face.first), std::size_t(face.count));
+  }
+  std::span<const std::int32_t> middles_of(const Face& face) const {
+    return std::span(corners).subspan(std::size_t(face.first + face.count), std::size_t(face.middles));
   }
 };
 

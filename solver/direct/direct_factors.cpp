@@ -196,10 +196,12 @@ std::vector<float> DirectFactors::sample_image(const Emitter& emitter, const Pla
   return factors;
 }
 
-DirectFactors::FindNeighbours grid_neighbours(const PatchSet& scene, const PatchLookup& lookup, bool also_behind) {
-  return [&scene, &lookup, also_behind](std::int32_t i, DirectFactors::NeighbourList& neighbours) {
+DirectFactors::FindNeighbours grid_neighbours(const PatchSet& scene, const PatchLookup& lookup,
+                                              const Lattices& lattices, bool also_behind) {
+  return [&scene, &lookup, &lattices, also_behind](std::int32_t i, DirectFactors::NeighbourList& neighbours) {
     const Patch& patch = scene.patches[i];
-    const bool all = also_behind || scene.primitives[patch.primitive].shape == Primitive::Shape::sphere;
+    const bool sphere = scene.primitives[patch.primitive].shape == Primitive::Shape::sphere;
+    const bool all = also_behind || sphere;
     const int rows = lookup.rows(patch.primitive);
     const int at = PatchLookup::cell(0.5f * (patch.v0 + patch.v1), rows);
     int count = 0;
@@ -210,6 +212,14 @@ DirectFactors::FindNeighbours grid_neighbours(const PatchSet& scene, const Patch
         if (row.first + j != i && (all || lookup.is_open(patch.primitive, std::min(j, middle), std::min(k, at))))
           neighbours[count++] = row.first + j;
     }
+    if (sphere || lattices.empty()) return count;
+    const int columns = lookup.row(patch.primitive, 0).cells;
+    const int column = PatchLookup::cell(0.5f * (patch.u0 + patch.u1), columns);
+    for (int k = at - 1; k <= at + 1; ++k)
+      for (int j = column - 1; j <= column + 1; ++j)
+        if (k < 0 || k >= rows || j < 0 || j >= columns)
+          if (const std::int32_t beyond = lattices.beyond(patch.primitive, j, k); beyond >= 0)
+            neighbours[count++] = beyond;
     return count;
   };
 }

@@ -6,7 +6,7 @@
 #include "pipeline/model/transport.h"
 #include "pipeline/optics/intersect/ray_scene.h"
 #include "pipeline/optics/lights/direct_light.h"
-#include "pipeline/optics/sampling/patch_lookup.h"
+#include "pipeline/optics/surface/lattices.h"
 #include "pipeline/stage/progress.h"
 #include "solver/form_factors/visible_density.h"
 
@@ -62,9 +62,9 @@ class DirectFactors {
   const VisibleDensities& densities_;
 };
 
-/// Finds the patches next to a patch in the grid of its primitive; on a sphere, in its ring and the adjacent rings.
-/// `also_behind`: also those behind something that stands between them.
+/// Finds the patches next to a patch in the grid of its primitive or in one that continues it; on a sphere, in its ring
+/// and the adjacent rings. `also_behind`: also those of the grid behind something that stands between them.
 DirectFactors::FindNeighbours grid_neighbours(const PatchSet& scene, const PatchLookup& lookup,
-                                              bool also_behind = false);
+                                              const Lattices& lattices, bool also_behind = false);
 
 }  // namespace patchlight

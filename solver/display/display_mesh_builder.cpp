@@ -35,6 +35,7 @@ class Builder {
       : scene_(scene),
         ray_scene_(ray_scene),
         lookup_(lookup),
+        lattices_(scene, lookup),
         smooth_(scene),
         crossings_(crossings()),
         detail_(scene, crossings_),
@@ -46,7 +47,7 @@ class Builder {
     std::vector<std::int32_t> level;
     for (std::size_t i = 0; i < mesh_.cells.size(); ++i) level.push_back(std::int32_t(i));
     for (int depth = 0; !level.empty(); ++depth) level = refine(level, depth, cast);
-    add_faces(scene_, lookup_, smooth_, crossings_, is_open_, mesh_);
+    add_faces(scene_, lookup_, lattices_, smooth_, crossings_, is_open_, mesh_);
     add_display_facets(scene_, ray_scene_, lookup_, near_facets_, mesh_, cast);
     return std::move(mesh_);
   }
@@ -57,7 +58,7 @@ class Builder {
   void add_roots(std::int64_t& cast) {
     const std::vector<RefinementCriterion> measures = measure(scene_.patches, cast);
     for (const RefinementCriterion& measure : measures) is_open_.push_back(measure.is_open);
-    const DirectFactors::FindNeighbours neighbours = grid_neighbours(scene_, lookup_, true);
+    const DirectFactors::FindNeighbours neighbours = grid_neighbours(scene_, lookup_, lattices_, true);
     for (std::int32_t i = 0; i < std::int32_t(measures.size()); ++i) {
       const Patch& patch = scene_.patches[i];
 
@@ -138,6 +139,7 @@ class Builder {
   const PatchSet& scene_;
   const RayScene& ray_scene_;
   const PatchLookup& lookup_;
+  const Lattices lattices_;
   const SmoothEdges smooth_;
   const std::vector<std::vector<Crossing>> crossings_;  ///< [primitives]
   const FineDetail detail_;

@@ -25,14 +25,14 @@ std::int32_t DisplayVertices::at(const VertexKey& key, const Leaf& leaf, std::in
     const Vec2f half = leaf.step * (0.5f * float(leaf.size));
     const bool border = is_border(scene_.patches[leaf.patch].primitive, uv, half, around);
     mesh_.vertices.push_back({patch, uv.x, uv.y});
-    places_.push_back({border ? Kind::border : Kind::hidden, Vec2f(std::numeric_limits<float>::infinity()),
+    places_.push_back({border ? Kind::border : Kind::hidden, leaf.step, std::numeric_limits<float>::infinity(),
                        VertexKeyHash()(key), around});
   }
   Place& place = places_[number];
   if (place.kind == Kind::hidden && is_open_[patch]) place.kind = Kind::gathered;
   // Nothing meets a cut that is not a crossing.
   const float cells = key.grid < 0 ? 0.0f : std::min(float(leaf.size), kLargest * float(kFinestCells));
-  place.size = Vec2f(std::min(place.size.x, cells * leaf.step.x), std::min(place.size.y, cells * leaf.step.y));
+  place.size = std::min(place.size, cells);
   place.around.room = std::min(place.around.room, around.room);
   return number;
 }
@@ -58,8 +58,8 @@ void DisplayVertices::move_off_edges() {
       vertex.v = std::clamp(float(uv.y), 0.0f, 1.0f);
       vertex.patch = lookup_.patch(i, vertex.u, vertex.v);
     } else if (place.kind == Kind::gathered) {
-      vertex.u = nudged(vertex.u, place.size.x, place.random);
-      vertex.v = nudged(vertex.v, place.size.y, place.random >> 1);
+      vertex.u = nudged(vertex.u, place.size * place.step.x, place.random);
+      vertex.v = nudged(vertex.v, place.size * place.step.y, place.random >> 1);
     }
   }
 }
@@ -76,6 +76,13 @@ bool DisplayVertices::is_border(std::int32_t i, const Vec2f& at, const Vec2f& re
         if (around.sectors.of(to) != around.sector) continue;
       }
       const int edge = y < 0 ? 0 : x > 1 ? 1 : y > 1 ? 2 : x < 0 ? 3 : -1;
+      if (edge >= 0 && !sphere && !lattices_.empty()) {
+        const int columns = lookup_.row(i, 0).cells, rows = lookup_.rows(i);
+        const std::int32_t beyond =
+            lattices_.beyond(i, int(std::floor(x * float(columns))), int(std::floor(y * float(rows))));
+        if (beyond >= 0 && mesh_.roots[beyond] < 0) return true;
+        if (beyond >= 0) continue;
+      }
       if (edge < 0 ? mesh_.roots[lookup_.patch(i, x, y)] < 0 : !sphere && smooth_.is_smooth(primitive, edge))
         return true;
     }

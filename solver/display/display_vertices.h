@@ -20,9 +20,9 @@ struct Surroundings {
 class DisplayVertices {
  public:
   /// `is_open` [patches]: where vertices gather light.
-  DisplayVertices(const PatchSet& scene, const PatchLookup& lookup, const SmoothEdges& smooth,
+  DisplayVertices(const PatchSet& scene, const PatchLookup& lookup, const Lattices& lattices, const SmoothEdges& smooth,
                   const std::vector<bool>& is_open, DisplayMesh& mesh)
-      : scene_(scene), lookup_(lookup), smooth_(smooth), is_open_(is_open), mesh_(mesh) {}
+      : scene_(scene), lookup_(lookup), lattices_(lattices), smooth_(smooth), is_open_(is_open), mesh_(mesh) {}
 
   /// The number of a vertex at a corner of a face of `leaf`, on `patch`.
   std::int32_t at(const VertexKey& key, const Leaf& leaf, std::int32_t patch, const Vec2f& uv,
@@ -32,22 +32,21 @@ class DisplayVertices {
   void move_off_edges();
 
   /// Finds vertices of smaller leaves in the middle of the edge from a to b of a leaf that is not cut, whose corners
-  /// are the vertices `at_a` and `at_b`. sector_of(node) is the leaf's sector at a node.
-  template <class SectorOf>
-  void find_midpoints(const VertexKey& a, const VertexKey& b, std::int32_t at_a, std::int32_t at_b,
-                      const SectorOf& sector_of) {
+  /// are the vertices `at_a` and `at_b`. key_of(node) is the key of the leaf's vertex at a node.
+  template <class KeyOf>
+  void find_midpoints(const Leaf::Node& a, const Leaf::Node& b, std::int32_t at_a, std::int32_t at_b,
+                      const KeyOf& key_of) {
     if (std::abs(b.x - a.x) + std::abs(b.y - a.y) < 2) return;
-    VertexKey middle{a.grid, (a.x + b.x) / 2, (a.y + b.y) / 2};
-    middle.sector = sector_of(middle);
-    const auto found = numbers_.find(middle);
+    const Leaf::Node middle{(a.x + b.x) / 2, (a.y + b.y) / 2};
+    const auto found = numbers_.find(key_of(middle));
     if (found == numbers_.end()) return;
     const std::int32_t k = found->second;
     if (places_[k].kind == Kind::gathered) {
       places_[k].kind = Kind::midpoint;
       midpoints_.push_back({k, at_a, at_b});
     }
-    find_midpoints(a, middle, at_a, k, sector_of);
-    find_midpoints(middle, b, k, at_b, sector_of);
+    find_midpoints(a, middle, at_a, k, key_of);
+    find_midpoints(middle, b, k, at_b, key_of);
   }
 
   /// Sorts the mesh's vertices by their kinds.
@@ -57,7 +56,8 @@ class DisplayVertices {
   enum class Kind { gathered, border, hidden, midpoint };
   struct Place {
     Kind kind;
-    Vec2f size;            ///< Of the smallest leaf around, in (u,v); zeros on a cut.
+    Vec2f step;            ///< Size of a finest cell in (u,v).
+    float size;            ///< Of the smallest leaf around, in finest cells; 0 on a cut.
     std::uint64_t random;  ///< Of the key.
     Surroundings around;
   };
@@ -66,6 +66,7 @@ class DisplayVertices {
 
   const PatchSet& scene_;
   const PatchLookup& lookup_;
+  const Lattices& lattices_;
   const SmoothEdges& smooth_;
   const std::vector<bool>& is_open_;
   DisplayMesh& mesh_;

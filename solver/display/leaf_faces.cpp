@@ -37,17 +37,18 @@ double room_at(const Polygon& polygon, const Vec2d& corner) {
 
 class Faces {
  public:
-  Faces(const PatchSet& scene, const PatchLookup& lookup, const SmoothEdges& smooth,
+  Faces(const PatchSet& scene, const PatchLookup& lookup, const Lattices& lattices, const SmoothEdges& smooth,
         const std::vector<std::vector<Crossing>>& crossings, const std::vector<bool>& is_open, DisplayMesh& mesh)
       : scene_(scene),
         lookup_(lookup),
+        lattices_(lattices),
         crossings_(crossings),
         mesh_(mesh),
-        vertices_(scene, lookup, smooth, is_open, mesh),
+        vertices_(scene, lookup, lattices, smooth, is_open, mesh),
         planes_(scene.primitives.size()) {}
 
   void add() {
-    std::vector<Leaf> leaves = find_leaves(scene_, lookup_, mesh_);
+    std::vector<Leaf> leaves = find_leaves(scene_, lookup_, lattices_, mesh_);
     for (const Leaf& leaf : leaves) {
       add_plane(scene_.patches[leaf.patch]);
       add_faces(leaf);
@@ -78,8 +79,30 @@ class Faces {
     }
     mesh_.cells[leaf.cell].face = add_face(leaf.patch, 4);
     for (int k = 0; k < 4; ++k) {
-      const VertexKey node = leaf.corner(k);
-      mesh_.corners.push_back(vertices_.at(node, leaf, leaf.patch, leaf.uv(node)));
+      const Leaf::Node node = leaf.corner(k);
+      mesh_.corners.push_back(vertices_.at(key_at(leaf, node), leaf, leaf.patch, leaf.uv(node)));
+    }
+    add_middles(leaf, nullptr, {});
+  }
+
+  /// Adds vertices to the last face, of a leaf that is not cut, in the middle of the edges that border on undivided
+  /// patches, between whose centres irradiance is interpolated. `plane`: the quad's, if it has crossings; `near`:
+  /// these.
+  void add_middles(const Leaf& leaf, const Plane* plane, const std::vector<Crossing>& near) {
+    const std::int32_t i = scene_.patches[leaf.patch].primitive;
+    if (leaf.size != kFinestCells || scene_.primitives[i].shape == Primitive::Shape::sphere) return;
+    const auto column = int(leaf.at.x / kFinestCells), row = int(leaf.at.y / kFinestCells);
+    constexpr std::array<std::array<int, 4>, 4> kEdges{{{0, 1, 0, -1}, {1, 3, 1, 0}, {2, 3, 0, 1}, {0, 2, -1, 0}}};
+    for (int k = 0; k < 4; ++k) {
+      const auto& [from, to, across_u, across_v] = kEdges[k];
+      const int x = column + across_u, y = row + across_v;
+      const bool inside = x >= 0 && y >= 0 && x < lookup_.row(i, 0).cells && y < lookup_.rows(i);
+      const std::int32_t next = inside ? lookup_.row(i, y).first + x : lattices_.beyond(i, x, y);
+      if (next < 0 || mesh_.roots[next] >= 0 || lookup_.closed_edges(leaf.patch) >> k & 1) continue;
+      const Leaf::Node a = leaf.corner(from), b = leaf.corner(to), middle{(a.x + b.x) / 2, (a.y + b.y) / 2};
+      if (plane && plane->sectors.around(place(leaf, *plane, middle), near).parted()) continue;
+      mesh_.corners.push_back(vertices_.at(key_at(leaf, middle), leaf, leaf.patch, leaf.uv(middle)));
+      ++mesh_.faces.back().middles;
     }
   }
 
@@ -96,7 +119,8 @@ class Faces {
     const CellParts parts = CellCutter(near, kSmall, plane.rounding).cut(polygon);
     if (parts.cuts.empty()) {
       cell.face = add_face(patch_at(leaf, plane, polygon), 4);
-      for (int k = 0; k < 4; ++k) add_corner(leaf, plane, leaf.corner(k), corners[k], near, polygon);
+      for (int k = 0; k < 4; ++k) add_corner(leaf, plane, k, corners[k], near, polygon);
+      add_middles(leaf, &plane, near);
       return;
     }
     const auto first_face = mesh_.elements(), first_cut = std::int32_t(mesh_.cuts.size());
@@ -109,10 +133,7 @@ class Faces {
       add_face(patch_at(leaf, plane, part), int(part.size()));
       for (const Vec2d& corner : part) {
         const auto at = std::find(corners.begin(), corners.end(), corner);
-        const VertexKey on_cut{~scene_.patches[leaf.patch].primitive, std::llround(corner.x / plane.rounding),
-                               std::llround(corner.y / plane.rounding)};
-        add_corner(leaf, plane, at != corners.end() ? leaf.corner(int(at - corners.begin())) : on_cut, corner, near,
-                   part);
+        add_corner(leaf, plane, at != corners.end() ? int(at - corners.begin()) : -1, corner, near, part);
       }
     }
   }
@@ -122,15 +143,37 @@ class Faces {
     return mesh_.elements() - 1;
   }
 
-  /// Adds a corner to the last face, whose polygon is given.
-  void add_corner(const Leaf& leaf, const Plane& plane, VertexKey key, const Vec2d& at,
-                  const std::vector<Crossing>& near, const Polygon& face) {
+  /// Adds a corner to the last face, whose polygon is given. `k`: the leaf's corner that it is, or -1.
+  void add_corner(const Leaf& leaf, const Plane& plane, int k, const Vec2d& at, const std::vector<Crossing>& near,
+                  const Polygon& face) {
     Surroundings around{plane.sectors.around(at, near), 0, room_at(face, at)};
-    around.sector = key.sector = around.sectors.of(centroid_of(face) - at);
-    Vec2f uv = leaf.uv(key);
-    if (key.grid < 0)
-      uv = Vec2f(uv_of(scene_.primitives[scene_.patches[leaf.patch].primitive], plane.frame.to_world(at)));
+    around.sector = around.sectors.of(centroid_of(face) - at);
+    const std::int32_t primitive = scene_.patches[leaf.patch].primitive;
+    const bool on_node = k >= 0 && !around.sectors.parted();
+    const VertexKey key = on_node ? key_at(leaf, leaf.corner(k)) : parted_key(primitive, plane, at, around.sector);
+    const Vec2f uv =
+        k >= 0 ? leaf.uv(leaf.corner(k)) : Vec2f(uv_of(scene_.primitives[primitive], plane.frame.to_world(at)));
     mesh_.corners.push_back(vertices_.at(key, leaf, mesh_.faces.back().patch, uv, around));
+  }
+
+  /// The key of a vertex at a node of a leaf: shared with all quads around it, unless anything stands between some.
+  VertexKey key_at(const Leaf& leaf, const Leaf::Node& node) const {
+    if (leaf.lattice == leaf.grid && lattices_.empty()) return leaf.key(node, false);
+    const std::int32_t i = scene_.patches[leaf.patch].primitive;
+    const std::int64_t columns = lookup_.row(i, 0).cells, rows = lookup_.rows(i);
+    bool shared = true;
+    for (const std::int64_t y : {node.y - 1, node.y})
+      for (const std::int64_t x : {node.x - 1, node.x}) {
+        const std::int64_t column = x < 0 ? -1 : x / kFinestCells, row = y < 0 ? -1 : y / kFinestCells;
+        if (column < 0 || column >= columns || row < 0 || row >= rows)
+          shared = shared && lattices_.beyond(i, int(column), int(row)) >= 0;
+      }
+    return leaf.key(node, shared);
+  }
+
+  /// The key of a vertex on a cut, or where other surfaces stand: no other primitive shares it.
+  static VertexKey parted_key(std::int32_t primitive, const Plane& plane, const Vec2d& at, int sector) {
+    return {~primitive, std::llround(at.x / plane.rounding), std::llround(at.y / plane.rounding), sector};
   }
 
   /// The patch on which a part of a leaf lies.
@@ -140,7 +183,7 @@ class Faces {
     return lookup_.part_of_cell(leaf.patch, float(uv.x), float(uv.y));
   }
 
-  Vec2d place(const Leaf& leaf, const Plane& plane, const VertexKey& node) const {
+  Vec2d place(const Leaf& leaf, const Plane& plane, const Leaf::Node& node) const {
     const Vec2f uv = leaf.uv(node);
     return plane.frame.to_plane(
         position_at(scene_.primitives[scene_.patches[leaf.patch].primitive].corners, uv.x, uv.y));
@@ -176,14 +219,15 @@ class Faces {
       near = near_crossings(leaf, *plane, polygon);
       middle = (polygon[0] + polygon[2]) * 0.5;
     }
-    const auto sector_of = [&](const VertexKey& node) {
-      if (!plane) return 0;
+    const auto key_of = [&](const Leaf::Node& node) {
+      if (!plane) return key_at(leaf, node);
       const Vec2d at = place(leaf, *plane, node);
-      return plane->sectors.around(at, near).of(middle - at);
+      const Sectors sectors = plane->sectors.around(at, near);
+      return sectors.parted() ? parted_key(primitive, *plane, at, sectors.of(middle - at)) : key_at(leaf, node);
     };
     const auto corners = mesh_.corners_of(mesh_.faces[mesh_.cells[leaf.cell].face]);
     for (const auto& [a, b] : {std::pair(0, 1), {1, 3}, {2, 3}, {0, 2}})
-      vertices_.find_midpoints(leaf.corner(a), leaf.corner(b), corners[a], corners[b], sector_of);
+      vertices_.find_midpoints(leaf.corner(a), leaf.corner(b), corners[a], corners[b], key_of);
   }
 
   void set_parts() {
@@ -196,6 +240,7 @@ class Faces {
 
   const PatchSet& scene_;
   const PatchLookup& lookup_;
+  const Lattices& lattices_;
   const std::vector<std::vector<Crossing>>& crossings_;
   DisplayMesh& mesh_;
   DisplayVertices vertices_;
@@ -204,10 +249,10 @@ class Faces {
 
 }  // namespace
 
-void add_faces(const PatchSet& scene, const PatchLookup& lookup, const SmoothEdges& smooth,
+void add_faces(const PatchSet& scene, const PatchLookup& lookup, const Lattices& lattices, const SmoothEdges& smooth,
                const std::vector<std::vector<Crossing>>& crossings, const std::vector<bool>& is_open,
                DisplayMesh& mesh) {
-  Faces(scene, lookup, smooth, crossings, is_open, mesh).add();
+  Faces(scene, lookup, lattices, smooth, crossings, is_open, mesh).add();
 }
 
 }  // namespace patchlight

@@ -3,7 +3,7 @@
 
 #include "pipeline/model/display_mesh.h"
 #include "pipeline/optics/cuts/crossings.h"
-#include "pipeline/optics/sampling/patch_lookup.h"
+#include "pipeline/optics/surface/lattices.h"
 #include "pipeline/optics/surface/smooth_edges.h"
 
 namespace patchlight {
@@ -11,7 +11,7 @@ namespace patchlight {
 /// Cuts a mesh's leaves into faces along `crossings` [primitives], and adds the vertices at the faces' corners. Faces
 /// share vertices unless another surface stands between them. `is_open` [patches]: whether a patch has vertices that
 /// gather light.
-void add_faces(const PatchSet& scene, const PatchLookup& lookup, const SmoothEdges& smooth,
+void add_faces(const PatchSet& scene, const PatchLookup& lookup, const Lattices& lattices, const SmoothEdges& smooth,
                const std::vector<std::vector<Crossing>>& crossings, const std::vector<bool>& is_open,
                DisplayMesh& mesh);
 

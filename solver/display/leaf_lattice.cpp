@@ -10,16 +10,19 @@ void add_leaves(const Leaf& leaf, const DisplayMesh& mesh, std::vector<Leaf>& le
     leaves.push_back(leaf);
     return;
   }
-  const int half = leaf.size / 2;
+  Leaf quarter = leaf;
+  quarter.size /= 2;
   for (int k = 0; k < 4; ++k) {
-    const VertexKey at{leaf.at.grid, leaf.at.x + k % 2 * half, leaf.at.y + k / 2 * half};
-    add_leaves({children + k, leaf.patch, at, half, leaf.step}, mesh, leaves);
+    quarter.cell = children + k;
+    quarter.at = leaf.at + Leaf::Node{k % 2, k / 2} * quarter.size;
+    add_leaves(quarter, mesh, leaves);
   }
 }
 
 }  // namespace
 
-std::vector<Leaf> find_leaves(const PatchSet& scene, const PatchLookup& lookup, const DisplayMesh& mesh) {
+std::vector<Leaf> find_leaves(const PatchSet& scene, const PatchLookup& lookup, const Lattices& lattices,
+                              const DisplayMesh& mesh) {
   std::vector<Leaf> leaves;
   std::vector<bool> visited(mesh.cells.size());
   for (std::size_t i = 0; i < mesh.roots.size(); ++i) {
@@ -31,10 +34,13 @@ std::vector<Leaf> find_leaves(const PatchSet& scene, const PatchLookup& lookup, 
     const PatchLookup::Row& cells = lookup.row(p.primitive, row);
     const int column = PatchLookup::cell(0.5f * (p.u0 + p.u1), cells.cells);
     const bool ring = scene.primitives[p.primitive].shape == Primitive::Shape::sphere;
-    const std::int32_t grid = ring ? cells.first : lookup.row(p.primitive, 0).first;
+    Lattices::Frame frame = lattices.frame(p.primitive);
+    frame.origin = frame.origin * kFinestCells;
     const Vec2f step(1.0f / float(cells.cells * kFinestCells), 1.0f / float(rows * kFinestCells));
-    add_leaves({root, cells.first + column, {grid, column * kFinestCells, row * kFinestCells}, kFinestCells, step},
-               mesh, leaves);
+    const Leaf::Node at = Leaf::Node{column, row} * kFinestCells;
+    const std::int32_t grid = ring ? cells.first : lookup.row(p.primitive, 0).first;
+    const std::int32_t lattice = ring ? grid : lookup.row(frame.lattice, 0).first;
+    add_leaves({root, cells.first + column, grid, lattice, frame, at, kFinestCells, step}, mesh, leaves);
   }
   return leaves;
 }

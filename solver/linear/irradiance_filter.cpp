@@ -87,11 +87,20 @@ std::vector<double> neighbourhood_sums(const std::vector<double>& values, int nu
   return sums;
 }
 
-SpectrumField smoothed(const SpectrumField& values, const IrradianceFilter::Grid& grid, int width) {
+SpectrumField smoothed(const SpectrumField& values, const FilterGrid& grid, int width) {
   SpectrumField along(values.size()), both(values.size());
   smooth_lines(values, along, grid.nv, grid.nu, grid.nu, 1, width, grid.ends_along_u);
   smooth_lines(along, both, grid.nu, 1, grid.nv, grid.nu, width, grid.ends_along_v);
   return both;
+}
+
+/// A field at a grid's cells.
+SpectrumField values_of(const FilterGrid& grid, const SpectrumField& field) {
+  if (grid.patches.empty()) return {field.begin() + grid.first, field.begin() + grid.first + grid.cells()};
+  SpectrumField values(grid.patches.size());
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (grid.patches[i] >= 0) values[i] = field[grid.patches[i]];
+  return values;
 }
 
 double weighted_square(const Spectrum& s, const Spectrum& weight) {
@@ -100,36 +109,23 @@ double weighted_square(const Spectrum& s, const Spectrum& weight) {
 
 }  // namespace
 
-IrradianceFilter::IrradianceFilter(const PatchLookup& lookup, std::size_t primitives, const SpectrumField& irradiance,
+IrradianceFilter::IrradianceFilter(const std::vector<FilterGrid>& grids, const SpectrumField& irradiance,
                                    const SpectrumField& deviation, const SpectrumField& reflectance,
                                    const SpectrumField& lit)
     : choice_(irradiance.size(), 0), bias_(irradiance.size()) {
-  for (std::int32_t p = 0; p < std::int32_t(primitives); ++p) {
-    const int nv = lookup.rows(p), nu = nv > 0 ? lookup.row(p, 0).cells : 0;
-    bool is_grid = std::max(nu, nv) > 3;
-    for (int k = 1; k < nv; ++k) is_grid = is_grid && lookup.row(p, k).cells == nu;
-    bool is_lit = false;
-    for (std::int32_t i = 0; is_grid && !is_lit && i < nu * nv; ++i)
-      is_lit = irradiance[lookup.row(p, 0).first + i].sum() != 0;
-    if (!is_lit) continue;
-    Grid& grid = grids_.emplace_back(Grid{lookup.row(p, 0).first, nu, nv});
-    std::uint8_t closed = 0;
-    for (std::int32_t i = 0; i < nu * nv; ++i) closed |= lookup.closed_edges(grid.first + i);
-    for (std::int32_t i = 0; closed != 0 && i < nu * nv; ++i) {
-      grid.ends_along_u.push_back(lookup.closed_edges(grid.first + i) & 2);
-      grid.ends_along_v.push_back(lookup.closed_edges(grid.first + i) & 4);
-    }
-  }
+  std::copy_if(grids.begin(), grids.end(), std::back_inserter(grids_), [&](const FilterGrid& grid) {
+    for (std::int32_t i = 0; i < grid.cells(); ++i)
+      if (grid.patch(i) >= 0 && irradiance[grid.patch(i)].sum() != 0) return true;
+    return false;
+  });
   tbb::parallel_for(std::size_t(0), grids_.size(),
                     [&](std::size_t g) { choose(grids_[g], irradiance, deviation, reflectance, lit); });
 }
 
-void IrradianceFilter::choose(const Grid& grid, const SpectrumField& irradiance, const SpectrumField& deviation,
+void IrradianceFilter::choose(const FilterGrid& grid, const SpectrumField& irradiance, const SpectrumField& deviation,
                               const SpectrumField& reflectance, const SpectrumField& lit) {
-  const auto slice = [&](const SpectrumField& field) {
-    return SpectrumField(field.begin() + grid.first, field.begin() + grid.first + grid.patches());
-  };
-  const SpectrumField mean = slice(irradiance), half_difference = slice(deviation), weight = slice(reflectance);
+  const SpectrumField mean = values_of(grid, irradiance), half_difference = values_of(grid, deviation),
+                      weight = values_of(grid, reflectance);
   const std::size_t cells = mean.size();
   SpectrumField narrow = mean, narrow_noise = half_difference;
   std::vector<double> noise(cells), increase(cells);  // increase: of the squared error by the wider window
@@ -146,32 +142,37 @@ void IrradianceFilter::choose(const Grid& grid, const SpectrumField& irradiance,
     }
     const std::vector<double> pooled = neighbourhood_sums(increase, grid.nu, grid.nv, kWidths[width]);
     for (std::size_t i = 0; i < cells; ++i) {
-      std::uint8_t& choice = choice_[grid.first + i];
+      const std::int32_t patch = grid.patch(std::int32_t(i));
+      if (patch < 0) continue;
+      std::uint8_t& choice = choice_[patch];
       if (choice + 1 != width || pooled[i] >= 0) continue;
       choice = width;
       const double unfiltered = weighted_square(half_difference[i], weight[i]);
-      bias_[grid.first + i] = {weighted_square(wide[i] - mean[i], weight[i]) -
-                                   weighted_square(wide_noise[i] - half_difference[i], weight[i]),
-                               4.0 / 3 * unfiltered * unfiltered};
+      bias_[patch] = {weighted_square(wide[i] - mean[i], weight[i]) -
+                          weighted_square(wide_noise[i] - half_difference[i], weight[i]),
+                      4.0 / 3 * unfiltered * unfiltered};
     }
     narrow = std::move(wide);
     narrow_noise = std::move(wide_noise);
   }
-  for (std::int32_t i = grid.first; i < grid.first + grid.patches(); ++i)
-    if (lit[i].sum() == 0) choice_[i] = 0, bias_[i] = {};
+  for (std::int32_t i = 0; i < grid.cells(); ++i)
+    if (const std::int32_t patch = grid.patch(i); patch >= 0 && lit[patch].sum() == 0)
+      choice_[patch] = 0, bias_[patch] = {};
 }
 
 SpectrumField IrradianceFilter::apply(const SpectrumField& field) const {
   SpectrumField result = field;
   tbb::parallel_for(std::size_t(0), grids_.size(), [&](std::size_t g) {
-    const Grid& grid = grids_[g];
-    const auto begin = choice_.begin() + grid.first, end = begin + grid.patches();
-    const SpectrumField values(field.begin() + grid.first, field.begin() + grid.first + grid.patches());
+    const FilterGrid& grid = grids_[g];
+    const SpectrumField values = values_of(grid, field);
+    std::vector<std::uint8_t> choices;
+    for (std::int32_t i = 0; i < grid.cells(); ++i)
+      choices.push_back(grid.patch(i) >= 0 ? choice_[grid.patch(i)] : std::uint8_t(0));
     for (std::uint8_t width = 1; width < kWidths.size(); ++width) {
-      if (std::find(begin, end, width) == end) continue;
+      if (std::find(choices.begin(), choices.end(), width) == choices.end()) continue;
       const SpectrumField smooth = smoothed(values, grid, kWidths[width]);
-      for (std::size_t i = 0; i < values.size(); ++i)
-        if (choice_[grid.first + i] == width) result[grid.first + i] = smooth[i];
+      for (std::int32_t i = 0; i < grid.cells(); ++i)
+        if (choices[i] == width) result[grid.patch(i)] = smooth[i];
     }
   });
   return result;

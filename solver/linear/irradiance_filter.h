@@ -1,10 +1,11 @@
 #pragma once
-#include "pipeline/optics/sampling/patch_lookup.h"
+#include "solver/linear/filter_grids.h"
 #include "solver/linear/linear_system.h"
 
 namespace patchlight {
 
-/// Smooths sampled irradiance over the patches of a primitive where that reduces the mean squared error.
+/// Smooths sampled irradiance over the patches of a primitive, or of quads that continue each other, where that reduces
+/// the mean squared error.
 ///
 /// The filters fit a polynomial of second degree to a window of patches (Savitzky and Golay 1964), which keeps
 /// gradients and curvature. Each patch has its own window, or none: two independent sample sets give unbiased estimates
@@ -12,19 +13,9 @@ namespace patchlight {
 /// beyond edges on which other surfaces stand, nor into cut cells.
 class IrradianceFilter {
  public:
-  /// A quad's cells.
-  struct Grid {
-    std::int32_t first;  ///< Patch.
-    int nu, nv;
-    /// [cells] Whether the edge towards larger u, or v, is closed; empty: none is.
-    std::vector<bool> ends_along_u{}, ends_along_v{};
-
-    int patches() const { return nu * nv; }
-  };
-
   /// Chooses windows for `irradiance` [n] with its `deviation`, half the difference of its sample sets, both weighted
   /// by `reflectance`. Patches where `lit` [n] is zero are not filtered.
-  IrradianceFilter(const PatchLookup& lookup, std::size_t primitives, const SpectrumField& irradiance,
+  IrradianceFilter(const std::vector<FilterGrid>& grids, const SpectrumField& irradiance,
                    const SpectrumField& deviation, const SpectrumField& reflectance, const SpectrumField& lit);
 
   /// Filters a field of the same samples. Linear. Shape: [n].
@@ -41,10 +32,10 @@ class IrradianceFilter {
   double correlated_patches(std::size_t i) const;
 
  private:
-  void choose(const Grid& grid, const SpectrumField& irradiance, const SpectrumField& deviation,
+  void choose(const FilterGrid& grid, const SpectrumField& irradiance, const SpectrumField& deviation,
               const SpectrumField& reflectance, const SpectrumField& lit);
 
-  std::vector<Grid> grids_;
+  std::vector<FilterGrid> grids_;
   std::vector<std::uint8_t> choice_;  ///< [n] Index of the window's width; 0: none.
   std::vector<Bias> bias_;
 };

@@ -7,7 +7,7 @@
 namespace patchlight {
 
 std::vector<Vec3d> ExternalIrradiance::of_light(const Emitter& emitter, std::int64_t& cast) const {
-  const DirectFactors direct(scene_, ray_scene_, scene_.patches, grid_neighbours(scene_, lookup_), seed_);
+  const DirectFactors direct(scene_, ray_scene_, scene_.patches, grid_neighbours(scene_, lookup_, lattices_), seed_);
   const std::vector<float> factors = direct.sample(emitter, scene_.lights.size(), rays_, cast).factors;
   const Vec3d strength(scene_.lights[emitter.light].strength);
   std::vector<Vec3d> irradiance;
@@ -26,8 +26,8 @@ std::vector<Vec3d> ExternalIrradiance::of_environment(std::int64_t& cast, Progre
   const FormFactorRows::Field field{&radiosity, {&gathered, &deviation}};
   FormFactorRows(rows).gather({&field, 1}, nullptr, FormFactorRows::Precision::full);
   for (const Patch& patch : scene_.patches) reflectance.emplace_back(patch.reflectance);
-  gathered =
-      IrradianceFilter(lookup_, scene_.primitives.size(), gathered, deviation, reflectance, gathered).apply(gathered);
+  const std::vector<FilterGrid> grids = filter_grids(scene_, lookup_, lattices_);
+  gathered = IrradianceFilter(grids, gathered, deviation, reflectance, gathered).apply(gathered);
   std::vector<Vec3d> irradiance;
   irradiance.reserve(n);
   for (const Spectrum& h : gathered) irradiance.push_back(positive(Vec3d(h.c[0], h.c[1], h.c[2])));

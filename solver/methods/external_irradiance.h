@@ -5,7 +5,7 @@
 #include "pipeline/model/patch_set.h"
 #include "pipeline/optics/intersect/ray_scene.h"
 #include "pipeline/optics/lights/direct_light.h"
-#include "pipeline/optics/sampling/patch_lookup.h"
+#include "pipeline/optics/surface/lattices.h"
 #include "pipeline/stage/progress.h"
 
 namespace patchlight {
@@ -15,7 +15,7 @@ namespace patchlight {
 class ExternalIrradiance {
  public:
   ExternalIrradiance(const PatchSet& scene, int rays, std::uint64_t seed)
-      : scene_(scene), ray_scene_(scene), lookup_(scene), rays_(rays), seed_(seed) {}
+      : scene_(scene), ray_scene_(scene), lookup_(scene), lattices_(scene, lookup_), rays_(rays), seed_(seed) {}
 
   /// `emitter`: one without patches. Adds the number of rays to `cast`. Throws: Error (interrupted).
   std::vector<Vec3d> of_light(const Emitter& emitter, std::int64_t& cast) const;
@@ -27,6 +27,7 @@ class ExternalIrradiance {
   const PatchSet& scene_;
   const RayScene ray_scene_;
   const PatchLookup lookup_;
+  const Lattices lattices_;
   const int rays_;
   const std::uint64_t seed_;
 };

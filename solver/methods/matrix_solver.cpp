@@ -39,9 +39,9 @@ class FilteredComponents {
       if (group.has_sky) sky_ = {group.gathered_direct, group.gathered_deviation};
     }
     const PatchLookup lookup(system.scene);
+    const std::vector<FilterGrid> grids = filter_grids(system.scene, lookup, Lattices(system.scene, lookup));
     const auto filter = [&](const Component& component, const SpectrumField& lit) {
-      return IrradianceFilter(lookup, system.scene.primitives.size(), component.irradiance, component.deviation,
-                              system.reflectance, lit);
+      return IrradianceFilter(grids, component.irradiance, component.deviation, system.reflectance, lit);
     };
     reflected_filter_.emplace(filter(reflected_, reflected_.irradiance));
     if (!is_black(mirrored_.irradiance)) mirrored_filter_.emplace(filter(mirrored_, reflected_.irradiance));

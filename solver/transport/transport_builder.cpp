@@ -142,7 +142,9 @@ std::int64_t complete_transport(const PatchSet& scene, const SolveConfig& config
     transport.sky = scene.sky_cells();
   }
   const VisibleDensities densities(scene, ray_scene, transport.visible_fractions, seed);
-  const DirectFactors direct(scene, ray_scene, scene.patches, grid_neighbours(scene, lookup), seed, densities);
+  const Lattices lattices(scene, lookup);
+  const DirectFactors direct(scene, ray_scene, scene.patches, grid_neighbours(scene, lookup, lattices), seed,
+                             densities);
   if (!has_lights()) {
     transport.lights =
         LightSampler(scene, ray_scene, further, seed).sample(scene.patches, densities, light_rays(rays), cast);

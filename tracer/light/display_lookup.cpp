@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pipeline/optics/sampling/patch_sampling.h"
+
 namespace patchlight {
 
 DisplayLookup::DisplayLookup(const PatchSet& scene, const IrradianceLookup& patches, const EnergyField& energy,
                              const std::vector<LightMix>& mixes)
-    : patches_(patches), mesh_(*energy.display), faces_(scene, mesh_) {
+    : scene_(scene), patches_(patches), mesh_(*energy.display), faces_(scene, mesh_) {
+  if (!mesh_.cuts.empty()) place_corners(scene);
   for (std::size_t m = 0; m < mixes.size(); ++m) {
     std::vector<Color>& irradiance = irradiance_.emplace_back(mesh_.vertices.size(), Color(0.0f));
     for (std::size_t g = 0; g < energy.groups.size(); ++g)
@@ -34,6 +37,22 @@ DisplayLookup::DisplayLookup(const PatchSet& scene, const IrradianceLookup& patc
   }
 }
 
+void DisplayLookup::place_corners(const PatchSet& scene) {
+  first_place_.assign(mesh_.faces.size(), -1);
+  for_each_leaf(scene, mesh_, [&](const DisplayMesh::Cell& leaf, const Patch& cell) {
+    if (leaf.cut < 0) return;
+    const Primitive& primitive = scene.primitives[cell.primitive];
+    const PlaneFrame frame = *PlaneFrame::of(primitive);
+    for_each_part(mesh_.cuts, leaf.cut, cell_polygon(primitive, frame, cell),
+                  [&](const Polygon& polygon, std::int32_t face) {
+                    if (std::int32_t(polygon.size()) != mesh_.faces[face].count) return;  // lost in rounding
+                    first_place_[face] = std::int32_t(corner_places_.size());
+                    for (const Vec2d& corner : polygon)
+                      corner_places_.emplace_back(uv_of(primitive, frame.to_world(corner)));
+                  });
+  });
+}
+
 DisplayLookup::Blend DisplayLookup::blend(std::int32_t patch, float u, float v) const {
   Blend blend;
   const auto set_bilinear = [&](std::span<const std::int32_t> corners, float x, float y) {
@@ -51,21 +70,44 @@ DisplayLookup::Blend DisplayLookup::blend(std::int32_t patch, float u, float v) 
   const auto corners = mesh_.corners_of(mesh_.faces[place.face]);
   if (!place.cut) {
     set_bilinear(corners, place.u, place.v);
+    if (mesh_.faces[place.face].middles > 0) add_middles(patch, place, blend);
     return blend;
   }
   blend.count = int(corners.size());
   std::copy(corners.begin(), corners.end(), blend.vertices.begin());
-  set_mean_value_weights(u, v, blend);
+  set_mean_value_weights(place.face, u, v, blend);
   return blend;
 }
 
-void DisplayLookup::set_mean_value_weights(float u, float v, Blend& blend) const {
+/// Adds the vertices in the middle of a leaf's edges, each with the share of a linear function that is 1 there and 0 at
+/// the corners and along the other edges.
+void DisplayLookup::add_middles(std::int32_t patch, const FaceLookup::Place& place, Blend& blend) const {
+  const Patch& cell = scene_.patches[patch];
+  for (const std::int32_t middle : mesh_.middles_of(mesh_.faces[place.face])) {
+    const DisplayMesh::Vertex& vertex = mesh_.vertices[middle];
+    const float u = (vertex.u - cell.u0) / (cell.u1 - cell.u0) - 0.5f;
+    const float v = (vertex.v - cell.v0) / (cell.v1 - cell.v0) - 0.5f;
+    const bool at_v = std::abs(v) > std::abs(u);
+    const float along = at_v ? place.u : place.v, across = at_v ? place.v : place.u;
+    const bool far = (at_v ? v : u) > 0;
+    const float share = (1.0f - std::abs(2.0f * along - 1.0f)) * (far ? across : 1.0f - across);
+    const int first = far ? (at_v ? 2 : 1) : 0, second = first + (at_v ? 1 : 2);
+    blend.weights[first] -= 0.5f * share;
+    blend.weights[second] -= 0.5f * share;
+    blend.vertices[blend.count] = middle;
+    blend.weights[blend.count++] = share;
+  }
+}
+
+void DisplayLookup::set_mean_value_weights(std::int32_t face, float u, float v, Blend& blend) const {
   const int n = blend.count;
+  const std::int32_t first = first_place_[face];
   std::array<Vec2d, DisplayMesh::kMostCorners> to;
   std::array<double, DisplayMesh::kMostCorners> length, half_tangent, weights{};
   for (int k = 0; k < n; ++k) {
     const DisplayMesh::Vertex& vertex = mesh_.vertices[blend.vertices[k]];
-    to[k] = Vec2d(double(vertex.u) - u, double(vertex.v) - v);
+    const Vec2f at = first < 0 ? Vec2f(vertex.u, vertex.v) : corner_places_[first + k];
+    to[k] = Vec2d(double(at.x) - u, double(at.y) - v);
     length[k] = to[k].length();
   }
   double sum = 0;

@@ -6,9 +6,9 @@
 namespace patchlight {
 
 /// Irradiance of the display solution, W/m2, on patches that the DisplayMesh subdivides and on its facets; by
-/// IrradianceLookup on all other patches. Bilinear between the corners of a leaf, and by mean value coordinates
-/// (Floater 2003) between those of a part of a leaf; so it is continuous except where other surfaces stand on a leaf or
-/// cross it.
+/// IrradianceLookup on all other patches. Bilinear between the corners of a leaf, with linear corrections towards the
+/// middles of edges that border on such patches, and by mean value coordinates (Floater 2003) between the corners of a
+/// part of a leaf; so it is continuous except where other surfaces stand on a leaf or cross it.
 class DisplayLookup {
  public:
   /// `patches` is the lookup of the same solution under the same mixes.
@@ -29,11 +29,18 @@ class DisplayLookup {
   Color operator()(const Blend& blend, std::int32_t i, float u, float v, std::size_t mix = 0) const;
 
  private:
-  void set_mean_value_weights(float u, float v, Blend& blend) const;
+  void place_corners(const PatchSet& scene);
+  void set_mean_value_weights(std::int32_t face, float u, float v, Blend& blend) const;
+  void add_middles(std::int32_t patch, const FaceLookup::Place& place, Blend& blend) const;
 
+  const PatchSet& scene_;
   const IrradianceLookup& patches_;
   const DisplayMesh& mesh_;
   const FaceLookup faces_;
+  /// [faces] Of a face that is a part of a leaf: index into `corner_places_` of its corners' positions; -1: none.
+  /// Empty: no leaf is cut. Vertices lie a little beside the corners.
+  std::vector<std::int32_t> first_place_;
+  std::vector<Vec2f> corner_places_;  ///< In (u,v).
   /// [mixes][vertices + corners of facets without a vertex].
   std::vector<std::vector<Color>> irradiance_;
   std::vector<std::int32_t> facet_of_;                 ///< [patches], into `facets_`; -1: none. Empty: no facets.

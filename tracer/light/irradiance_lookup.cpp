@@ -4,6 +4,8 @@
 #include <cmath>
 #include <unordered_map>
 
+#include "pipeline/optics/surface/lattices.h"
+
 namespace patchlight {
 
 namespace {
@@ -27,7 +29,7 @@ constexpr std::array<Edge, 4> kEdges{{{0, 1}, {1, 2}, {3, 2}, {0, 3}}};  // v = 
 /// Computes the cell values of one light group at a time.
 class IrradianceLookup::Builder {
  public:
-  Builder(const PatchSet& scene, const PatchLookup& lookup) : scene_(scene), lookup_(lookup) {
+  Builder(const PatchSet& scene, const PatchLookup& lookup) : scene_(scene), lookup_(lookup), lattices_(scene, lookup) {
     for (std::int32_t i = 0; i < std::int32_t(scene.primitives.size()); ++i) add_sides(i);
     for (std::int32_t i = 0; i < std::int32_t(scene.primitives.size()); ++i) add_grid(i);
   }
@@ -134,9 +136,12 @@ class IrradianceLookup::Builder {
     }
   }
 
-  /// Value of the margin cell beyond cell `k` of an edge: interpolated from the smooth neighbour's cells, or
-  /// extrapolated linearly from the last two cells.
+  /// Value of the margin cell beyond cell `k` of an edge: that of the cell that continues the grid, interpolated from
+  /// the smooth neighbour's cells, or extrapolated linearly from the last two cells.
   Color margin_value(std::int32_t i, int edge, int k, const Color& last, const Color& before) const {
+    const int column = edge % 2 == 0 ? k : edge == 1 ? lookup_.row(i, 0).cells : -1;
+    const int row = edge % 2 != 0 ? k : edge == 2 ? lookup_.rows(i) : -1;
+    if (const std::int32_t beyond = lattices_.beyond(i, column, row); beyond >= 0) return (*irradiance_)[beyond];
     const auto& ids = scene_.primitives[i].smooth_vertices;
     const std::int32_t a = ids[kEdges[edge].from], b = ids[kEdges[edge].to];
     if (a >= 0 && a != b) {
@@ -177,12 +182,14 @@ class IrradianceLookup::Builder {
     for (const int row : {-1, nv})
       for (const int column : {-1, nu}) {
         const int c = std::clamp(column, 0, nu - 1), r = std::clamp(row, 0, nv - 1);
-        at(column, row) = positive(at(c, row) + at(column, r) - at(c, r));
+        const std::int32_t beyond = lattices_.beyond(i, column, row);
+        at(column, row) = beyond >= 0 ? (*irradiance_)[beyond] : positive(at(c, row) + at(column, r) - at(c, r));
       }
   }
 
   const PatchSet& scene_;
   const PatchLookup& lookup_;
+  const Lattices lattices_;
   const std::vector<Color>* irradiance_ = nullptr;
   std::vector<Grid> grids_;
   std::vector<Color> cells_;

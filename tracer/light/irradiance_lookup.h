@@ -13,9 +13,10 @@ using LightMix = std::vector<Color>;
 /// Irradiance interpolated between patch centres, W/m2, under one or more mixes of light groups.
 ///
 /// Quads: bilinear between the centres of a primitive's patches. Beyond the outermost centres it interpolates towards
-/// the patches of the primitive that meets the edge smoothly, or extrapolates linearly, never below zero. A quad of a
+/// the patches of the primitive that continues the grid or meets the edge smoothly, or extrapolates linearly, never
+/// below zero. A quad of a
 /// single patch that meets others smoothly is bilinear between its corners, each the mean of the patches around it.
-/// Nothing is interpolated across creases, material borders or nodes, which do not share smooth vertices. Spheres:
+/// Nothing is interpolated across creases. Spheres:
 /// linear along the two nearest rings, wrapping in u, and between them; at a pole, the mean of the last ring.
 ///
 /// Each light group is interpolated separately, so a mix is the exact sum of its groups everywhere.

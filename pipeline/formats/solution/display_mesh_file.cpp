@@ -8,6 +8,7 @@ namespace patchlight {
 namespace {
 
 constexpr int kMaxDepth = 16;
+constexpr int kMostMiddles = 4;
 const char* const kCells = "/display/mesh/cells";
 const char* const kCuts = "/display/mesh/cuts";
 const char* const kFaces = "/display/mesh/faces";
@@ -46,10 +47,12 @@ void check_faces(const H5Reader& reader, DisplayMesh& mesh) {
   std::vector<std::int32_t> todo;
   for (const DisplayMesh::Cell& cell : mesh.cells) {
     if (cell.children >= 0) continue;
-    if (cell.cut < 0)
+    if (cell.cut < 0) {
       visit(faces, cell.face, kCells);
-    else
+      if (mesh.faces[cell.face].count != 4) reader.refuse("a leaf without four corners", kFaces);
+    } else {
       todo.push_back(cell.cut);
+    }
     while (!todo.empty()) {
       const std::int32_t at = todo.back();
       todo.pop_back();
@@ -64,10 +67,10 @@ void check_faces(const H5Reader& reader, DisplayMesh& mesh) {
   std::int64_t corners = 0;
   for (DisplayMesh::Face& face : mesh.faces) {
     if (face.patch < 0 || std::size_t(face.patch) >= mesh.roots.size() || face.count < 3 ||
-        face.count > DisplayMesh::kMostCorners || !(face.part > 0))
+        face.count > DisplayMesh::kMostCorners || face.middles < 0 || face.middles > kMostMiddles || !(face.part > 0))
       reader.refuse("a value out of range", kFaces);
     face.first = std::int32_t(corners);
-    corners += face.count;
+    corners += face.count + face.middles;
   }
   if (corners != std::int64_t(mesh.corners.size()) || std::find(faces.begin(), faces.end(), false) != faces.end())
     reader.refuse("faces that do not fit the cells", kFaces);
@@ -113,7 +116,7 @@ void write_display_mesh(H5Writer& writer, const DisplayMesh& mesh) {
     sides.insert(sides.end(), cut.sides.begin(), cut.sides.end());
   }
   for (const auto& face : mesh.faces) {
-    faces.insert(faces.end(), {face.patch, face.count});
+    faces.insert(faces.end(), {face.patch, face.count, face.middles});
     parts.push_back(face.part);
   }
   for (const auto& facet : mesh.facets) {
@@ -129,7 +132,7 @@ void write_display_mesh(H5Writer& writer, const DisplayMesh& mesh) {
   writer.dataset<std::int32_t>(kCells, cells, 3);
   writer.dataset<double>(kCuts, lines, 4);
   writer.dataset<std::int32_t>("/display/mesh/cut_sides", sides, 2);
-  writer.dataset<std::int32_t>(kFaces, faces, 2);
+  writer.dataset<std::int32_t>(kFaces, faces, 3);
   writer.dataset<float>("/display/mesh/face_part", parts);
   writer.dataset<std::int32_t>("/display/mesh/corners", mesh.corners);
   writer.dataset<std::int32_t>(kFacets, facets, 5);
@@ -152,9 +155,10 @@ DisplayMesh read_display_mesh(const H5Reader& reader, std::int64_t patches) {
   for (std::size_t k = 0; k < sides.size() / 2; ++k)
     mesh.cuts.push_back(
         {{lines[4 * k], lines[4 * k + 1]}, {lines[4 * k + 2], lines[4 * k + 3]}, {sides[2 * k], sides[2 * k + 1]}});
-  const std::vector<std::int32_t> faces = reader.dataset<std::int32_t>(kFaces, -1, 2);
-  const std::vector<float> parts = reader.dataset<float>("/display/mesh/face_part", std::int64_t(faces.size() / 2));
-  for (std::size_t k = 0; k < parts.size(); ++k) mesh.faces.push_back({faces[2 * k], 0, faces[2 * k + 1], parts[k]});
+  const std::vector<std::int32_t> faces = reader.dataset<std::int32_t>(kFaces, -1, 3);
+  const std::vector<float> parts = reader.dataset<float>("/display/mesh/face_part", std::int64_t(faces.size() / 3));
+  for (std::size_t k = 0; k < parts.size(); ++k)
+    mesh.faces.push_back({faces[3 * k], 0, faces[3 * k + 1], parts[k], faces[3 * k + 2]});
   mesh.corners = reader.dataset<std::int32_t>("/display/mesh/corners", -1);
   const std::vector<std::int32_t> facets = reader.dataset<std::int32_t>(kFacets, -1, 5);
   for (std::size_t k = 0; k < facets.size(); k += 5)

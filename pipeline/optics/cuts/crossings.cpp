@@ -58,10 +58,13 @@ struct Overlaps {
   }
 };
 
+enum class Where { inside, at_edges };
+
 /// Crossings of one plane primitive.
 class Plane {
  public:
-  Plane(const Primitive& primitive, const PlaneFrame& frame) : frame_(frame), triangle_(primitive.is_triangle()) {
+  Plane(const Primitive& primitive, const PlaneFrame& frame, Where where)
+      : frame_(frame), where_(where), triangle_(primitive.is_triangle()) {
     for (int k = 0; k < 4; ++k) {
       outline_[k] = frame.to_plane(primitive.corners[k]);
       size_ = std::max(size_, outline_[k].length());
@@ -115,19 +118,24 @@ class Plane {
     if (count == 2) add(ends[0], ends[1], crosser.rounding + kPositionRounding * size_, 0.0);
   }
 
-  /// Adds the part of a line that lies inside of the outline and not along its edges.
+  /// Adds the part of a line that lies inside of the outline and, or else not, along its edges.
   void add(const Vec3d& from, const Vec3d& to, double rounding, double height) {
     Vec2d a = frame_.to_plane(from), b = frame_.to_plane(to);
+    bool at_edge = false;
     for (int k = 0; k < (triangle_ ? 3 : 4); ++k) {
       const Vec2d &p = outline_[k], &q = outline_[triangle_ ? (k + 1) % 3 : (k + 1) % 4];
       const double length = (q - p).length();
       if (length == 0) continue;
       const double inside_a = side_of(p, q, a) / length, inside_b = side_of(p, q, b) / length;
-      if (inside_a <= rounding && inside_b <= rounding) return;
+      if (inside_a <= rounding && inside_b <= rounding) {
+        if (where_ == Where::inside || std::min(inside_a, inside_b) < -rounding) return;
+        at_edge = true;
+        continue;
+      }
       if (inside_a < 0) a += (b - a) * (inside_a / (inside_a - inside_b));
       if (inside_b < 0) b += (a - b) * (inside_b / (inside_b - inside_a));
     }
-    if ((b - a).length() <= 4 * rounding) return;
+    if ((b - a).length() <= 4 * rounding || at_edge != (where_ == Where::at_edges)) return;
     if (std::array{b.x, b.y} < std::array{a.x, a.y}) std::swap(a, b);
     found_.push_back({a, b, height});
   }
@@ -156,16 +164,15 @@ class Plane {
   }
 
   const PlaneFrame& frame_;
+  const Where where_;
   std::array<Vec2d, 4> outline_;
   bool triangle_;
   double size_ = 0;
   std::vector<Crossing> found_;
 };
 
-}  // namespace
-
-std::vector<std::vector<Crossing>> find_crossings(const std::vector<Primitive>& primitives,
-                                                  const std::function<double(std::int32_t)>& reach) {
+std::vector<std::vector<Crossing>> find(const std::vector<Primitive>& primitives,
+                                        const std::function<double(std::int32_t)>& reach, Where where) {
   std::vector<Crosser> crossers;
   std::vector<Box> boxes;
   for (std::size_t i = 0; i < primitives.size(); ++i) {
@@ -189,11 +196,23 @@ std::vector<std::vector<Crossing>> find_crossings(const std::vector<Primitive>& 
     }
     Overlaps overlaps{box, crossers};
     Eigen::BVIntersect(tree, overlaps);
-    Plane plane(primitives[i], *frame);
+    Plane plane(primitives[i], *frame, where);
     for (const std::int32_t k : overlaps.found) plane.add(crossers[k], height);
     result[i] = std::move(plane).crossings();
   });
   return result;
+}
+
+}  // namespace
+
+std::vector<std::vector<Crossing>> find_crossings(const std::vector<Primitive>& primitives,
+                                                  const std::function<double(std::int32_t)>& reach) {
+  return find(primitives, reach, Where::inside);
+}
+
+std::vector<std::vector<Crossing>> find_crossings_at_edges(const std::vector<Primitive>& primitives,
+                                                           const std::function<double(std::int32_t)>& reach) {
+  return find(primitives, reach, Where::at_edges);
 }
 
 }  // namespace patchlight

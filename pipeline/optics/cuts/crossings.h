@@ -21,4 +21,8 @@ struct Crossing {
 std::vector<std::vector<Crossing>> find_crossings(const std::vector<Primitive>& primitives,
                                                   const std::function<double(std::int32_t)>& reach);
 
+/// The same along the edges of the outlines.
+std::vector<std::vector<Crossing>> find_crossings_at_edges(const std::vector<Primitive>& primitives,
+                                                           const std::function<double(std::int32_t)>& reach);
+
 }  // namespace patchlight

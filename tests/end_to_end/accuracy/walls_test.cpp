@@ -12,11 +12,12 @@
 namespace patchlight::test {
 namespace {
 
+constexpr double kLimit = 1e-4;  ///< Of the brightest pixel of the dark side, over the mean of the lit one.
+
 /// A scene of two spaces that share surfaces. A lamp lights the one on the left of x = 0; the other must stay dark.
 struct Case {
   const char* name;
   void (*build)(LitScene&);
-  double limit = 1e-4;  ///< Of the brightest pixel of the dark side, over the mean of the lit one.
 
   friend void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
 };
@@ -40,6 +41,29 @@ void lamp(LitScene& lit) {
 
 void shell(LitScene& lit) {
   box(lit, {-4, 0, -1.5}, {4, 2.7, 1.5}, false, 13);
+  lamp(lit);
+}
+
+/// The shell with a floor and a ceiling of four tiles each, whose corners begin at different places.
+void tiled_shell(LitScene& lit) {
+  const auto tile = [&](std::array<Vec3d, 4> c, int turn) {
+    std::rotate(c.begin(), c.begin() + turn, c.end());
+    lit.quad(c, turn % 2 == 0 ? 12 : 6, turn % 2 == 0 ? 6 : 12, 0.7f);
+  };
+  int turn = 0;
+  for (const double x : {-4.0, 0.0})
+    for (const double z : {0.0, 1.5}) {
+      tile({{{x, 0, z}, {x + 4, 0, z}, {x + 4, 0, z - 1.5}, {x, 0, z - 1.5}}}, turn);
+      tile({{{x, 2.7, z - 1.5}, {x + 4, 2.7, z - 1.5}, {x + 4, 2.7, z}, {x, 2.7, z}}}, turn++);
+    }
+  for (const double x : {-4.0, 4.0}) {
+    const double z = x < 0 ? 1.5 : -1.5;
+    lit.quad({{{x, 0, z}, {x, 0, -z}, {x, 2.7, -z}, {x, 2.7, z}}}, 6, 6, 0.7f);
+  }
+  for (const double z : {-1.5, 1.5}) {
+    const double x = z < 0 ? -4 : 4;
+    lit.quad({{{x, 0, z}, {-x, 0, z}, {-x, 2.7, z}, {x, 2.7, z}}}, 24, 6, 0.7f);
+  }
   lamp(lit);
 }
 
@@ -78,12 +102,21 @@ const Case kCases[]{
        shell(lit);
        lit.double_sided({{{0, 0, 1.5}, {0, 0, -1.5}, {0, 2.7, -1.5}, {0, 2.7, 1.5}}}, 6, 5, 0.7f);
      }},
+    {"sheet_between_tiles",
+     [](LitScene& lit) {
+       tiled_shell(lit);
+       lit.double_sided({{{0, 0, 1.5}, {0, 0, -1.5}, {0, 2.7, -1.5}, {0, 2.7, 1.5}}}, 6, 5, 0.7f);
+     }},
+    {"wall_across_tiles",
+     [](LitScene& lit) {
+       tiled_shell(lit);
+       box(lit, {-0.15, 0, -1.5}, {-0.05, 2.7, 1.5}, true, 8);
+     }},
     {"slanted_sheet",
      [](LitScene& lit) {
        shell(lit);
        lit.double_sided({{{-0.4, 0, 1.5}, {0, 0, -1.5}, {0, 2.7, -1.5}, {-0.4, 2.7, 1.5}}}, 6, 5, 0.7f);
-     },
-     5e-4},
+     }},
     {"sunk_wall",
      [](LitScene& lit) {
        shell(lit);
@@ -99,8 +132,7 @@ const Case kCases[]{
        shell(lit);
        tower(lit, 1.2, true);
        tower(lit, 1.1, false);
-     },
-     2e-3},
+     }},
     {"roof", [](LitScene& lit) { roof(lit, 0); }},
     {"roof_1mm", [](LitScene& lit) { roof(lit, 0.001); }},
     {"roof_1cm", [](LitScene& lit) { roof(lit, 0.01); }},
@@ -160,7 +192,7 @@ TEST_P(Walls, LetNoLightThrough) {
   for (const double turn : {0.0, 0.3}) {
     const double lit = frame(false, turn, config).second;
     EXPECT_GT(lit, 0.1);
-    EXPECT_LT(frame(true, turn, config).first, GetParam().limit * lit) << turn;
+    EXPECT_LT(frame(true, turn, config).first, kLimit * lit) << turn;
   }
 }
 

@@ -57,6 +57,40 @@ TEST(PatchCuts, LeaveNoPatchOnBothSidesOfAWall) {
   }
 }
 
+TEST(PatchCuts, InTheLastRowAloneAreFound) {
+  PatchScene builder;
+  builder.quad({{{0, 0, 0}, {0, 0, 4}, {4, 0, 4}, {4, 0, 0}}}, 4, 4, {});  // u along z, v along x
+  builder.quad({{{3.4, 0, 0}, {3.4, 0, 4}, {3.4, 1, 4}, {3.4, 1, 0}}}, 1, 1, {});
+  PatchSet& scene = builder.get();
+  cut_patches(1, scene);
+  ASSERT_EQ(scene.patches.size(), 16 + 4 + 1u);
+  const PatchLookup lookup(scene);
+  ASSERT_EQ(lookup.rows(0), 4);
+  for (int row = 0; row < 4; ++row) EXPECT_EQ(lookup.row(0, row).cells, 4);
+  for (float u = 0.05f; u < 1; u += 0.1f)
+    for (float v = 0.025f; v < 1; v += 0.05f) {
+      const Patch& patch = scene.patches[lookup.patch(0, u, v)];
+      EXPECT_TRUE(patch.u0 <= u && u <= patch.u1 && patch.v0 <= v && v <= patch.v1);
+      EXPECT_EQ(patch.center.x > 3.4, v > 0.85f);
+    }
+}
+
+TEST(PatchCuts, MarkEdgesBetweenTilesOnWhichAWallStands) {
+  PatchScene builder;
+  builder.quad({{{0, 0, 0}, {0, 0, 4}, {4, 0, 4}, {4, 0, 0}}}, 4, 4, {});
+  builder.quad({{{8, 0, 0}, {4, 0, 0}, {4, 0, 4}, {8, 0, 4}}}, 4, 4, {});
+  builder.quad({{{4, 0, 0}, {4, 0, 2}, {4, 1, 2}, {4, 1, 0}}}, 2, 1, {});
+  PatchSet& scene = builder.get();
+  cut_patches(1, scene);
+  int closed = 0;
+  for (const Patch& patch : scene.patches) {
+    if (patch.closed == 0) continue;
+    ++closed;
+    EXPECT_TRUE(std::abs(patch.center.x - 4) < 1 && patch.center.z < 2 && patch.center.y == 0);
+  }
+  EXPECT_EQ(closed, 4);
+}
+
 TEST(PatchCuts, SampleTheirPartsUniformly) {
   PatchScene builder = floor_with_wall(0.3, 0.4);
   PatchSet& scene = builder.get();

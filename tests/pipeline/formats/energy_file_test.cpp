@@ -34,8 +34,8 @@ TEST(EnergyFile, ReadsBackTheDisplaySolution) {
   mesh.roots = {-1, 0};
   mesh.cells.resize(1);
   mesh.cells[0].face = 0;
-  mesh.faces = {{1, 0, 4, 1.0f}};
-  mesh.corners = {0, 0, 1, 1};
+  mesh.faces = {{1, 0, 4, 1.0f, 1}};
+  mesh.corners = {0, 0, 1, 1, 0};
   mesh.vertices = {{1, 0.5f, 0.0f}, {1, 0.5f, 1.0f}};
   mesh.gathered = 1;
   solved.energy.groups[0].display.assign(1, Color(0.75f));
@@ -43,6 +43,7 @@ TEST(EnergyFile, ReadsBackTheDisplaySolution) {
   const EnergyField read = read_energy(folder / "energy.h5", solved.scene);
   ASSERT_TRUE(read.display);
   EXPECT_EQ(read.display->corners, mesh.corners);
+  EXPECT_EQ(read.display->middles_of(read.display->faces[0]).size(), 1u);
   EXPECT_EQ(read.groups[0].display, solved.energy.groups[0].display);
   EXPECT_TRUE(read_energy(folder / "energy.h5").display);
   solved.energy.display.reset();

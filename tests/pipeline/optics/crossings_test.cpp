@@ -57,6 +57,24 @@ TEST(Crossings, AreNotOfSurfacesBehindAbovePastOrInThePlane) {
   EXPECT_TRUE(crossings({masked}).empty());
 }
 
+TEST(Crossings, AtEdgesAreOnlyThere) {
+  const auto at_edges = [](const Primitive& other) {
+    return find_crossings_at_edges({ground(), other}, [](std::int32_t i) { return i == 0 ? 0.01 : -1.0; })[0];
+  };
+  for (const double low : {-1.0, 0.0, 0.005}) {
+    double length = 0;
+    for (const Crossing& crossing : at_edges(wall(2, low))) {
+      EXPECT_NEAR(crossing.from.y, 4, 1e-9);
+      EXPECT_NEAR(crossing.to.y, 4, 1e-9);
+      length += (crossing.to - crossing.from).length();
+    }
+    EXPECT_NEAR(length, 2, 1e-9) << low;
+  }
+  EXPECT_TRUE(at_edges(wall(0.5, 0)).empty());
+  EXPECT_TRUE(at_edges(wall(2.01, 0)).empty());
+  EXPECT_TRUE(at_edges(wall(2, -3, 0)).empty()) << "behind";
+}
+
 TEST(Crossings, OfAPanelAboveThePlaneAreItsEdges) {
   const auto found = crossings({quad({-1, 0.005, -1}, {-1, 0.005, 1}, {1, 0.005, 1}, {1, 0.005, -1})});
   ASSERT_EQ(found.size(), 4u);

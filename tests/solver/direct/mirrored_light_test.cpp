@@ -145,7 +145,8 @@ TEST(MirroredLight, IsNeitherLostNorDoubledBesidePhotons) {
   const PatchSet& scene = builder.get();
   const RayScene ray_scene(scene);
   const PatchLookup lookup(scene);
-  const DirectFactors direct(scene, ray_scene, scene.patches, grid_neighbours(scene, lookup), 1);
+  const Lattices lattices(scene, lookup);
+  const DirectFactors direct(scene, ray_scene, scene.patches, grid_neighbours(scene, lookup, lattices), 1);
   const Emitter emitter = explicit_emitters(scene).at(0);
   ASSERT_EQ(plane_mirrors(scene, ray_scene).size(), 2u);
   std::int64_t cast = 0;

@@ -15,6 +15,11 @@ using test::PatchScene;
 constexpr int kSide = 32;
 const std::array<Vec3d, 4> kSquare{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}};
 
+std::vector<FilterGrid> grids_of(const PatchSet& scene) {
+  const PatchLookup lookup(scene);
+  return filter_grids(scene, lookup, Lattices(scene, lookup));
+}
+
 /// A field over a square of patches, and two noisy sample sets of it.
 struct Sampled {
   PatchScene scene;
@@ -35,7 +40,7 @@ struct Sampled {
     }
   }
 
-  IrradianceFilter filter() { return {PatchLookup(scene.get()), 1, mean, deviation, reflectance, mean}; }
+  IrradianceFilter filter() { return {grids_of(scene.get()), mean, deviation, reflectance, mean}; }
 
   double error(const SpectrumField& field) const {
     double sum = 0;
@@ -93,8 +98,7 @@ TEST(IrradianceFilter, DoesNotFilterSmallGrids) {
     mean.emplace_back(double(i % 5));
     deviation.emplace_back(1.0);
   }
-  const IrradianceFilter filter(PatchLookup(builder.get()), builder.get().primitives.size(), mean, deviation,
-                                reflectance, mean);
+  const IrradianceFilter filter(grids_of(builder.get()), mean, deviation, reflectance, mean);
   const SpectrumField same = filter.apply(mean);
   for (std::size_t i = 0; i < n; ++i) EXPECT_EQ(same[i].c[0], mean[i].c[0]);
 }

@@ -40,11 +40,12 @@ TEST(IrradianceLookup, ExtrapolatesNoDarkerThanBlack) {
   EXPECT_EQ(lookup_of(builder.get(), patches, values)(0, 0, 0.5f).x, 0.05f);
 }
 
-/// Two squares side by side along x; `smooth`: they share the vertices of their common edge.
-PatchScene two_squares(int cells, bool smooth) {
+/// Two squares side by side along x, the second folded a little; `smooth`: they share the vertices of their common
+/// edge.
+PatchScene two_squares(int cells, bool smooth, double fold = 0.1) {
   PatchScene builder;
   builder.quad({{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}, cells, cells, {});
-  builder.quad({{{1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}}}, cells, cells, {});
+  builder.quad({{{1, 0, 0}, {2, 0, fold}, {2, 1, fold}, {1, 1, 0}}}, cells, cells, {});
   builder.get().primitives[0].smooth_vertices = {0, 1, 2, 3};
   builder.get().primitives[1].smooth_vertices = smooth ? std::array{1, 4, 5, 2} : std::array{6, 4, 5, 7};
   return builder;
@@ -67,6 +68,17 @@ TEST(IrradianceLookup, IsContinuousAcrossASmoothEdgeAndBreaksAtACrease) {
         EXPECT_EQ(right, 5.0f);
       }
     }
+}
+
+TEST(IrradianceLookup, IsContinuousAcrossAnEdgeOfOnePlane) {
+  for (const int cells : {1, 4}) {
+    PatchScene builder = two_squares(cells, false, 0);
+    const PatchLookup patches(builder.get());
+    const std::vector<Color> values = linear_values(builder.get());
+    const IrradianceLookup lookup = lookup_of(builder.get(), patches, values);
+    EXPECT_NEAR(lookup(0, 1.0f, 0.5f).x, 14, 1e-4);
+    EXPECT_NEAR(lookup(1, 0.0f, 0.5f).x, 14, 1e-4);
+  }
 }
 
 TEST(IrradianceLookup, FollowsALinearFunctionAcrossASmoothEdge) {
