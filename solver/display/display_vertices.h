@@ -41,6 +41,7 @@ class DisplayVertices {
     const auto found = numbers_.find(key_of(middle));
     if (found == numbers_.end()) return;
     const std::int32_t k = found->second;
+    if (k == at_a || k == at_b) return;  // at the tip of a triangle all nodes are one point
     if (places_[k].kind == Kind::gathered) {
       places_[k].kind = Kind::midpoint;
       midpoints_.push_back({k, at_a, at_b});

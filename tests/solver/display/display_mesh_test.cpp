@@ -153,6 +153,18 @@ TEST(DisplayMesh, NoFaceLiesOnBothSidesOfAWall) {
   EXPECT_GE(std::count_if(mesh.cells.begin(), mesh.cells.end(), is_cut), 4 * 16);
 }
 
+TEST(DisplayMesh, HangingVerticesLieBetweenEarlierOnesAtTheTipOfATriangle) {
+  PatchScene builder;
+  builder.quad({{{0, 0, 0}, {0, 0, 2}, {2, 0, 1}, {2, 0, 1}}}, 8, 8, {});  // u along z, the tip at v = 1
+  builder.quad({{{1.1, 0, 1}, {2, 0, 1}, {2, 1, 1}, {1.1, 1, 1}}}, 8, 8, {});
+  const PatchSet& scene = builder.get();
+  const DisplayMesh mesh = mesh_of(scene);
+  const auto first = std::int32_t(mesh.vertices.size() - mesh.midpoints.size());
+  EXPECT_GT(mesh.midpoints.size(), 0u);
+  for (std::size_t k = 0; k < mesh.midpoints.size(); ++k)
+    for (const std::int32_t end : mesh.midpoints[k]) EXPECT_LT(end, first + std::int32_t(k));
+}
+
 TEST(DisplayMesh, NoVertexGathersLightInsideOfAClosedBody) {
   PatchScene builder;
   builder.quad({{{-1, 0, -1}, {-1, 0, 1}, {1, 0, 1}, {1, 0, -1}}}, 16, 16, {});
