@@ -101,7 +101,15 @@ PatchSet import_scene(const Job& job, Progress& progress) {
   set.metallic_roughness_texcoords = std::move(list.metallic_roughness_texcoords);
   set.colors = std::move(list.colors);
   set.shaders = scene.shaders;
+  const std::size_t whole = set.patches.size();
   cut_patches(patch_area, set);
+  if (static_cast<std::int64_t>(set.patches.size()) > job.import.max_patches) {
+    throw Error(ExitCode::over_limit,
+                fmt::format("{} patches, {} of them parts that other surfaces cut off, are more than "
+                            "import.max_patches, {}",
+                            set.patches.size(), set.patches.size() - whole, job.import.max_patches),
+                "import.max_patches", "raise it or import.patch_area");
+  }
   set.textures = std::move(scene.textures);
   if (masked_primitives(set) > 0) set.masks = std::move(scene.masks);
   set.materials = stored_materials(scene.materials);

@@ -146,6 +146,21 @@ TEST(Import, TooManyPatchesNameTheLimit) {
   EXPECT_ERROR(importer.import(gltf), ExitCode::over_limit, "import.max_patches");
 }
 
+TEST(Import, PartsOfCutPatchesCountForTheLimit) {
+  Importer importer;
+  importer.job.import.patch_area = 0.05;
+  GltfBuilder gltf;
+  const int mesh = gltf.mesh(cube());
+  gltf.node({{"mesh", mesh}});
+  gltf.node({{"mesh", mesh}, {"translation", {0.31, 0.27, 0.23}}});
+  const PatchSet scene = importer.import(gltf);
+  ASSERT_FALSE(scene.cuts.empty());
+  importer.job.import.max_patches = std::int64_t(scene.patches.size());
+  EXPECT_EQ(importer.import(gltf).patches.size(), scene.patches.size());
+  --importer.job.import.max_patches;
+  EXPECT_ERROR(importer.import(gltf), ExitCode::over_limit, "parts that other surfaces cut off");
+}
+
 TEST(Import, SameFileGivesTheSamePatches) {
   Importer importer;
   GltfBuilder gltf = single_mesh(icosphere(0));
