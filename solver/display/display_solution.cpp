@@ -43,7 +43,8 @@ class FaceNeighbours {
   explicit FaceNeighbours(const DisplayMesh& mesh) : behind_(mesh.faces.size()) {
     for (std::int32_t i = 0; i < mesh.elements(); ++i)
       for (int k = 1; k <= std::min(kFarthest, i); ++k)
-        if (touch(mesh.corners_of(mesh.faces[i]), mesh.corners_of(mesh.faces[i - k]))) behind_[i] |= 1 << k;
+        if (touch(mesh.corners_of(mesh.faces[i]), mesh.corners_of(mesh.faces[i - k])))
+          behind_[i] |= std::uint8_t(1 << k);
   }
 
   int operator()(std::int32_t i, DirectFactors::NeighbourList& near) const {

@@ -189,11 +189,13 @@ class Walls : public ::testing::TestWithParam<Case> {
 TEST_P(Walls, LetNoLightThrough) {
   SolveConfig config;
   config.rays = 128;
-  for (const double turn : {0.0, 0.3}) {
-    const double lit = frame(false, turn, config).second;
-    EXPECT_GT(lit, 0.1);
-    EXPECT_LT(frame(true, turn, config).first, kLimit * lit) << turn;
-  }
+  for (const char* method : {"matrix", "progressive"})
+    for (const double turn : {0.0, 0.3}) {
+      config.method = method;
+      const double lit = frame(false, turn, config).second;
+      EXPECT_GT(lit, 0.1);
+      EXPECT_LT(frame(true, turn, config).first, kLimit * lit) << method << " " << turn;
+    }
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, Walls, ::testing::ValuesIn(kCases), [](const auto& of) { return of.param.name; });
