@@ -61,7 +61,6 @@ class Builder {
     const DirectFactors::FindNeighbours neighbours = grid_neighbours(scene_, lookup_, lattices_, true);
     for (std::int32_t i = 0; i < std::int32_t(measures.size()); ++i) {
       const Patch& patch = scene_.patches[i];
-
       if (patch.cut < 0 && measures[i].value < kNear && !detail_.is_too_large(patch)) continue;
       if (patch.cut < 0 && is_facet(scene_.patches[i].primitive)) {
         near_facets_.push_back(i);

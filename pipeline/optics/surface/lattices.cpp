@@ -22,13 +22,6 @@ int edge_of(const Node& outwards) {
   return int(std::find(kOutwards.begin(), kOutwards.end(), outwards) - kOutwards.begin());
 }
 
-/// The region with a side of `size` around a point.
-std::uint64_t region(const Vec3d& p, double size, const std::array<double, 3>& shift) {
-  std::uint64_t key = 0;
-  for (int k = 0; k < 3; ++k) key = hash64(key ^ std::uint64_t(std::int64_t(std::floor(p[k] / size + shift[k]))));
-  return key;
-}
-
 }  // namespace
 
 class Lattices::Builder {
@@ -89,8 +82,8 @@ class Lattices::Builder {
   void add_edges() {
     for (std::size_t g = 0; g < grids_.size(); ++g) {
       const auto add = [&](const Node& from, const Node& to, const Node& outwards) {
-        const Vec3d middle = (grids_[g].at(from) + grids_[g].at(to)) * 0.5;
-        edges_.push_back({region(middle, 4 * tolerance_, {}), std::int32_t(g), from, to, outwards});
+        Edge& edge = edges_.emplace_back(Edge{0, std::int32_t(g), from, to, outwards});
+        edge.key = region(middle_of(edge), {});
       };
       const int nu = grids_[g].nu, nv = grids_[g].nv;
       for (int k = 0; k < nu; ++k) {
@@ -105,24 +98,36 @@ class Lattices::Builder {
     std::stable_sort(edges_.begin(), edges_.end(), [](const Edge& a, const Edge& b) { return a.key < b.key; });
   }
 
+  Vec3d middle_of(const Edge& edge) const {
+    return (grids_[edge.grid].at(edge.from) + grids_[edge.grid].at(edge.to)) * 0.5;
+  }
+
+  /// Names the region around a point. `shift`: of the regions, over their size.
+  std::uint64_t region(const Vec3d& p, const std::array<double, 3>& shift) const {
+    const double size = 4 * tolerance_;
+    std::uint64_t key = 0;
+    for (int k = 0; k < 3; ++k) key = hash64(key ^ std::uint64_t(std::int64_t(std::floor(p[k] / size + shift[k]))));
+    return key;
+  }
+
   void find_neighbours() {
     neighbours_.resize(grids_.size());
+    std::unordered_map<std::uint64_t, std::size_t> first;  // edge of each region
+    first.reserve(edges_.size());
+    for (std::size_t k = 0; k < edges_.size(); ++k) first.try_emplace(edges_[k].key, k);
     for (const Edge& edge : edges_) {
-      const Vec3d middle = (grids_[edge.grid].at(edge.from) + grids_[edge.grid].at(edge.to)) * 0.5;
-      std::vector<const Edge*> found;
-      std::vector<std::uint64_t> keys;
+      std::array<std::uint64_t, 8> keys;
       for (int k = 0; k < 8; ++k) {
         const auto shift = [&](int bit) { return k >> bit & 1 ? 0.25 : -0.25; };
-        keys.push_back(region(middle, 4 * tolerance_, {shift(0), shift(1), shift(2)}));
+        keys[k] = region(middle_of(edge), {shift(0), shift(1), shift(2)});
       }
       std::sort(keys.begin(), keys.end());
-      keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
-      for (const std::uint64_t key : keys) {
-        auto at = std::lower_bound(edges_.begin(), edges_.end(), key,
-                                   [](const Edge& a, std::uint64_t sought) { return a.key < sought; });
-        for (; at != edges_.end() && at->key == key; ++at)
-          if (&*at != &edge && continues(edge, *at)) found.push_back(&*at);
-      }
+      const auto last = std::unique(keys.begin(), keys.end());
+      std::vector<const Edge*> found;
+      for (auto key = keys.begin(); key != last; ++key)
+        if (const auto in_region = first.find(*key); in_region != first.end())
+          for (std::size_t k = in_region->second; k < edges_.size() && edges_[k].key == *key; ++k)
+            if (&edges_[k] != &edge && continues(edge, edges_[k])) found.push_back(&edges_[k]);
       if (found.size() == 1) neighbours_[edge.grid].push_back({found[0]->grid, &edge, found[0]});
     }
   }
