@@ -14,6 +14,7 @@
 #include "solver/hemicube/hemicube.h"
 #include "solver/methods/matrix_solver.h"
 #include "solver/methods/progressive_refinement.h"
+#include "solver/solve_parts.h"
 #include "solver/transport/memory_need.h"
 #include "solver/transport/transport_builder.h"
 
@@ -86,6 +87,7 @@ EnergyField solve(const PatchSet& scene, const SolveConfig& config, Transport& t
         "or "
         "set `materials.NAME.emission` or `environment.color` in the job");
   check_memory(scene, config);
+  if (config.method != "matrix") begin_part(SolvePart::shots, config, progress);
   EnergyField energy = config.method == "matrix"
                            ? solve_to_target(scene, config, transport, progress)
                            : progressive_refinement(scene, config, *make_form_factors(scene, config), progress);

@@ -155,9 +155,12 @@ double Progress::seconds() const {
 void Progress::update(double fraction, const std::string& detail, std::int64_t rays) {
   check_interrupted();
   fraction = fraction >= 0 ? std::min(fraction, 1.0) : 0.0;  // NaN becomes 0
-  fraction = (part_ + fraction) / parts_;
+  fraction = part_begin_ + fraction * (part_end_ - part_begin_);
   const Clock::time_point now = Clock::now();
-  if (fraction < last_fraction_) part_start_ = last_update_;
+  if (fraction < last_fraction_) {
+    whole_start_ = part_start_ = last_update_;
+    start_fraction_ = part_begin_;
+  }
   last_fraction_ = fraction;
   last_update_ = now;
   const double interval = terminal_ ? 0.1 : 5.0;
@@ -169,7 +172,8 @@ void Progress::update(double fraction, const std::string& detail, std::int64_t r
   if (options_.quiet) return;
   std::string line = fmt::format("{:3.0f}%  {}", 100 * fraction, detail);
   if (rate > 0) line += fmt::format("  {:.3g} million rays/s", rate * 1e-6);
-  if (fraction > 0.01) line += "  " + duration_text(spent * (1 / fraction - 1)) + " left";
+  if (const double done = fraction - start_fraction_; done > 0.01)
+    line += "  " + duration_text(in_seconds(now - whole_start_) * (1 - fraction) / done) + " left";
   if (!terminal_) return terminal_log_->info(line);
   line = "patchlight-" + options_.stage + ": " + line;
   winsize size{};  // a line that wraps could not be cleared
@@ -179,9 +183,16 @@ void Progress::update(double fraction, const std::string& detail, std::int64_t r
   line_open_ = true;
 }
 
+void Progress::set_part(double begin, double end) {
+  if (last_fraction_ <= part_begin_ && begin > part_begin_)
+    start_fraction_ = last_fraction_ = begin;  // a part left out
+  part_begin_ = begin;
+  part_end_ = end;
+  part_start_ = Clock::now();
+}
+
 void Progress::set_part(std::size_t part, std::size_t count) {
-  part_ = double(part);
-  parts_ = double(count);
+  set_part(double(part) / double(count), double(part + 1) / double(count));
 }
 
 void Progress::set_job(const std::string& job, const std::string& output) {

@@ -40,8 +40,9 @@ class Progress {
   /// Wall time since construction, s.
   double seconds() const;
 
-  /// Reports progress. `fraction`: of the present part, clamped to [0,1]; a smaller fraction than the last begins
-  /// another part. `detail`: name of the part, for the user. `rays`: cast so far in this part; 0: unknown. Cheap.
+  /// Reports progress, and the time left of the whole. `fraction`: of the present part, clamped to [0,1]; where the
+  /// whole's becomes smaller, another whole begins. `detail`: name of the part, for the user. `rays`: cast so far in
+  /// this part; 0: unknown. Cheap.
   /// Throws: Error (interrupted) after SIGINT or SIGTERM.
   void update(double fraction, const std::string& detail, std::int64_t rays = 0);
 
@@ -65,7 +66,9 @@ class Progress {
   /// `"repeated": true`.
   void repeat_warning(const std::string& stage, const std::string& message);
 
-  /// update() now reports part `part` of `count` equal parts.
+  /// update() now reports the part of the whole from `begin` to `end`, in [0,1].
+  void set_part(double begin, double end);
+  /// The same for part `part` of `count` equal parts.
   void set_part(std::size_t part, std::size_t count);
 
   /// Throws: Error (interrupted) after SIGINT or SIGTERM.
@@ -92,10 +95,11 @@ class Progress {
   std::ofstream json_file_;
   std::shared_ptr<spdlog::logger> json_log_;  ///< Null: none.
   bool json_failed_ = false;
-  double part_ = 0, parts_ = 1;
+  double part_begin_ = 0, part_end_ = 1;  ///< Over the whole.
   Clock::time_point start_ = Clock::now();
   Clock::time_point last_shown_{};
-  Clock::time_point part_start_ = start_, last_update_ = start_;
+  Clock::time_point whole_start_ = start_, part_start_ = start_, last_update_ = start_;
+  double start_fraction_ = 0.0;  ///< Of the whole, at whole_start_.
   double last_fraction_ = 0.0;
   std::string job_, output_;
   std::vector<std::string> warnings_;

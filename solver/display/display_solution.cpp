@@ -11,6 +11,7 @@
 #include "solver/display/display_mesh_builder.h"
 #include "solver/error/discretisation.h"
 #include "solver/form_factors/ray_rows.h"
+#include "solver/solve_parts.h"
 
 namespace patchlight {
 
@@ -83,6 +84,7 @@ std::int64_t complete_display(const PatchSet& scene, const SolveConfig& config, 
   const RayScene ray_scene(scene);
   std::int64_t cast = 0, mesh_rays = 0;
   if (!transport.display) {
+    begin_part(SolvePart::display_rows, config, progress);
     cast = cast_display(scene, ray_scene, config, rays, transport.display.emplace(), mesh_rays, progress);
     cast += mesh_rays;
   }
@@ -92,6 +94,7 @@ std::int64_t complete_display(const PatchSet& scene, const SolveConfig& config, 
         LightSampler(scene, ray_scene, further, display_seed(config)).sample(points, {}, light_rays(rays), cast);
     transport.lights_id = id;
   }
+  begin_part(SolvePart::display_light, config, progress);
   const DisplayMesh& mesh = transport.display->mesh;
   const std::vector<Patch> faces = face_patches(scene, mesh);
   const FaceNeighbours neighbours(mesh);

@@ -9,6 +9,7 @@
 #include "solver/error/error_estimate.h"
 #include "solver/linear/irradiance_filter.h"
 #include "solver/methods/group_solution.h"
+#include "solver/solve_parts.h"
 #include "solver/transport/transport_builder.h"
 
 namespace patchlight {
@@ -106,6 +107,7 @@ EnergyField solve_matrix(const PatchSet& scene, const SolveConfig& config, int r
                          Progress& progress) {
   EnergyField energy;
   energy.rays = complete_transport(scene, config, rays, transport, progress);
+  begin_part(SolvePart::linear_system, config, progress);
   const RadiositySystem system(scene, transport);
   const std::size_t n = system.areas.size();
   std::vector<GroupSolution> groups = solve_groups(system, config.tolerance, progress);

@@ -18,6 +18,7 @@
 #include "solver/form_factors/sky_rows.h"
 #include "solver/form_factors/visible_density.h"
 #include "solver/hemicube/hemicube.h"
+#include "solver/solve_parts.h"
 
 namespace patchlight {
 
@@ -130,6 +131,7 @@ std::int64_t complete_transport(const PatchSet& scene, const SolveConfig& config
   const PatchLookup lookup(scene);
   std::int64_t cast = 0;
   if (!same_rows) {
+    begin_part(SolvePart::rows, config, progress);
     transport = {};
     if (hemicubes) {
       transport.visible_fractions = find_visible_fractions(scene, ray_scene, seed, cast);
@@ -141,6 +143,7 @@ std::int64_t complete_transport(const PatchSet& scene, const SolveConfig& config
     transport.key = key;
     transport.sky = scene.sky_cells();
   }
+  begin_part(SolvePart::direct_light, config, progress);
   const VisibleDensities densities(scene, ray_scene, transport.visible_fractions, seed);
   const Lattices lattices(scene, lookup);
   const DirectFactors direct(scene, ray_scene, scene.patches, grid_neighbours(scene, lookup, lattices), seed,

@@ -8,6 +8,7 @@
 #include "pipeline/job/stage_keys.h"
 #include "pipeline/model/error.h"
 #include "solver/display/display_solution.h"
+#include "solver/solve_parts.h"
 #include "solver/transport/memory_need.h"
 #include "solver/transport/transport_builder.h"
 
@@ -93,8 +94,10 @@ TransportShard cast_transport_shard(const PatchSet& scene, const SolveConfig& co
   check_memory(scene, config, shard.count);
   const RayScene ray_scene(scene);
   TransportShard result;
+  begin_part(SolvePart::rows, config, progress);
   result.cast = cast_rows(scene, ray_scene, config, config.rays, result.rows, progress, shard);
   if (!config.display) return result;
+  begin_part(SolvePart::display_rows, config, progress);
   Transport::Display display;
   std::int64_t mesh_rays = 0;
   const int rays = display_rays(std::max(config.rays, result.rows.rays));

@@ -2,6 +2,7 @@
 
 #include <map>
 #include <nlohmann/json.hpp>
+#include <regex>
 #include <sstream>
 #include <tuple>
 
@@ -133,7 +134,7 @@ TEST_F(JobBatch, ShowsAProgressLineOnlyInATerminal) {
     return std::system(line.c_str());
   };
   for (const auto& [stage, setting, part] :
-       {std::tuple("solve", "solve.rays=60000 --set solve.display=false", "rows of form factors"),
+       {std::tuple("solve", "solve.rays=40000", "rows of form factors"),
         {"trace", "trace.resolution=[800,800] --set trace.samples=64", "camera"}}) {
     const std::string slow = (fs::path(PATCHLIGHT_PROGRAMS) / "patchlight-").string() + stage + " --set " + setting +
                              " --threads 1 job.yaml";
@@ -142,6 +143,12 @@ TEST_F(JobBatch, ShowsAProgressLineOnlyInATerminal) {
     EXPECT_THAT(terminal, ContainsRegex(std::string("\r.\\[Kpatchlight-") + stage + ":  *[0-9]+%  " + part +
                                         "  [0-9.]+ million rays/s"));
     EXPECT_THAT(terminal, ContainsRegex("[0-9] s left"));
+    const std::regex percent(std::string(stage) + ": +([0-9]+)%  ");
+    std::vector<int> percents;
+    for (std::sregex_iterator at(terminal.begin(), terminal.end(), percent), end; at != end; ++at)
+      percents.push_back(std::stoi((*at)[1]));
+    EXPECT_GT(percents.size(), 2u);
+    EXPECT_TRUE(std::is_sorted(percents.begin(), percents.end())) << "of the whole stage";
     EXPECT_EQ(by(slow + " 2>plain.txt"), 0);
     EXPECT_THAT(read_text(folder_ / "plain.txt"), Not(HasSubstr("\r")));
   }
