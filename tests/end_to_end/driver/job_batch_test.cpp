@@ -134,7 +134,7 @@ TEST_F(JobBatch, ShowsAProgressLineOnlyInATerminal) {
     return std::system(line.c_str());
   };
   for (const auto& [stage, setting, part] :
-       {std::tuple("solve", "solve.rays=40000", "rows of form factors"),
+       {std::tuple("solve", "solve.rays=15000", "rows of form factors"),
         {"trace", "trace.resolution=[800,800] --set trace.samples=64", "camera"}}) {
     const std::string slow = (fs::path(PATCHLIGHT_PROGRAMS) / "patchlight-").string() + stage + " --set " + setting +
                              " --threads 1 job.yaml";
