@@ -14,7 +14,7 @@
 #include "solver/hemicube/hemicube.h"
 #include "solver/methods/matrix_solver.h"
 #include "solver/methods/progressive_refinement.h"
-#include "solver/solve_parts.h"
+#include "solver/progress/solve_parts.h"
 #include "solver/transport/memory_need.h"
 #include "solver/transport/transport_builder.h"
 

@@ -11,7 +11,7 @@
 #include "solver/display/display_mesh_builder.h"
 #include "solver/error/discretisation.h"
 #include "solver/form_factors/ray_rows.h"
-#include "solver/solve_parts.h"
+#include "solver/progress/solve_parts.h"
 
 namespace patchlight {
 

@@ -9,7 +9,7 @@
 #include "solver/error/error_estimate.h"
 #include "solver/linear/irradiance_filter.h"
 #include "solver/methods/group_solution.h"
-#include "solver/solve_parts.h"
+#include "solver/progress/solve_parts.h"
 #include "solver/transport/transport_builder.h"
 
 namespace patchlight {

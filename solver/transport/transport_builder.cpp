@@ -18,7 +18,7 @@
 #include "solver/form_factors/sky_rows.h"
 #include "solver/form_factors/visible_density.h"
 #include "solver/hemicube/hemicube.h"
-#include "solver/solve_parts.h"
+#include "solver/progress/solve_parts.h"
 
 namespace patchlight {
 

@@ -8,7 +8,7 @@
 #include "pipeline/job/stage_keys.h"
 #include "pipeline/model/error.h"
 #include "solver/display/display_solution.h"
-#include "solver/solve_parts.h"
+#include "solver/progress/solve_parts.h"
 #include "solver/transport/memory_need.h"
 #include "solver/transport/transport_builder.h"
 

@@ -1,4 +1,4 @@
-#include "solver/solve_parts.h"
+#include "solver/progress/solve_parts.h"
 
 #include <array>
 
