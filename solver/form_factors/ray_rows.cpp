@@ -203,8 +203,10 @@ void RayRows::cast_block(SampleSet& set, const DirectionTable& table, int block)
       if (hit.front) {
         const Elements::Place place = elements_.find(hit.primitive, hit.u, hit.v);
         const bool certain = !hit.at_edge && !place.cut;
-        if (const std::int32_t element = certain ? place.element : certain_element(packet, lane, hit); element >= 0)
-          set.columns.push_back(element);
+        const std::int32_t element = certain ? place.element : certain_element(packet, lane, hit);
+        if (element < 0) continue;
+        set.columns.push_back(element);
+        if (elements_.is_sky(element)) set.sky.push_back(set.direction_sample(table, first + lane));
       } else if (hit.primitive >= 0) {
         ++set.back_hits;
       } else if (scene_.environment) {
@@ -236,6 +238,7 @@ std::int32_t RayRows::certain_element(const RayPacket& packet, int lane, Surface
     ray_scene_.intersect(turned, false);
     hit = ray_scene_.hit(turned, 0);
   }
+  if (hit.primitive < 0) return elements_.sky(direction);
   if (!hit.front || hit.at_edge) return -1;
   const Elements::Place place = elements_.find(hit.primitive, hit.u, hit.v);
   if (!place.cut) return place.element;
