@@ -9,6 +9,8 @@
 #include "importers/environment/environment.h"
 #include "importers/gltf/read/cameras.h"
 #include "importers/gltf/read/gltf_reader.h"
+#include "importers/patches/large_surfaces.h"
+#include "importers/patches/patch_areas.h"
 #include "importers/patches/patch_builder.h"
 #include "importers/patches/patch_colors.h"
 #include "importers/patches/patch_cuts.h"
@@ -93,8 +95,9 @@ PatchSet import_scene(const Job& job, Progress& progress) {
   PrimitiveList list = build_primitives(scene, job, progress);
 
   PatchSet set;
-  const double patch_area = choose_patch_area(list.primitives, scene.materials, job.import);
-  set.patches = build_patches(list.primitives, scene.materials, patch_area);
+  const std::vector<double> patch_areas = choose_patch_areas(list.primitives, scene.materials, job.import);
+  const std::vector<PatchTarget> targets = divide_large_surfaces(scene.materials, patch_areas, job.import, list);
+  set.patches = build_patches(list.primitives, scene.materials, targets);
   set.primitives = std::move(list.primitives);
   set.texcoords = std::move(list.texcoords);
   set.emission_texcoords = std::move(list.emission_texcoords);
@@ -102,7 +105,7 @@ PatchSet import_scene(const Job& job, Progress& progress) {
   set.colors = std::move(list.colors);
   set.shaders = scene.shaders;
   const std::size_t whole = set.patches.size();
-  cut_patches(patch_area, set);
+  cut_patches(targets, set);
   if (static_cast<std::int64_t>(set.patches.size()) > job.import.max_patches) {
     throw Error(ExitCode::over_limit,
                 fmt::format("{} patches, {} of them parts that other surfaces cut off, are more than "

@@ -2,19 +2,15 @@
 #include <vector>
 
 #include "importers/mesh/surface.h"
-#include "pipeline/job/job.h"
+#include "importers/patches/patch_grid.h"
 #include "pipeline/model/patch_set.h"
 
 namespace patchlight {
 
-/// Patch area, m2, of primitives whose material sets none: import.patch_area, or by default 1/8000 of the total area,
-/// more if that would exceed import.max_patches. `materials` by Primitive::material.
-/// Throws: Error (over_limit) if import.patch_area gives too many patches; the message suggests an area that fits.
-double choose_patch_area(const std::vector<Primitive>& primitives, const std::vector<SurfaceMaterial>& materials,
-                         const ImportConfig& config);
-
-/// The patches of all primitives, in the primitives' order. `materials` by Primitive::material.
+/// The patches of all primitives, in the primitives' order. `materials` by Primitive::material; `targets` by
+/// primitive.
 std::vector<Patch> build_patches(const std::vector<Primitive>& primitives,
-                                 const std::vector<SurfaceMaterial>& materials, double patch_area);
+                                 const std::vector<SurfaceMaterial>& materials,
+                                 const std::vector<PatchTarget>& targets);
 
 }  // namespace patchlight

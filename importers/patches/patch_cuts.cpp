@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "importers/patches/patch_grid.h"
 #include "pipeline/model/cuts/cut_cells.h"
 #include "pipeline/optics/cuts/cell_cutter.h"
 #include "pipeline/optics/surface/lattices.h"
@@ -78,17 +77,17 @@ void close_edges_of_quads(const std::vector<double>& largest, PatchSet& scene) {
 
 }  // namespace
 
-void cut_patches(double patch_area, PatchSet& scene) {
+void cut_patches(const std::vector<PatchTarget>& targets, PatchSet& scene) {
   std::vector<double> largest(scene.primitives.size(), 0.0);  // patch of each primitive: root of its area, m
   std::vector<bool> is_strip(scene.primitives.size());        // has one row or one column of patches
   for (const Patch& patch : scene.patches) {
     largest[patch.primitive] = std::max(largest[patch.primitive], std::sqrt(patch.area));
     if (patch.u1 - patch.u0 == 1 || patch.v1 - patch.v0 == 1) is_strip[patch.primitive] = true;
   }
-  const SmoothEdges smooth(scene);
+  const SmoothEdges smooth(scene.primitives);
   const auto crossings = find_crossings(scene.primitives, [&](std::int32_t i) {
     const Primitive& p = scene.primitives[i];
-    const bool is_whole = has_picture_of_light(scene, p) || primitive_area(p) < kWhole * patch_area ||
+    const bool is_whole = has_picture_of_light(scene, p) || primitive_area(p) < kWhole * targets[i].area ||
                           (is_strip[i] && smooth.is_smooth(p));
     return is_whole ? -1.0 : CellCutter::kHighest * largest[i];
   });

@@ -15,21 +15,6 @@ constexpr double kPlanar =
 
 using Corners = std::array<Vec3d, 4>;
 
-struct GridSize {
-  double columns = 1;
-  double rows = 1;
-};
-
-GridSize quad_grid(const Primitive& quad, double patch_area) {
-  const Corners& c = quad.corners;
-  if (quad.is_triangle() && primitive_area(quad) < 2.0 * patch_area) return {};
-  const double step = std::sqrt(patch_area);
-  const double u_length = ((c[1] - c[0]).length() + (c[2] - c[3]).length()) * 0.5;
-  const double v_length = ((c[3] - c[0]).length() + (c[2] - c[1]).length()) * 0.5;
-  return {std::clamp(std::round(u_length / step), 1.0, kMaxPatchesPerRow),
-          std::clamp(std::round(v_length / step), 1.0, kMaxPatchesPerRow)};
-}
-
 double sphere_rings(const Primitive& sphere, double patch_area) {
   const double radius = std::abs(sphere.sphere_radius);
   return std::max<double>(kMinRings, std::round(kPi * radius / std::sqrt(patch_area)));
@@ -90,11 +75,9 @@ Patch patch_template(std::int32_t index, const SurfaceMaterial& material) {
   return patch;
 }
 
-void append_quad(const Primitive& quad, Patch patch, double patch_area, std::vector<Patch>& patches) {
+void append_quad(const Primitive& quad, Patch patch, const QuadGrid& grid, std::vector<Patch>& patches) {
   const Corners& c = quad.corners;
-  const GridSize grid = quad_grid(quad, patch_area);
-  const auto columns = static_cast<std::int64_t>(grid.columns);
-  const auto rows = static_cast<std::int64_t>(grid.rows);
+  const std::int64_t columns = grid.columns, rows = grid.rows;
   const bool planar = is_planar(c);
   const Vec3f normal((c[2] - c[0]).cross(c[3] - c[1]).normalized());
   for (std::int64_t row = 0; row < rows; ++row) {
@@ -145,10 +128,20 @@ double primitive_area(const Primitive& primitive) {
   return quad_area(primitive.corners, is_planar(primitive.corners), 0.0, 0.0, 1.0, 1.0);
 }
 
+QuadGrid quad_grid(const Primitive& quad, double patch_area) {
+  const Corners& c = quad.corners;
+  if (quad.is_triangle() && primitive_area(quad) < 2.0 * patch_area) return {};
+  const double step = std::sqrt(patch_area);
+  const double u_length = ((c[1] - c[0]).length() + (c[2] - c[3]).length()) * 0.5;
+  const double v_length = ((c[3] - c[0]).length() + (c[2] - c[1]).length()) * 0.5;
+  return {static_cast<std::int32_t>(std::clamp(std::round(u_length / step), 1.0, kMaxPatchesPerRow)),
+          static_cast<std::int32_t>(std::clamp(std::round(v_length / step), 1.0, kMaxPatchesPerRow))};
+}
+
 double patch_count(const Primitive& primitive, double patch_area) {
   if (primitive.shape == Primitive::Shape::quad) {
-    const GridSize grid = quad_grid(primitive, patch_area);
-    return grid.columns * grid.rows;
+    const QuadGrid grid = quad_grid(primitive, patch_area);
+    return static_cast<double>(grid.columns) * grid.rows;
   }
   const double rings = sphere_rings(primitive, patch_area);
   if (rings > 1e5)
@@ -158,13 +151,13 @@ double patch_count(const Primitive& primitive, double patch_area) {
   return count;
 }
 
-void append_patches(const Primitive& primitive, std::int32_t index, const SurfaceMaterial& material, double patch_area,
-                    std::vector<Patch>& patches) {
+void append_patches(const Primitive& primitive, std::int32_t index, const SurfaceMaterial& material,
+                    const PatchTarget& target, std::vector<Patch>& patches) {
   const Patch common = patch_template(index, material);
   if (primitive.shape == Primitive::Shape::sphere) {
-    append_sphere(primitive, common, patch_area, patches);
+    append_sphere(primitive, common, target.area, patches);
   } else {
-    append_quad(primitive, common, patch_area, patches);
+    append_quad(primitive, common, target.grid.columns > 0 ? target.grid : quad_grid(primitive, target.area), patches);
   }
 }
 

@@ -21,11 +21,6 @@ Primitive primitive_template(const Surface& surface) {
   return primitive;
 }
 
-/// Indices of the front's corners in the back's order, which reverses the winding.
-std::array<std::size_t, 4> reversed_corners(const Primitive& front) {
-  return front.is_triangle() ? std::array<std::size_t, 4>{1, 0, 2, 2} : std::array<std::size_t, 4>{1, 0, 3, 2};
-}
-
 /// The back of a double-sided primitive; its u is mirrored.
 Primitive back_of(const Primitive& front, std::int32_t smooth_offset) {
   Primitive back = front;
@@ -121,6 +116,10 @@ std::vector<char> append_spheres(const Surface& surface, const SurfaceMaterial& 
 }
 
 }  // namespace
+
+std::array<std::size_t, 4> reversed_corners(const Primitive& front) {
+  return front.is_triangle() ? std::array<std::size_t, 4>{1, 0, 2, 2} : std::array<std::size_t, 4>{1, 0, 3, 2};
+}
 
 void append_primitives(const Surface& surface, const SurfaceMaterial& material, const TriangleSoup& soup,
                        PrimitiveList& list) {

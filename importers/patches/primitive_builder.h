@@ -34,6 +34,9 @@ struct PrimitiveList {
   std::int64_t degenerate_triangles = 0;  ///< Skipped.
 };
 
+/// Indices of a quad's corners in the order of its back's, which reverses the winding and mirrors u.
+std::array<std::size_t, 4> reversed_corners(const Primitive& front);
+
 /// Recognises spheres and quads among a surface's triangles and appends its primitives. Each primitive of a
 /// double-sided material is followed by its back.
 void append_primitives(const Surface& surface, const SurfaceMaterial& material, const TriangleSoup& soup,

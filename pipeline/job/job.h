@@ -27,7 +27,8 @@ struct MaterialOverride {
 };
 
 struct ImportConfig {
-  std::optional<double> patch_area;  ///< m2; absent: from the scene's area.
+  std::optional<double> patch_area{};  ///< m2; absent: chosen by `accuracy` and the sizes of surfaces.
+  double accuracy = 1.0;               ///< Number of patches, over that of the default.
   std::int64_t max_patches = 5'000'000;
   std::optional<double> time;              ///< s, of the file's animations; absent: rest pose.
   std::string punctual_units = "blender";  ///< Of KHR_lights_punctual: blender, si or raw.

@@ -7,7 +7,7 @@ namespace patchlight {
 namespace {
 
 // Raised whenever a stage computes different results from the same inputs.
-constexpr int kImportVersion = 7;
+constexpr int kImportVersion = 8;
 constexpr int kTransportKeyVersion = 31;
 constexpr int kSolveVersion = 31;
 constexpr int kTraceVersion = 15;
@@ -32,7 +32,8 @@ std::string import_inputs_key(const std::vector<SourceFile>& sources, const Job&
   hasher.add("import").add(kImportVersion);
   // The first source is the scene file. Only its content matters, not its path.
   for (std::size_t i = 0; i < sources.size(); ++i) hasher.add(i == 0 ? "" : sources[i].path).add(sources[i].hash);
-  hasher.add(job.import.patch_area.value_or(0.0)).add(job.import.time.value_or(-1.0)).add(job.import.punctual_units);
+  hasher.add(job.import.patch_area.value_or(0.0)).add(job.import.patch_area ? 0.0 : job.import.accuracy);
+  hasher.add(job.import.time.value_or(-1.0)).add(job.import.punctual_units);
   for (const auto* overrides : {&job.materials, &job.nodes}) {
     hasher.add("overrides");
     for (const auto& change : *overrides) {

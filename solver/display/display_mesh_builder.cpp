@@ -36,7 +36,7 @@ class Builder {
         ray_scene_(ray_scene),
         lookup_(lookup),
         lattices_(scene, lookup),
-        smooth_(scene),
+        smooth_(scene.primitives),
         crossings_(crossings()),
         detail_(scene, crossings_),
         seed_(seed) {}

@@ -20,7 +20,7 @@ namespace {
 using Node = YAML::Node;
 
 JobKey patch_area_key(std::optional<double>& value) {
-  return {"import.patch_area", "target area of a patch in m2; absent: 1/8000 of the scene's area",
+  return {"import.patch_area", "target area of a patch in m2; absent: chosen by import.accuracy",
           [&value](const Node& n) { value = parse_number(n, 1e-30, 1e30); },
           [&value] { return value ? number_node(*value) : Node(); }};
 }
@@ -34,6 +34,8 @@ JobKey time_key(std::optional<double>& value) {
 std::vector<JobKey> import_keys(ImportConfig& config) {
   return {
       patch_area_key(config.patch_area),
+      number_key("import.accuracy", config.accuracy, 0.01, 1000,
+                 "number of patches, over that of the default, without import.patch_area"),
       integer_key("import.max_patches", config.max_patches, 1, 1'000'000'000, "more patches than this are refused"),
       time_key(config.time),
       choice_key(

@@ -27,7 +27,7 @@ int edge_of(const Node& outwards) {
 class Lattices::Builder {
  public:
   Builder(const PatchSet& scene, const PatchLookup& lookup) {
-    const SmoothEdges smooth(scene);
+    const SmoothEdges smooth(scene.primitives);
     double largest = 0;
     for (std::int32_t i = 0; i < std::int32_t(scene.primitives.size()); ++i) {
       const Primitive& p = scene.primitives[i];

@@ -16,9 +16,9 @@ std::uint64_t edge_key(const Primitive& p, int edge) {
 
 }  // namespace
 
-SmoothEdges::SmoothEdges(const PatchSet& scene) {
-  count_.reserve(2 * scene.primitives.size());
-  for (const Primitive& p : scene.primitives)
+SmoothEdges::SmoothEdges(const std::vector<Primitive>& primitives) {
+  count_.reserve(2 * primitives.size());
+  for (const Primitive& p : primitives)
     for (int edge = 0; edge < 4 && p.shape == Primitive::Shape::quad; ++edge)
       if (const std::uint64_t key = edge_key(p, edge)) ++count_[key];
 }

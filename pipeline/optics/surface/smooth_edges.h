@@ -9,7 +9,7 @@ namespace patchlight {
 /// Finds the edges of quads that join other quads smoothly.
 class SmoothEdges {
  public:
-  explicit SmoothEdges(const PatchSet& scene);
+  explicit SmoothEdges(const std::vector<Primitive>& primitives);
 
   bool is_smooth(const Primitive& primitive) const;
   /// Edges 0 to 3 are at v = 0, u = 1, v = 1, u = 0.

@@ -32,7 +32,7 @@ class Floor {
     lit_.quad({{{0.9, 1.8, 0.6}, {1.3, 1.8, 0.6}, {1.3, 1.8, 1}, {0.9, 1.8, 1}}}, 1, 1, 0, 20);
     lit_.sky(0.3f);
     PatchSet& scene = lit_.builder.get();
-    cut_patches(1.0 / 64, scene);
+    cut_patches(std::vector<PatchTarget>(scene.primitives.size(), {1.0 / 64}), scene);
     Progress progress({"test", true, ""});
     Transport transport;
     energy_ = solve(scene, SolveConfig(), transport, progress);

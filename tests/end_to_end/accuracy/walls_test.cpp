@@ -153,7 +153,7 @@ class Walls : public ::testing::TestWithParam<Case> {
       patch.center = turned(patch.center);
       patch.normal = Vec3f(turned(Vec3d(patch.normal)));
     }
-    cut_patches(0.06, set);
+    cut_patches(std::vector<PatchTarget>(set.primitives.size(), {0.06}), set);
     lit.look(turned({dark() ? Vec3d(2.9, 1.4, 0.2) : Vec3d(-3.7, 1.7, 1.2)}),
              turned(dark() ? Vec3d(1.2, 0.9, -0.3) : Vec3d(-0.5, 0.8, -0.8)), 70);
     return lit;

@@ -11,6 +11,11 @@ namespace {
 
 using test::PatchScene;
 
+/// Cuts patches of one target area, m2.
+void cut(double patch_area, PatchSet& scene) {
+  cut_patches(std::vector<PatchTarget>(scene.primitives.size(), {patch_area}), scene);
+}
+
 /// A floor of 16 x 16 m in 8 x 8 patches with a wall across it at x, turned about the vertical, and a triangular one.
 PatchScene floor_with_wall(double x, double turn) {
   PatchScene builder;
@@ -33,7 +38,7 @@ TEST(PatchCuts, LeaveNoPatchOnBothSidesOfAWall) {
     PatchSet& scene = builder.get();
     const double before = area_of_primitive(scene, 0);
     const std::size_t patches = scene.patches.size();
-    cut_patches(4, scene);
+    cut(4, scene);
     EXPECT_GE(scene.patches.size(), patches + 4);
     EXPECT_NEAR(area_of_primitive(scene, 0), before, 1e-9 * before);
     const Vec3d across(std::cos(turn), 0, -std::sin(turn)), along(std::sin(turn), 0, std::cos(turn));
@@ -62,7 +67,7 @@ TEST(PatchCuts, InTheLastRowAloneAreFound) {
   builder.quad({{{0, 0, 0}, {0, 0, 4}, {4, 0, 4}, {4, 0, 0}}}, 4, 4, {});  // u along z, v along x
   builder.quad({{{3.4, 0, 0}, {3.4, 0, 4}, {3.4, 1, 4}, {3.4, 1, 0}}}, 1, 1, {});
   PatchSet& scene = builder.get();
-  cut_patches(1, scene);
+  cut(1, scene);
   ASSERT_EQ(scene.patches.size(), 16 + 4 + 1u);
   const PatchLookup lookup(scene);
   ASSERT_EQ(lookup.rows(0), 4);
@@ -81,7 +86,7 @@ TEST(PatchCuts, MarkEdgesBetweenTilesOnWhichAWallStands) {
   builder.quad({{{8, 0, 0}, {4, 0, 0}, {4, 0, 4}, {8, 0, 4}}}, 4, 4, {});
   builder.quad({{{4, 0, 0}, {4, 0, 2}, {4, 1, 2}, {4, 1, 0}}}, 2, 1, {});
   PatchSet& scene = builder.get();
-  cut_patches(1, scene);
+  cut(1, scene);
   int closed = 0;
   for (const Patch& patch : scene.patches) {
     if (patch.closed == 0) continue;
@@ -94,7 +99,7 @@ TEST(PatchCuts, MarkEdgesBetweenTilesOnWhichAWallStands) {
 TEST(PatchCuts, SampleTheirPartsUniformly) {
   PatchScene builder = floor_with_wall(0.3, 0.4);
   PatchSet& scene = builder.get();
-  cut_patches(4, scene);
+  cut(4, scene);
   for (const Patch& patch : scene.patches) {
     if (patch.outline.empty()) continue;
     const PatchSampler sampler(scene.primitives[patch.primitive], patch);
@@ -110,7 +115,7 @@ TEST(PatchCuts, MarkEdgesOnWhichAWallStands) {
   PatchScene builder = floor_with_wall(2, 0);  // along the edges of patches
   PatchSet& scene = builder.get();
   const std::size_t patches = scene.patches.size();
-  cut_patches(4, scene);
+  cut(4, scene);
   const PatchLookup lookup(scene);
   EXPECT_EQ(lookup.rows(0), 8);
   EXPECT_FALSE(lookup.is_open(0, 3, 4)) << "u runs along z, v along x";
@@ -124,13 +129,13 @@ TEST(PatchCuts, DependOnShapesAlone) {
   PatchScene plain = floor_with_wall(0.3, 0.4), lit = floor_with_wall(0.3, 0.4);
   for (Patch& patch : lit.get().patches) patch.reflectance = Color(0.9f), patch.emission = Color(patch.primitive == 0);
   lit.get().primitives[0].light_group = 0;
-  cut_patches(4, plain.get());
-  cut_patches(4, lit.get());
+  cut(4, plain.get());
+  cut(4, lit.get());
   ASSERT_EQ(plain.get().patches.size(), lit.get().patches.size());
   EXPECT_EQ(plain.get().cuts.size(), lit.get().cuts.size());
   lit = floor_with_wall(0.3, 0.4);
   lit.get().primitives[0].emission_texture = 0;
-  cut_patches(4, lit.get());
+  cut(4, lit.get());
   EXPECT_LT(lit.get().patches.size(), plain.get().patches.size()) << "a picture's patches are lamps";
 }
 
@@ -139,7 +144,7 @@ TEST(PatchCuts, LeaveSmallSurfacesAndSmallThingsOut) {
   builder.quad({{{-8, 0, -8}, {-8, 0, 8}, {8, 0, 8}, {8, 0, -8}}}, 8, 8, {});
   builder.quad({{{0, 0, 0}, {0.2, 0, 0.2}, {0.2, 1, 0.2}, {0, 1, 0}}}, 1, 1, {});
   const std::size_t patches = builder.get().patches.size();
-  cut_patches(4, builder.get());
+  cut(4, builder.get());
   EXPECT_EQ(builder.get().patches.size(), patches);
 }
 

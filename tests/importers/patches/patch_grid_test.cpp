@@ -4,9 +4,6 @@
 
 #include <cmath>
 
-#include "importers/patches/patch_builder.h"
-#include "tests/expect_error.h"
-
 namespace patchlight::test {
 namespace {
 
@@ -26,7 +23,7 @@ Primitive sphere(double radius) {
 
 std::vector<Patch> patches_of(const Primitive& primitive, double patch_area) {
   std::vector<Patch> patches;
-  append_patches(primitive, 0, {}, patch_area, patches);
+  append_patches(primitive, 0, {}, {patch_area}, patches);
   EXPECT_EQ(static_cast<double>(patches.size()), patch_count(primitive, patch_area));
   return patches;
 }
@@ -110,47 +107,6 @@ TEST(PatchGrid, HugeAndTinyPrimitivesKeepTheirAreas) {
     Primitive triangle = kTriangle;
     for (Vec3d& corner : triangle.corners) corner *= scale;
     EXPECT_NEAR(sum_of_areas(patches_of(triangle, 0.01 * scale * scale)) / (6.0 * scale * scale), 1.0, 1e-12);
-  }
-}
-
-TEST(PatchArea, DefaultIsAnEightThousandthOfTheArea) {
-  const double area = choose_patch_area({kRectangle, sphere(1)}, {{}}, {});
-  EXPECT_NEAR(area, (4.0 + 4 * kPi) / 8000, 1e-12);
-}
-
-TEST(PatchArea, TooManyPatchesNameTheLimitAndAnAreaThatFits) {
-  ImportConfig config;
-  config.patch_area = 1e-9;
-  config.max_patches = 1000;
-  EXPECT_ERROR(choose_patch_area({kRectangle}, {{}}, config), ExitCode::over_limit, "import.max_patches");
-  try {
-    choose_patch_area({kRectangle}, {{}}, config);
-  } catch (const Error& error) {
-    const std::string text = error.what();
-    config.patch_area = std::stod(text.substr(text.find("patch_area of ") + 14));
-    EXPECT_LE(patch_count(kRectangle, choose_patch_area({kRectangle}, {{}}, config)), 1000);
-    EXPECT_GE(patch_count(kRectangle, *config.patch_area), 700);
-  }
-}
-
-TEST(PatchArea, DefaultGrowsUntilItFits) {
-  ImportConfig config;
-  config.max_patches = 100;
-  EXPECT_LE(patch_count(kRectangle, choose_patch_area({kRectangle}, {{}}, config)), 100);
-}
-
-TEST(PatchArea, MoreSurfacesThanPatchesAreRefused) {
-  ImportConfig config;
-  config.max_patches = 2;
-  EXPECT_ERROR(choose_patch_area({kRectangle, kTriangle, kTrapezoid}, {{}}, config), ExitCode::over_limit,
-               "import.max_patches");
-}
-
-TEST(PatchArea, AbsurdlySmallAreaIsRefusedAtOnce) {
-  ImportConfig config;
-  for (const double tiny : {1e-30, 1e-300}) {
-    config.patch_area = tiny;
-    EXPECT_ERROR(choose_patch_area({kRectangle, sphere(1)}, {{}}, config), ExitCode::over_limit, "import.max_patches");
   }
 }
 

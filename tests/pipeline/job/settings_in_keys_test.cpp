@@ -24,6 +24,8 @@ const std::vector<Setting> kSettings{
     {"scene", "b.glb", ""},  // what is in it counts, not where it stands
     {"output", "other", ""},
     {"import.patch_area", "0.5", "import"},
+    {"import.accuracy", "2", "import"},
+    {"import.accuracy", "2", "", "import.patch_area=0.5"},
     {"import.max_patches", "100", ""},
     {"import.time", "1", "import"},
     {"import.punctual_units", "raw", "import"},
