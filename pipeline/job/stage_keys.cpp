@@ -8,8 +8,8 @@ namespace {
 
 // Raised whenever a stage computes different results from the same inputs.
 constexpr int kImportVersion = 8;
-constexpr int kTransportKeyVersion = 31;
-constexpr int kSolveVersion = 31;
+constexpr int kTransportKeyVersion = 32;
+constexpr int kSolveVersion = 32;
 constexpr int kTraceVersion = 15;
 
 void add_color(KeyHasher& hasher, const std::optional<Color>& color) {

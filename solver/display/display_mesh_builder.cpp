@@ -37,7 +37,9 @@ class Builder {
         lookup_(lookup),
         lattices_(scene, lookup),
         smooth_(scene.primitives),
-        crossings_(crossings()),
+        reach_(reach()),
+        crossings_(find_crossings(scene.primitives, [this](std::int32_t i) { return reach_[i]; })),
+        seams_(scene, lattices_, [this](std::int32_t i) { return reach_[i]; }),
         detail_(scene, crossings_),
         seed_(seed) {}
 
@@ -47,7 +49,7 @@ class Builder {
     std::vector<std::int32_t> level;
     for (std::size_t i = 0; i < mesh_.cells.size(); ++i) level.push_back(std::int32_t(i));
     for (int depth = 0; !level.empty(); ++depth) level = refine(level, depth, cast);
-    add_faces(scene_, lookup_, lattices_, smooth_, crossings_, is_open_, mesh_);
+    add_faces(scene_, lookup_, lattices_, seams_, smooth_, crossings_, is_open_, mesh_);
     add_display_facets(scene_, ray_scene_, lookup_, near_facets_, mesh_, cast);
     return std::move(mesh_);
   }
@@ -61,8 +63,11 @@ class Builder {
     const DirectFactors::FindNeighbours neighbours = grid_neighbours(scene_, lookup_, lattices_, true);
     for (std::int32_t i = 0; i < std::int32_t(measures.size()); ++i) {
       const Patch& patch = scene_.patches[i];
-      if (patch.cut < 0 && measures[i].value < kNear && !detail_.is_too_large(patch)) continue;
-      if (patch.cut < 0 && is_facet(scene_.patches[i].primitive)) {
+      const bool is_near = patch.cut >= 0 || measures[i].value >= kNear || detail_.is_too_large(patch);
+      const bool facet = is_facet(patch.primitive);
+      if (!facet && seams_.touches(patch)) mesh_.roots[i] = 0;
+      if (!is_near) continue;
+      if (patch.cut < 0 && facet) {
         near_facets_.push_back(i);
         continue;
       }
@@ -113,11 +118,14 @@ class Builder {
     return (lookup_.rows(i) == 1 || lookup_.row(i, 0).cells == 1) && smooth_.is_smooth(scene_.primitives[i]);
   }
 
-  std::vector<std::vector<Crossing>> crossings() const {
+  /// Heights up to which others stand on a primitive; negative for those that are not cut. Shape: [primitives].
+  std::vector<double> reach() const {
     std::vector<double> reach(scene_.primitives.size(), -1.0);
     for (const Patch& patch : scene_.patches)
       reach[patch.primitive] = std::max(reach[patch.primitive], CellCutter::kHighest * std::sqrt(patch.area));
-    return find_crossings(scene_.primitives, [&](std::int32_t i) { return is_facet(i) ? -1.0 : reach[i]; });
+    for (std::int32_t i = 0; i < std::int32_t(reach.size()); ++i)
+      if (is_facet(i)) reach[i] = -1.0;
+    return reach;
   }
 
   /// Criteria of patches or cells.
@@ -140,7 +148,9 @@ class Builder {
   const PatchLookup& lookup_;
   const Lattices lattices_;
   const SmoothEdges smooth_;
+  const std::vector<double> reach_;
   const std::vector<std::vector<Crossing>> crossings_;  ///< [primitives]
+  const Seams seams_;
   const FineDetail detail_;
   const std::uint64_t seed_;
   DisplayMesh mesh_;

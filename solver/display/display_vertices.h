@@ -32,18 +32,21 @@ class DisplayVertices {
   void move_off_edges();
 
   /// Finds vertices of smaller leaves in the middle of the edge from a to b of a leaf that is not cut, whose corners
-  /// are the vertices `at_a` and `at_b`. key_of(node) is the key of the leaf's vertex at a node.
+  /// are the vertices `at_a` and `at_b`. key_of(node, size) is the key of the leaf's vertex at a node from
+  /// which others are half of `size` away, in finest cells.
   template <class KeyOf>
   void find_midpoints(const Leaf::Node& a, const Leaf::Node& b, std::int32_t at_a, std::int32_t at_b,
                       const KeyOf& key_of) {
-    if (std::abs(b.x - a.x) + std::abs(b.y - a.y) < 2) return;
+    const auto size = int(std::abs(b.x - a.x) + std::abs(b.y - a.y));
+    if (size < 2) return;
     const Leaf::Node middle{(a.x + b.x) / 2, (a.y + b.y) / 2};
-    const auto found = numbers_.find(key_of(middle));
+    const auto found = numbers_.find(key_of(middle, size));
     if (found == numbers_.end()) return;
     const std::int32_t k = found->second;
     if (k == at_a || k == at_b) return;  // at the tip of a triangle all nodes are one point
-    if (places_[k].kind == Kind::gathered) {
+    if (places_[k].kind == Kind::gathered && !places_[k].is_end) {
       places_[k].kind = Kind::midpoint;
+      places_[at_a].is_end = places_[at_b].is_end = true;
       midpoints_.push_back({k, at_a, at_b});
     }
     find_midpoints(a, middle, at_a, k, key_of);
@@ -61,6 +64,7 @@ class DisplayVertices {
     float size;            ///< Of the smallest leaf around, in finest cells; 0 on a cut.
     std::uint64_t random;  ///< Of the key.
     Surroundings around;
+    bool is_end = false;  ///< A midpoint depends on it, so it is none: cells on both sides of a seam may overlap.
   };
 
   bool is_border(std::int32_t i, const Vec2f& at, const Vec2f& reach, const Surroundings& around) const;

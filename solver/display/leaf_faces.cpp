@@ -14,9 +14,11 @@ namespace patchlight {
 
 namespace {
 
-constexpr double kSmall = 0.1;          // extent of crossings that do not cut, over the size of a leaf
-constexpr double kSmallestPart = 1e-9;  // of a patch; faces have an area
-constexpr double kMargin = 1e-3;        // around a leaf, over its size, in which crossings are looked for
+constexpr double kSmall = 0.1;  // extent of crossings that do not cut, over the size of a leaf
+constexpr std::int32_t kOfPoints = std::numeric_limits<std::int32_t>::min();  // VertexKey::grid
+constexpr double kSmallestPart = 1e-9;                                        // of a patch; faces have an area
+constexpr double kSamePoint = 0.05;  // of a leaf: distance of vertices of two quads that are one
+constexpr double kMargin = 1e-3;     // around a leaf, over its size, in which crossings are looked for
 
 /// A plane primitive with crossings.
 struct Plane {
@@ -37,11 +39,14 @@ double room_at(const Polygon& polygon, const Vec2d& corner) {
 
 class Faces {
  public:
-  Faces(const PatchSet& scene, const PatchLookup& lookup, const Lattices& lattices, const SmoothEdges& smooth,
-        const std::vector<std::vector<Crossing>>& crossings, const std::vector<bool>& is_open, DisplayMesh& mesh)
+  Faces(const PatchSet& scene, const PatchLookup& lookup, const Lattices& lattices, const Seams& seams,
+        const SmoothEdges& smooth, const std::vector<std::vector<Crossing>>& crossings,
+        const std::vector<bool>& is_open, DisplayMesh& mesh)
       : scene_(scene),
         lookup_(lookup),
         lattices_(lattices),
+        seams_(seams),
+        points_(seams.rounding()),
         crossings_(crossings),
         mesh_(mesh),
         vertices_(scene, lookup, lattices, smooth, is_open, mesh),
@@ -80,7 +85,7 @@ class Faces {
     mesh_.cells[leaf.cell].face = add_face(leaf.patch, 4);
     for (int k = 0; k < 4; ++k) {
       const Leaf::Node node = leaf.corner(k);
-      mesh_.corners.push_back(vertices_.at(key_at(leaf, node), leaf, leaf.patch, leaf.uv(node)));
+      mesh_.corners.push_back(vertices_.at(key_at(leaf, node, leaf.size), leaf, leaf.patch, leaf.uv(node)));
     }
     add_middles(leaf, nullptr, {});
   }
@@ -101,7 +106,7 @@ class Faces {
       if (next < 0 || mesh_.roots[next] >= 0 || lookup_.closed_edges(leaf.patch) >> k & 1) continue;
       const Leaf::Node a = leaf.corner(from), b = leaf.corner(to), middle{(a.x + b.x) / 2, (a.y + b.y) / 2};
       if (plane && plane->sectors.around(place(leaf, *plane, middle), near).parted()) continue;
-      mesh_.corners.push_back(vertices_.at(key_at(leaf, middle), leaf, leaf.patch, leaf.uv(middle)));
+      mesh_.corners.push_back(vertices_.at(key_at(leaf, middle, leaf.size), leaf, leaf.patch, leaf.uv(middle)));
       ++mesh_.faces.back().middles;
     }
   }
@@ -150,17 +155,21 @@ class Faces {
     around.sector = around.sectors.of(centroid_of(face) - at);
     const std::int32_t primitive = scene_.patches[leaf.patch].primitive;
     const bool on_node = k >= 0 && !around.sectors.parted();
-    const VertexKey key = on_node ? key_at(leaf, leaf.corner(k)) : parted_key(primitive, plane, at, around.sector);
+    const VertexKey key =
+        on_node ? key_at(leaf, leaf.corner(k), leaf.size) : parted_key(primitive, plane, at, around.sector);
     const Vec2f uv =
         k >= 0 ? leaf.uv(leaf.corner(k)) : Vec2f(uv_of(scene_.primitives[primitive], plane.frame.to_world(at)));
     mesh_.corners.push_back(vertices_.at(key, leaf, mesh_.faces.back().patch, uv, around));
   }
 
   /// The key of a vertex at a node of a leaf: shared with all quads around it, unless anything stands between some.
-  VertexKey key_at(const Leaf& leaf, const Leaf::Node& node) const {
-    if (leaf.lattice == leaf.grid && lattices_.empty()) return leaf.key(node, false);
+  /// `size`: distance to other vertices, in finest cells.
+  VertexKey key_at(const Leaf& leaf, const Leaf::Node& node, int size) {
     const std::int32_t i = scene_.patches[leaf.patch].primitive;
+    if (leaf.lattice == leaf.grid && lattices_.empty() && !seams_.has(i)) return leaf.key(node, false);
     const std::int64_t columns = lookup_.row(i, 0).cells, rows = lookup_.rows(i);
+    const bool inside = node.x > 0 && node.y > 0 && node.x < columns * kFinestCells && node.y < rows * kFinestCells;
+    if (!inside && seams_.has(i)) return key_on_outline(leaf, node, size);
     bool shared = true;
     for (const std::int64_t y : {node.y - 1, node.y})
       for (const std::int64_t x : {node.x - 1, node.x}) {
@@ -169,6 +178,20 @@ class Faces {
           shared = shared && lattices_.beyond(i, int(column), int(row)) >= 0;
       }
     return leaf.key(node, shared);
+  }
+
+  /// The key of a vertex on the outline of a quad that has seams: of its position, unless anything stands there.
+  VertexKey key_on_outline(const Leaf& leaf, const Leaf::Node& node, int size) {
+    const std::int32_t i = scene_.patches[leaf.patch].primitive;
+    const auto& corners = scene_.primitives[i].corners;
+    const PlaneFrame frame = *PlaneFrame::of(scene_.primitives[i]);
+    const Vec2f uv = leaf.uv(node);
+    const Vec3d point = position_at(corners, uv.x, uv.y);
+    if (!seams_.is_open(i, frame.to_plane(point))) return leaf.key(node, false);
+    const double u = leaf.step.x * (corners[1] - corners[0]).length(),
+                 v = leaf.step.y * (corners[3] - corners[0]).length();
+    const double near = kSamePoint * size * std::min(u, v);
+    return {kOfPoints, points_.number(point, frame.normal(), std::min(near, seams_.rounding()))};
   }
 
   /// The key of a vertex on a cut, or where other surfaces stand: no other primitive shares it.
@@ -219,11 +242,11 @@ class Faces {
       near = near_crossings(leaf, *plane, polygon);
       middle = (polygon[0] + polygon[2]) * 0.5;
     }
-    const auto key_of = [&](const Leaf::Node& node) {
-      if (!plane) return key_at(leaf, node);
+    const auto key_of = [&](const Leaf::Node& node, int size) {
+      if (!plane) return key_at(leaf, node, size);
       const Vec2d at = place(leaf, *plane, node);
       const Sectors sectors = plane->sectors.around(at, near);
-      return sectors.parted() ? parted_key(primitive, *plane, at, sectors.of(middle - at)) : key_at(leaf, node);
+      return sectors.parted() ? parted_key(primitive, *plane, at, sectors.of(middle - at)) : key_at(leaf, node, size);
     };
     const auto corners = mesh_.corners_of(mesh_.faces[mesh_.cells[leaf.cell].face]);
     for (const auto& [a, b] : {std::pair(0, 1), {1, 3}, {2, 3}, {0, 2}})
@@ -241,6 +264,8 @@ class Faces {
   const PatchSet& scene_;
   const PatchLookup& lookup_;
   const Lattices& lattices_;
+  const Seams& seams_;
+  SharedPoints points_;
   const std::vector<std::vector<Crossing>>& crossings_;
   DisplayMesh& mesh_;
   DisplayVertices vertices_;
@@ -249,10 +274,10 @@ class Faces {
 
 }  // namespace
 
-void add_faces(const PatchSet& scene, const PatchLookup& lookup, const Lattices& lattices, const SmoothEdges& smooth,
-               const std::vector<std::vector<Crossing>>& crossings, const std::vector<bool>& is_open,
-               DisplayMesh& mesh) {
-  Faces(scene, lookup, lattices, smooth, crossings, is_open, mesh).add();
+void add_faces(const PatchSet& scene, const PatchLookup& lookup, const Lattices& lattices, const Seams& seams,
+               const SmoothEdges& smooth, const std::vector<std::vector<Crossing>>& crossings,
+               const std::vector<bool>& is_open, DisplayMesh& mesh) {
+  Faces(scene, lookup, lattices, seams, smooth, crossings, is_open, mesh).add();
 }
 
 }  // namespace patchlight

@@ -15,14 +15,15 @@ namespace {
 /// under the whole solution.
 class Floor {
  public:
-  /// `across`: number of tiles along a side. `turned`: whether their corners begin at different places.
-  Floor(int across, bool turned) : across_(across), lit_(1) {
+  /// `across`: number of tiles along a side. `turned`: whether their corners begin at different places. `finer`: their
+  /// numbers of cells, over those of equal ones, in turn.
+  Floor(int across, bool turned, const std::vector<double>& finer = {1}) : across_(across), lit_(1) {
     const double size = 4.0 / across;
-    const int cells = 32 / across;
     for (int k = 0; k < across * across; ++k) {
       const double x = -2 + k % across * size, z = -2 + k / across * size;
       std::array<Vec3d, 4> c{{{x, 0, z}, {x, 0, z + size}, {x + size, 0, z + size}, {x + size, 0, z}}};
       if (turned) std::rotate(c.begin(), c.begin() + k % 4, c.end());
+      const auto cells = int(32 / across * finer[std::size_t(k + k / across) % finer.size()]);
       lit_.quad(c, cells, cells, 0.6f);
     }
     const std::array<Vec3d, 5> foot{{{-0.4, 0, 0.1}, {0.3, 0, 0.1}, {0.3, 0, -0.6}, {-0.4, 0, -0.6}, {-0.4, 0, 0.1}}};
@@ -66,26 +67,51 @@ bool is_at_the_block(double x, double z) {
   return x > -0.41 && x < 0.31 && z > -0.61 && z < 0.11;
 }
 
+/// Relative steps at the seams of a floor's tiles, away from the block.
+struct Steps {
+  double mean = 0, largest = 0;
+
+  explicit Steps(const Floor& floor, int across) {
+    int count = 0;
+    for (int k = 1; k < across; ++k)
+      for (double z = -1.987; z < 2; z += 0.05) {
+        const double x = -2 + k * 4.0 / across;
+        const auto add = [&](double before, double behind) {
+          mean += std::abs(std::log(behind / before));
+          largest = std::max(largest, std::abs(std::log(behind / before)));
+          ++count;
+        };
+        if (!is_at_the_block(x, z)) add(floor.at(x - 1e-5, z), floor.at(x + 1e-5, z));
+        if (!is_at_the_block(z, x)) add(floor.at(z, x - 1e-5), floor.at(z, x + 1e-5));
+      }
+    mean /= count;
+  }
+};
+
 TEST(Tiles, OfAFloorHaveNoSeams) {
   for (const bool turned : {false, true})
     for (const int across : {2, 4, 32}) {
-      const Floor floor(across, turned);
-      double sum = 0, largest = 0;
-      int count = 0;
-      for (int k = 1; k < across; ++k)
-        for (double z = -1.987; z < 2; z += 0.05) {
-          const double x = -2 + k * 4.0 / across;
-          const auto add = [&](double before, double behind) {
-            sum += std::abs(std::log(behind / before));
-            largest = std::max(largest, std::abs(std::log(behind / before)));
-            ++count;
-          };
-          if (!is_at_the_block(x, z)) add(floor.at(x - 1e-5, z), floor.at(x + 1e-5, z));
-          if (!is_at_the_block(z, x)) add(floor.at(z, x - 1e-5), floor.at(z, x + 1e-5));
-        }
-      EXPECT_LT(sum / count, 0.001) << across;
-      EXPECT_LT(largest, 0.1) << across;
+      const Steps steps(Floor(across, turned), across);
+      EXPECT_LT(steps.mean, 0.001) << across;
+      EXPECT_LT(steps.largest, 0.1) << across;
     }
+}
+
+TEST(Tiles, WithCellsOfDifferentSizesHaveNoSeams) {
+  for (const bool turned : {false, true})
+    for (const int across : {2, 4}) {
+      const Steps steps(Floor(across, turned, {1, 0.5, 2, 0.25}), across);
+      EXPECT_LT(steps.mean, 0.001) << across;
+      EXPECT_LT(steps.largest, 0.1) << across;
+    }
+}
+
+TEST(Tiles, WhoseCellsDoNotLineUpHaveFaintSeams) {
+  for (const auto& finer : {std::vector{1.0, 0.75}, {1.0, 1.25, 0.875}}) {
+    const Steps steps(Floor(4, true, finer), 4);
+    EXPECT_LT(steps.mean, 0.02);
+    EXPECT_LT(steps.largest, 0.2);
+  }
 }
 
 TEST(Tiles, AreAsOneSurface) {

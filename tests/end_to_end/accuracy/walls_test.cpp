@@ -44,11 +44,13 @@ void shell(LitScene& lit) {
   lamp(lit);
 }
 
-/// The shell with a floor and a ceiling of four tiles each, whose corners begin at different places.
-void tiled_shell(LitScene& lit) {
+/// The shell with a floor and a ceiling of four tiles each, whose corners begin at different places. `shapes`: of their
+/// grids, in turn.
+void tiled_shell(LitScene& lit, const std::vector<std::array<int, 2>>& shapes = {{12, 6}}) {
   const auto tile = [&](std::array<Vec3d, 4> c, int turn) {
     std::rotate(c.begin(), c.begin() + turn, c.end());
-    lit.quad(c, turn % 2 == 0 ? 12 : 6, turn % 2 == 0 ? 6 : 12, 0.7f);
+    const auto [nu, nv] = shapes[std::size_t(turn) % shapes.size()];
+    lit.quad(c, turn % 2 == 0 ? nu : nv, turn % 2 == 0 ? nv : nu, 0.7f);
   };
   int turn = 0;
   for (const double x : {-4.0, 0.0})
@@ -111,6 +113,16 @@ const Case kCases[]{
      [](LitScene& lit) {
        tiled_shell(lit);
        box(lit, {-0.15, 0, -1.5}, {-0.05, 2.7, 1.5}, true, 8);
+     }},
+    {"sheet_between_uneven_tiles",
+     [](LitScene& lit) {
+       tiled_shell(lit, {{12, 6}, {6, 3}, {24, 12}});
+       lit.double_sided({{{0, 0, 1.5}, {0, 0, -1.5}, {0, 2.7, -1.5}, {0, 2.7, 1.5}}}, 6, 5, 0.7f);
+     }},
+    {"wall_across_uneven_tiles",
+     [](LitScene& lit) {
+       tiled_shell(lit, {{6, 3}, {12, 6}, {7, 5}});
+       box(lit, {-0.05, 0, -1.5}, {0, 2.7, 1.5}, true, 8);
      }},
     {"slanted_sheet",
      [](LitScene& lit) {
