@@ -172,10 +172,14 @@ void PatchIdRenderer::upload_masks(const PatchSet& scene) const {
 }
 
 void PatchIdRenderer::upload_cuts(const PatchLookup& lookup) const {
+  const auto number_of = [](std::int32_t side) { return side >= 0 ? side + 1 : side; };
   std::vector<CutLineRecord> lines;
   for (const CutLine& line : lookup.lines())
-    lines.push_back({{line.constant, line.along_u, line.along_v, line.twist}, line.sides});
-  upload_storage(5, lookup.cut_of());
+    lines.push_back({{line.constant, line.along_u, line.along_v, line.twist},
+                     {number_of(line.sides[0]), number_of(line.sides[1])}});
+  std::vector<std::int32_t> cut_of;
+  for (const std::int32_t first : lookup.cut_of()) cut_of.push_back(first + 1);
+  upload_storage(5, cut_of);
   upload_storage(6, lines);
 }
 

@@ -91,18 +91,19 @@ bool passes_alpha_test(vec2 uv) {
 #ifdef CUT
 struct CutLine {
   vec4 distance;  // to the left: constant, along u, along v, times uv
-  ivec2 sides;    // another line, or ~patch
+  ivec2 sides;    // the number of another line, from 1, or ~patch
   ivec2 unused;
 };
-layout(std430, binding = 5) readonly buffer CutOf { int cut_of[]; };  // by patch: its cell's first line, or -1
+layout(std430, binding = 5) readonly buffer CutOf { int cut_of[]; };  // by patch: its cell's first line, from 1, or 0
 layout(std430, binding = 6) readonly buffer CutLines { CutLine lines[]; };
 
+// Beside a primitive, shaders of llvmpipe run too but read zeros, which end the loop.
 uint part_of_cell(uint cell_id, vec2 uv) {
-  int at = cell_id == 0u ? -1 : cut_of[cell_id - 1u];
-  if (at < 0) return cell_id;
-  while (at >= 0) {
-    vec4 d = lines[at].distance;
-    at = lines[at].sides[d.x + uv.x * d.y + uv.y * (d.z + uv.x * d.w) < 0.0 ? 1 : 0];
+  int at = cell_id == 0u ? 0 : cut_of[cell_id - 1u];
+  if (at == 0) return cell_id;
+  while (at > 0) {
+    vec4 d = lines[at - 1].distance;
+    at = lines[at - 1].sides[d.x + uv.x * d.y + uv.y * (d.z + uv.x * d.w) < 0.0 ? 1 : 0];
   }
   return uint(~at) + 1u;
 }
