@@ -134,14 +134,14 @@ class Rebuilder {
     const PatchTarget target{areas_[i], grid};
     Primitive part = before_.primitives[i];
     for (std::size_t k = 0; k < 4; ++k) part.corners[k] = position_at(before_.primitives[i].corners, uv[k].x, uv[k].y);
-    if (part.is_triangle() && uv[2].y == 1.0) part.corners[3] = part.corners[2];
-    part.smooth_vertices = vertices_of_piece();
+    if (before_.primitives[i].is_triangle() && uv[2].y == 1.0) part.corners[3] = part.corners[2];
+    part.smooth_vertices = vertices_of(part);
     add(part, target, i, uv);
     if (part.back < 0) return;
     const auto order = reversed_corners(part);
     Primitive back = before_.primitives[i + 1];
     for (std::size_t k = 0; k < 4; ++k) back.corners[k] = part.corners[order[k]];
-    back.smooth_vertices = vertices_of_piece();
+    back.smooth_vertices = vertices_of(back);
     add(back, target, i + 1, mirrored(uv, order));
     join_sides();
   }
@@ -183,9 +183,11 @@ class Rebuilder {
     targets_.push_back(target);
   }
 
-  std::array<std::int32_t, 4> vertices_of_piece() {
+  /// New smooth vertices for a piece: it has creases all around.
+  std::array<std::int32_t, 4> vertices_of(const Primitive& piece) {
     std::array<std::int32_t, 4> result;
     for (std::int32_t& vertex : result) vertex = before_.smooth_vertices + new_vertices_++;
+    if (piece.is_triangle()) result[3] = result[2];
     return result;
   }
 

@@ -133,6 +133,21 @@ TEST(LargeSurfaces, KeepTheirTextureCoordinatesAndBacks) {
   }
 }
 
+TEST(LargeSurfaces, MayBeTriangles) {
+  PrimitiveList list = ground_with_hut(10'000, 800);
+  auto& c = list.primitives[0].corners;
+  c[2] = c[3] = (c[2] + c[3]) * 0.5;
+  list.primitives[0].smooth_vertices[3] = list.primitives[0].smooth_vertices[2];
+  const Divided divided(list);
+  EXPECT_NEAR(divided.area_of_ground() / 5e7, 1, 1e-9);
+  int tips = 0;
+  for (const Primitive& p : divided.list.primitives) {
+    EXPECT_EQ(p.is_triangle(), p.smooth_vertices[2] == p.smooth_vertices[3]);
+    tips += p.is_triangle();
+  }
+  EXPECT_GE(tips, 1);
+}
+
 TEST(LargeSurfaces, AreCoarserWhereManySmallThingsStand) {
   PrimitiveList list;
   list.primitives.push_back(level_square(10'000, Vec3d(0.0)));
