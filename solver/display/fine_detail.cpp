@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "pipeline/model/cuts/cut_cells.h"
 
@@ -12,7 +13,8 @@ namespace {
 constexpr double kPart = 1.0 / 24;         // of a crossing's extent
 constexpr double kOfDistance = 0.5;        // size of a cell over its distance from a crossing
 constexpr double kCellsBesideAPart = 6.0;  // an estimate: cells for each that lies beside a crossing
-constexpr double kMostCells = 0.125;       // over the number of patches
+constexpr double kStep = 1.1;              // of the search for the smallest cells
+constexpr double kMostCells = 0.25;        // over the number of patches
 
 Imath::Box2d box_of(const Crossing& crossing) {
   Imath::Box2d box(crossing.from);
@@ -31,10 +33,20 @@ double distance(const Imath::Box2d& a, const Imath::Box2d& b) {
 
 FineDetail::FineDetail(const PatchSet& scene, const std::vector<std::vector<Crossing>>& crossings)
     : scene_(scene), crossings_(crossings) {
-  double extents = 0;  // lengths of crossings relative to theirs
+  const double most = kMostCells * double(scene.patches.size());
+  const auto cells = [&](double smallest) {
+    double count = 0;
+    for (const auto& of_primitive : crossings)
+      for (const Crossing& crossing : of_primitive)
+        count +=
+            kCellsBesideAPart * (crossing.to - crossing.from).length() / std::max(kPart * crossing.extent, smallest);
+    return count;
+  };
+  double least = std::numeric_limits<double>::infinity();
   for (const auto& of_primitive : crossings)
-    for (const Crossing& crossing : of_primitive) extents += (crossing.to - crossing.from).length() / crossing.extent;
-  part_ = std::max(kPart, kCellsBesideAPart * extents / (kMostCells * double(scene.patches.size())));
+    for (const Crossing& crossing : of_primitive) least = std::min(least, kPart * crossing.extent);
+  if (least > 0 && std::isfinite(least) && cells(0) > most)
+    for (smallest_ = least; cells(smallest_) > most;) smallest_ *= kStep;
 }
 
 bool FineDetail::is_too_large(const Patch& cell) const {
@@ -46,7 +58,7 @@ bool FineDetail::is_too_large(const Patch& cell) const {
   for (const Vec2d& corner : cell_polygon(primitive, frame, cell)) box.extendBy(corner);
   const double size = std::sqrt(cell.area);
   return std::any_of(crossings.begin(), crossings.end(), [&](const Crossing& crossing) {
-    return crossing.height <= size && size > part_ * crossing.extent &&
+    return crossing.height <= size && size > std::max(kPart * crossing.extent, smallest_) &&
            size > kOfDistance * distance(box, box_of(crossing));
   });
 }

@@ -8,7 +8,7 @@ namespace patchlight {
 
 /// Tells which cells are too large for the light around what stands on them, however large their patches are: beside a
 /// crossing they may be 1/24 of its extent, and half of their distance from it farther off. Where so many things stand
-/// that this would take many cells, all of them may be larger.
+/// that this would take many cells, none are smaller than a size by which it does not.
 class FineDetail {
  public:
   FineDetail(const PatchSet& scene, const std::vector<std::vector<Crossing>>& crossings);
@@ -18,7 +18,7 @@ class FineDetail {
  private:
   const PatchSet& scene_;
   const std::vector<std::vector<Crossing>>& crossings_;
-  double part_;  ///< Of a crossing's extent, the size of cells beside it.
+  double smallest_ = 0;  ///< Size of cells, m.
 };
 
 }  // namespace patchlight
