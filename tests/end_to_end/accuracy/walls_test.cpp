@@ -13,6 +13,7 @@ namespace patchlight::test {
 namespace {
 
 constexpr double kLimit = 1e-4;  ///< Of the brightest pixel of the dark side, over the mean of the lit one.
+constexpr double kLimitOfHemicubes = 2.5e-4;  ///< The same; a rasterizer rounds the feet of walls to parts of a cell.
 
 /// A scene of two spaces that share surfaces. A lamp lights the one on the left of x = 0; the other must stay dark.
 struct Case {
@@ -208,6 +209,14 @@ TEST_P(Walls, LetNoLightThrough) {
       EXPECT_GT(lit, 0.1);
       EXPECT_LT(frame(true, turn, config).first, kLimit * lit) << method << " " << turn;
     }
+}
+
+TEST_P(Walls, LetHardlyAnyLightThroughByHemicubes) {
+  SolveConfig config;
+  config.form_factors = "hemicube";
+  const double lit = frame(false, 0, config).second;
+  EXPECT_GT(lit, 0.1);
+  EXPECT_LT(frame(true, 0, config).first, kLimitOfHemicubes * lit);
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, Walls, ::testing::ValuesIn(kCases), [](const auto& of) { return of.param.name; });
