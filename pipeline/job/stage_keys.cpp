@@ -8,9 +8,9 @@ namespace {
 
 // Raised whenever a stage computes different results from the same inputs.
 constexpr int kImportVersion = 8;
-constexpr int kTransportKeyVersion = 32;
-constexpr int kSolveVersion = 32;
-constexpr int kTraceVersion = 15;
+constexpr int kTransportKeyVersion = 33;
+constexpr int kSolveVersion = 33;
+constexpr int kTraceVersion = 16;
 
 void add_color(KeyHasher& hasher, const std::optional<Color>& color) {
   hasher.add(color.has_value());

@@ -35,7 +35,7 @@ class PacketTracer {
 
  private:
   void add_reference(std::int32_t surface, std::size_t shape, const Imath::Box3d& box);
-  void add_facet(const std::array<Vec3d, 4>& corners, std::int32_t surface, bool second);
+  void add_facet(const std::array<Vec3d, 4>& corners, const Vec3d& normal, std::int32_t surface, bool second);
   void trace(packet::Rays& rays, std::uint32_t occlusion_lanes) const;
 
   const packet::TraceFunction trace_ = packet::fastest_trace();

@@ -8,7 +8,6 @@
 
 #include "pipeline/optics/intersect/packet_tracer.h"
 #include "pipeline/optics/intersect/rounding.h"
-#include "pipeline/optics/sampling/quad_shape.h"
 
 namespace patchlight {
 
@@ -137,20 +136,24 @@ class BvhBuilder {
 }  // namespace
 
 bool PacketTracer::add_quad(const std::array<Vec3d, 4>& c, std::int32_t index) {
-  const Vec3d normal = ((c[1] - c[0]) % (c[3] - c[0])).normalized();
-  const Vec2f shape = quad_shape(c);
-  const double weights = 1 + std::abs(1 - shape.x - shape.y) + std::abs(shape.x) + std::abs(shape.y);
+  // By the diagonals, since a plane by two short edges that meet at a flat angle is far off at the other corners.
+  const Vec3d normal = ((c[2] - c[0]) % (c[3] - c[1])).normalized();
   double size = 0;
   for (const Vec3d& corner : c) size = std::max(size, absolute_dot(normal, corner));
-  const bool planar = c[2] == c[3] || std::abs((c[2] - c[0]) ^ normal) <= kCornerError * weights * size;
-  add_facet(planar ? c : std::array{c[0], c[1], c[3], c[3]}, 2 * index, false);
-  if (!planar) add_facet({c[2], c[3], c[1], c[1]}, 2 * index, true);
-  return planar;
+  const bool planar = c[2] == c[3] || std::abs((c[1] - c[0]) ^ normal) <= 2 * kCornerError * size;
+  if (planar) {
+    add_facet(c, normal, 2 * index, false);
+    return true;
+  }
+  add_facet({c[0], c[1], c[3], c[3]}, ((c[1] - c[0]) % (c[3] - c[0])).normalized(), 2 * index, false);
+  add_facet({c[2], c[3], c[1], c[1]}, ((c[3] - c[2]) % (c[1] - c[2])).normalized(), 2 * index, true);
+  return false;
 }
 
-void PacketTracer::add_facet(const std::array<Vec3d, 4>& c, std::int32_t surface, bool second) {
-  const Vec3d e1 = c[1] - c[0], e3 = c[3] - c[0], area = e1 % e3, normal = area.normalized();
-  const double height = (c[2] - c[0]) ^ normal;
+void PacketTracer::add_facet(const std::array<Vec3d, 4>& c, const Vec3d& normal, std::int32_t surface, bool second) {
+  const Vec3d e1 = c[1] - c[0], e3 = c[3] - c[0], area = e1 % e3;
+  double height = 0;  // largest, of a corner above or below the plane
+  for (const Vec3d& corner : c) height = std::max(height, std::abs((corner - c[0]) ^ normal));
   packet::Facet f{};
   copy_to(f.corner, c[0]);
   copy_to(f.normal, normal);
@@ -164,7 +167,7 @@ void PacketTracer::add_facet(const std::array<Vec3d, 4>& c, std::int32_t surface
              kUnitRoundoff * (absolute_dot(normal, end) + absolute_dot(edge, end));
     };
     for (int axis = 0; axis < 3; ++axis) to[axis] = float(edge[axis]);
-    f.overlap[k] = float(std::max(error(a), error(b)) + std::abs(height));
+    f.overlap[k] = float(std::max(error(a), error(b)) + height);
     return float(edge ^ (c[0] - a));
   };
   set_edge(0, f.s, c[3], c[0]);
@@ -176,8 +179,10 @@ void PacketTracer::add_facet(const std::array<Vec3d, 4>& c, std::int32_t surface
   f.scale[1] = float((second ? -1 : 1) * e1.length() / area.length());
   facets_.push_back(f);
   Imath::Box3d box;
-  for (const Vec3d& corner : c) box.extendBy(corner);
-  box.extendBy(c[2] - normal * height);
+  for (const Vec3d& corner : c) {
+    box.extendBy(corner);
+    box.extendBy(corner - normal * ((corner - c[0]) ^ normal));
+  }
   add_reference(surface, facets_.size() - 1, box);
 }
 

@@ -133,9 +133,13 @@ void RayScene::add_quads(const PatchSet& scene) {
     }
     const Vec3d normal = ((exact[2] - exact[0]) % (exact[3] - exact[1])).normalized();
     offsets_[i] = quad_offset(exact, normal);
-    const auto sag = float(std::abs((exact[0] - exact[1] + exact[2] - exact[3]) ^ normal) / 4);
-    if (sag > offsets_[i]) offsets_[i] += sag;
-    if (p.back >= 0 && p.back < std::int32_t(i)) continue;
+    // Corners 1 and 3 from a plane through 0 and 2; half of it is the bilinear surface from two triangles.
+    const auto height = float(std::abs((exact[1] - exact[0]) ^ normal));
+    offsets_[i] += 0.5f * height;
+    if (p.back >= 0 && p.back < std::int32_t(i)) {
+      offsets_[i] = offsets_[p.back];
+      continue;
+    }
     const Vec2f shape = quad_shape(p.corners);
     if (p.mask >= 0) {
       masked.push_back({std::int32_t(i), p.back, shape.x, shape.y, Vec3f(normal), true});
@@ -143,6 +147,7 @@ void RayScene::add_quads(const PatchSet& scene) {
       continue;
     }
     const bool plane = packet_tracer_ && packet_tracer_->add_quad(exact, std::int32_t(quads_.size()));
+    if (plane) offsets_[i] += 0.5f * height;
     quads_.push_back({std::int32_t(i), p.back, shape.x, shape.y, Vec3f(normal), !plane});
     if (!packet_tracer_) corners.push_back(local);
   }

@@ -57,8 +57,8 @@ class RayScene {
   Vec3f to_local(const Vec3d& world) const { return Vec3f(world - origin_); }
 
   /// Offset of ray origins from primitive `i` along its normal that avoids self-intersection, m: a bound of the
-  /// rounding of its points along the normal, plus, for a quad that is not planar, the largest distance between its
-  /// bilinear surface and the two triangles that are traced. Positive.
+  /// rounding of its points along the normal, plus the largest distance between a quad's bilinear surface and the plane
+  /// or the two triangles that are traced. Positive.
   float offset(std::int32_t i) const { return offsets_[i]; }
 
   /// Finds the closest hits of the active lanes. `coherent`: hint for Embree that the rays are similar.
