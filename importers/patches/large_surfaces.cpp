@@ -238,13 +238,16 @@ std::vector<PatchTarget> divide_large_surfaces(const std::vector<SurfaceMaterial
     const SizeField field(list.primitives, patch_areas);
     const SmoothEdges smooth(list.primitives);
     std::vector<bool> divisible;
+    double count = 0.0;
     for (std::size_t i = 0; i < list.primitives.size(); ++i) {
       const Primitive& p = list.primitives[i];
+      count += patch_count(p, patch_areas[i]);
       divisible.push_back(is_divisible(p, materials[p.material], patch_areas[i], smooth));
     }
+    const double most = std::min(kDefaultPatches * config.accuracy, std::max(0.0, double(config.max_patches) - count));
     std::optional<Pieces> found;
     for (double coarser = 1.0; !found; coarser *= 2.0)
-      found = find_pieces(list, divisible, patch_areas, field, coarser, kDefaultPatches * config.accuracy);
+      found = find_pieces(list, divisible, patch_areas, field, coarser, most);
     pieces = std::move(*found);
   }
   Rebuilder rebuilder(list, patch_areas);

@@ -133,6 +133,14 @@ TEST(LargeSurfaces, KeepTheirTextureCoordinatesAndBacks) {
   }
 }
 
+TEST(LargeSurfaces, KeepToTheLimitOfPatches) {
+  ImportConfig config;
+  for (const std::int64_t limit : {100, 3000, 9500, 12'000}) {
+    config.max_patches = limit;
+    EXPECT_LE(Divided(ground_with_hut(10'000, 0), config).patches(), double(limit));
+  }
+}
+
 TEST(LargeSurfaces, MayBeTriangles) {
   PrimitiveList list = ground_with_hut(10'000, 800);
   auto& c = list.primitives[0].corners;
