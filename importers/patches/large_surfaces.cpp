@@ -38,12 +38,12 @@ class Divider {
   Divider(const SizeField& field, const Primitive& quad, double size, double coarser)
       : field_(field), quad_(quad), size_(size), coarser_(coarser), grid_(quad_grid(quad, size * size)) {}
 
-  /// The pieces in their order; one if the quad stays whole.
-  std::vector<Piece> pieces() const {
+  /// The pieces in their order; none if the quad stays whole. Where they have more than `most` patches, some that do.
+  std::vector<Piece> pieces(double most) const {
     const Range whole{0, 0, 0, grid_.columns, grid_.rows};
     std::vector<Piece> pieces;
     if (level_for(whole) < kLeastLevel) return pieces;
-    for (const Range& range : divided(whole))
+    for (const Range& range : divided(whole, most))
       pieces.push_back({corners(range), {std::int32_t(range.u1 - range.u0), std::int32_t(range.v1 - range.v0)}});
     return pieces;
   }
@@ -70,12 +70,18 @@ class Divider {
     return std::clamp(int(std::floor(std::log2(size_ / least) + 0.3)), 0, kMostLevel);
   }
 
-  std::vector<Range> divided(const Range& range) const {
+  /// `most`: of the patches, less those so far; negative: no more ranges.
+  std::vector<Range> divided(const Range& range, double& most) const {
+    if (most < 0) return {};
+    const auto finished = [&](const Range& result) {
+      most -= double(result.u1 - result.u0) * double(result.v1 - result.v0);
+      return std::vector{result};
+    };
     const int level = level_for(range);
-    if (level <= range.level) return {range};
+    if (level <= range.level) return finished(range);
     const std::array<Vec3d, 4> c = positions(range);
     const double extent = std::max((c[2] - c[0]).length(), (c[3] - c[1]).length());
-    if (extent < kVariety * std::ldexp(size_, -level)) return {range.halved(level - range.level)};
+    if (extent < kVariety * std::ldexp(size_, -level)) return finished(range.halved(level - range.level));
     const Range whole = range.u1 - range.u0 == 1 && range.v1 - range.v0 == 1 ? range.halved(1) : range;
     Range first = whole, second = whole;
     const double along = (c[1] - c[0]).length() + (c[2] - c[3]).length();
@@ -85,8 +91,8 @@ class Divider {
     } else {
       first.v1 = second.v0 = (whole.v0 + whole.v1) / 2;
     }
-    std::vector<Range> ranges = divided(first);
-    const std::vector<Range> others = divided(second);
+    std::vector<Range> ranges = divided(first, most);
+    const std::vector<Range> others = divided(second, most);
     if (ranges.size() == 1 && others.size() == 1 && ranges[0].level == others[0].level)
       return {whole.halved(ranges[0].level - whole.level)};
     ranges.insert(ranges.end(), others.begin(), others.end());
@@ -217,11 +223,12 @@ std::optional<Pieces> find_pieces(const PrimitiveList& list, const std::vector<b
   for (std::int32_t i = 0; i < std::int32_t(list.primitives.size()); ++i) {
     const Primitive& front = list.primitives[i];
     if (!divisible[i] || (front.back >= 0 && front.back < i)) continue;
-    std::vector<Piece> pieces = Divider(field, front, std::sqrt(patch_areas[i]), coarser).pieces();
-    if (pieces.size() <= 1) continue;
+    const double whole = patch_count(front, patch_areas[i]);
+    std::vector<Piece> pieces = Divider(field, front, std::sqrt(patch_areas[i]), coarser).pieces(most + whole);
+    if (pieces.empty()) continue;
     double count = 0.0;
     for (const Piece& piece : pieces) count += double(piece.grid.columns) * piece.grid.rows;
-    added += (count - patch_count(front, patch_areas[i])) * (front.back >= 0 ? 2.0 : 1.0);
+    added += (count - whole) * (front.back >= 0 ? 2.0 : 1.0);
     if (added > most) return {};
     result.emplace(i, std::move(pieces));
   }
