@@ -6,30 +6,14 @@
 
 #include "importers/patches/patch_grid.h"
 #include "tests/expect_error.h"
+#include "tests/importers/patches/primitive_shapes.h"
 
 namespace patchlight::test {
 namespace {
 
-Primitive quad(const std::array<Vec3d, 4>& corners) {
-  Primitive primitive;
-  primitive.corners = corners;
-  return primitive;
-}
-
 Primitive square(double side) {
   return quad({{{0, 0, 0}, {side, 0, 0}, {side, side, 0}, {0, side, 0}}});
 }
-
-Primitive sphere(double radius) {
-  Primitive primitive;
-  primitive.shape = Primitive::Shape::sphere;
-  primitive.sphere_radius = radius;
-  return primitive;
-}
-
-const Primitive kRectangle = quad({{{0, 0, 0}, {4, 0, 0}, {4, 1, 0}, {0, 1, 0}}});
-const Primitive kTrapezoid = quad({{{0, 0, 0}, {4, 0, 0}, {3, 2, 0}, {1, 2, 0}}});
-const Primitive kTriangle = quad({{{0, 0, 0}, {4, 0, 0}, {1, 3, 0}, {1, 3, 0}}});
 
 TEST(PatchAreas, DefaultIsAnEightThousandthOfTheArea) {
   ImportConfig config;

@@ -4,22 +4,10 @@
 
 #include <cmath>
 
+#include "tests/importers/patches/primitive_shapes.h"
+
 namespace patchlight::test {
 namespace {
-
-Primitive quad(const std::array<Vec3d, 4>& corners) {
-  Primitive primitive;
-  primitive.corners = corners;
-  return primitive;
-}
-
-Primitive sphere(double radius) {
-  Primitive primitive;
-  primitive.shape = Primitive::Shape::sphere;
-  primitive.sphere_center = {1, 2, 3};
-  primitive.sphere_radius = radius;
-  return primitive;
-}
 
 std::vector<Patch> patches_of(const Primitive& primitive, double patch_area) {
   std::vector<Patch> patches;
@@ -33,10 +21,6 @@ double sum_of_areas(const std::vector<Patch>& patches) {
   for (const Patch& patch : patches) area += patch.area;
   return area;
 }
-
-const Primitive kRectangle = quad({{{0, 0, 0}, {4, 0, 0}, {4, 1, 0}, {0, 1, 0}}});
-const Primitive kTrapezoid = quad({{{0, 0, 0}, {4, 0, 0}, {3, 2, 0}, {1, 2, 0}}});
-const Primitive kTriangle = quad({{{0, 0, 0}, {4, 0, 0}, {1, 3, 0}, {1, 3, 0}}});
 
 TEST(PatchGrid, AreasSumToTheTrueArea) {
   for (const double patch_area : {1000.0, 1.0, 0.01, 0.0007}) {
