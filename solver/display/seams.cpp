@@ -1,13 +1,11 @@
 #include "solver/display/seams.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
-#include <unsupported/Eigen/BVH>
 
 #include "pipeline/model/cuts/cut_cells.h"
+#include "pipeline/optics/cuts/box_tree.h"
 #include "pipeline/optics/cuts/cell_cutter.h"
 
 namespace patchlight {
@@ -16,26 +14,6 @@ namespace {
 
 constexpr double kSameNormal = 1e-6;           // 1 - cosine
 constexpr double kRounding = 1.0 / (1 << 22);  // of positions, relative to their coordinates
-
-using Box = Eigen::AlignedBox3d;
-using Tree = Eigen::KdBVH<double, 3, std::int32_t>;
-
-Eigen::Vector3d to_eigen(const Vec3d& p) {
-  return {p.x, p.y, p.z};
-}
-
-/// Collects the quads whose boxes overlap a box.
-struct Overlaps {
-  const Box& box;
-  const std::vector<Box>& boxes;
-  std::vector<std::int32_t> found{};
-
-  bool intersectVolume(const Box& volume) const { return volume.intersects(box); }
-  bool intersectObject(std::int32_t i) {
-    if (boxes[i].intersects(box)) found.push_back(i);
-    return false;
-  }
-};
 
 /// A quad that may go on in others.
 struct Candidate {
@@ -53,20 +31,18 @@ double distance_from_line(const Vec2d& a, const Vec2d& b, const Vec2d& p) {
 Seams::Seams(const PatchSet& scene, const Lattices& lattices, const std::function<double(std::int32_t)>& reach)
     : scene_(scene), has_(scene.primitives.size()), lines_(scene.primitives.size()) {
   std::vector<Candidate> candidates;
-  std::vector<Box> boxes;
+  std::vector<Imath::Box3d> boxes;
   for (std::int32_t i = 0; i < std::int32_t(scene.primitives.size()); ++i) {
     const std::optional<PlaneFrame> frame = reach(i) < 0 ? std::nullopt : PlaneFrame::of(scene.primitives[i]);
     if (!frame) continue;
-    Box& box = boxes.emplace_back();
-    for (const Vec3d& corner : scene.primitives[i].corners) box.extend(to_eigen(corner));
-    const double largest = std::max(box.min().cwiseAbs().maxCoeff(), box.max().cwiseAbs().maxCoeff());
+    Imath::Box3d& box = boxes.emplace_back(bounds_of({scene.primitives[i]}));
+    double largest = 0;
+    for (int k = 0; k < 3; ++k) largest = std::max({largest, -box.min[k], box.max[k]});
     candidates.push_back({i, *frame, position_rounding(scene.primitives[i]) + kRounding * largest});
-    box.extend(box.min() - Eigen::Vector3d::Constant(candidates.back().rounding));
-    box.extend(box.max() + Eigen::Vector3d::Constant(candidates.back().rounding));
+    box.min -= Vec3d(candidates.back().rounding);
+    box.max += Vec3d(candidates.back().rounding);
   }
-  std::vector<std::int32_t> numbers(candidates.size());
-  std::iota(numbers.begin(), numbers.end(), 0);
-  const Tree tree(numbers.begin(), numbers.end(), boxes.begin(), boxes.end());
+  const BoxTree tree(boxes);
   const auto add = [&](const Candidate& of, const Candidate& other) {
     const Primitive &p = scene.primitives[of.primitive], &q = scene.primitives[other.primitive];
     const double rounding = of.rounding + other.rounding;
@@ -90,10 +66,9 @@ Seams::Seams(const PatchSet& scene, const Lattices& lattices, const std::functio
   };
   for (std::size_t k = 0; k < candidates.size(); ++k) {
     const std::int32_t lattice = lattices.frame(candidates[k].primitive).lattice;
-    Overlaps overlaps{boxes[k], boxes};
-    Eigen::BVIntersect(tree, overlaps);
-    std::sort(overlaps.found.begin(), overlaps.found.end());
-    for (const std::int32_t other : overlaps.found)
+    std::vector<std::int32_t> near = tree.overlapping(boxes[k]);
+    std::sort(near.begin(), near.end());
+    for (const std::int32_t other : near)
       if (lattices.frame(candidates[other].primitive).lattice != lattice) add(candidates[k], candidates[other]);
     has_[candidates[k].primitive] = !lines_[candidates[k].primitive].empty();
   }

@@ -2,13 +2,13 @@
 
 #include <tbb/parallel_for.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
 #include <numeric>
-#include <unsupported/Eigen/BVH>
+
+#include "pipeline/optics/cuts/box_tree.h"
 
 namespace patchlight {
 
@@ -17,44 +17,24 @@ namespace {
 constexpr double kLow = 0.25;  // height of an edge that stands on a plane, over the size of its surface
 constexpr double kPositionRounding = 1.0 / (1 << 22);  // of positions, relative to their coordinates
 
-using Box = Eigen::AlignedBox3d;
-using Tree = Eigen::KdBVH<double, 3, std::int32_t>;
-
-Eigen::Vector3d to_eigen(const Vec3d& p) {
-  return {p.x, p.y, p.z};
-}
-
 /// A surface that may cross others.
 struct Crosser {
   std::array<Vec3d, 4> corners;
-  double size;      ///< Root of its area, m.
-  double rounding;  ///< Error of its positions, m.
-  Box box;          ///< With a margin of `rounding`.
+  double size;       ///< Root of its area, m.
+  double rounding;   ///< Error of its positions, m.
+  Imath::Box3d box;  ///< With a margin of `rounding`.
 
   explicit Crosser(const Primitive& primitive) : corners(primitive.corners) {
     const Vec3d normal = (corners[2] - corners[0]) % (corners[3] - corners[1]);
     double largest = 0;
     for (const Vec3d& c : corners) {
-      box.extend(to_eigen(c));
+      box.extendBy(c);
       for (int k = 0; k < 3; ++k) largest = std::max(largest, std::abs(c[k]));
     }
     rounding = kPositionRounding * largest;
     size = std::sqrt(0.5 * normal.length());
-    box.extend(box.min() - Eigen::Vector3d::Constant(rounding));
-    box.extend(box.max() + Eigen::Vector3d::Constant(rounding));
-  }
-};
-
-/// Collects the crossers whose boxes overlap a box.
-struct Overlaps {
-  const Box& box;
-  const std::vector<Crosser>& crossers;
-  std::vector<std::int32_t> found{};
-
-  bool intersectVolume(const Box& volume) const { return volume.intersects(box); }
-  bool intersectObject(std::int32_t i) {
-    if (crossers[i].box.intersects(box)) found.push_back(i);
-    return false;
+    box.min -= Vec3d(rounding);
+    box.max += Vec3d(rounding);
   }
 };
 
@@ -174,30 +154,26 @@ class Plane {
 std::vector<std::vector<Crossing>> find(const std::vector<Primitive>& primitives,
                                         const std::function<double(std::int32_t)>& reach, Where where) {
   std::vector<Crosser> crossers;
-  std::vector<Box> boxes;
+  std::vector<Imath::Box3d> boxes;
   for (std::size_t i = 0; i < primitives.size(); ++i) {
     const Primitive& p = primitives[i];
     const bool is_back = p.back >= 0 && p.back < std::int32_t(i);  // in the same place as its front
     if (p.shape != Primitive::Shape::quad || p.mask >= 0 || is_back) continue;
     boxes.push_back(crossers.emplace_back(p).box);
   }
-  std::vector<std::int32_t> numbers(crossers.size());
-  std::iota(numbers.begin(), numbers.end(), 0);
-  const Tree tree(numbers.begin(), numbers.end(), boxes.begin(), boxes.end());
+  const BoxTree tree(boxes);
   std::vector<std::vector<Crossing>> result(primitives.size());
   tbb::parallel_for(std::size_t(0), primitives.size(), [&](std::size_t i) {
     const double height = reach(std::int32_t(i));
     const std::optional<PlaneFrame> frame = height < 0 ? std::nullopt : PlaneFrame::of(primitives[i]);
     if (!frame) return;
-    Box box;
+    Imath::Box3d box;
     for (const Vec3d& corner : primitives[i].corners) {
-      box.extend(to_eigen(corner));
-      box.extend(to_eigen(corner + frame->normal() * height));
+      box.extendBy(corner);
+      box.extendBy(corner + frame->normal() * height);
     }
-    Overlaps overlaps{box, crossers};
-    Eigen::BVIntersect(tree, overlaps);
     Plane plane(primitives[i], *frame, where);
-    for (const std::int32_t k : overlaps.found) plane.add(crossers[k], height);
+    for (const std::int32_t k : tree.overlapping(box)) plane.add(crossers[k], height);
     result[i] = std::move(plane).crossings();
   });
   return result;
