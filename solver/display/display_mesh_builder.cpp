@@ -118,7 +118,8 @@ class Builder {
     return (lookup_.rows(i) == 1 || lookup_.row(i, 0).cells == 1) && smooth_.is_smooth(scene_.primitives[i]);
   }
 
-  /// Heights up to which others stand on a primitive; negative for those that are not cut. Shape: [primitives].
+  /// The largest height at which an edge of another surface counts as standing on a primitive, m; negative: the
+  /// primitive is not cut. Shape: [primitives].
   std::vector<double> reach() const {
     std::vector<double> reach(scene_.primitives.size(), -1.0);
     for (const Patch& patch : scene_.patches)
