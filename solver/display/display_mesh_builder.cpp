@@ -40,7 +40,8 @@ class Builder {
         reach_(reach()),
         crossings_(find_crossings(scene.primitives, [this](std::int32_t i) { return reach_[i]; })),
         seams_(scene, lattices_, [this](std::int32_t i) { return reach_[i]; }),
-        detail_(scene, crossings_),
+        detail_(scene, crossings_,
+                find_crossings_at_edges(scene.primitives, [this](std::int32_t i) { return reach_[i]; })),
         seed_(seed) {}
 
   DisplayMesh build(std::int64_t& cast) {

@@ -10,16 +10,24 @@ namespace patchlight {
 
 namespace {
 
-constexpr double kPart = 1.0 / 24;         // of a crossing's extent
+constexpr double kPart = 1.0 / 12;         // of a crossing's extent
+constexpr double kFinePart = 1.0 / 64;     // of the extent, beside what is low
+constexpr double kOfRelief = 0.5;          // of what stands there
 constexpr double kOfDistance = 0.5;        // size of a cell over its distance from a crossing
 constexpr double kCellsBesideAPart = 6.0;  // an estimate: cells for each that lies beside a crossing
+constexpr double kUsual = 0.25;            // size of cells at creases over that of their patch, without this class
 constexpr double kStep = 1.1;              // of the search for the smallest cells
-constexpr double kMostCells = 0.25;        // over the number of patches
+constexpr double kMostCells = 0.5;         // over the number of patches
 
 Imath::Box2d box_of(const Crossing& crossing) {
   Imath::Box2d box(crossing.from);
   box.extendBy(crossing.to);
   return box;
+}
+
+/// The largest size of cells beside a crossing, m.
+double allowed_size(const Crossing& crossing) {
+  return std::clamp(kOfRelief * crossing.relief, kFinePart * crossing.extent, kPart * crossing.extent);
 }
 
 /// Distance between two boxes.
@@ -31,22 +39,28 @@ double distance(const Imath::Box2d& a, const Imath::Box2d& b) {
 
 }  // namespace
 
-FineDetail::FineDetail(const PatchSet& scene, const std::vector<std::vector<Crossing>>& crossings)
-    : scene_(scene), crossings_(crossings) {
+FineDetail::FineDetail(const PatchSet& scene, std::vector<std::vector<Crossing>> crossings,
+                       const std::vector<std::vector<Crossing>>& at_edges)
+    : scene_(scene), crossings_(std::move(crossings)) {
+  std::vector<double> usual(scene.primitives.size());
+  for (const Patch& patch : scene.patches)
+    usual[patch.primitive] = std::max(usual[patch.primitive], kUsual * std::sqrt(patch.area));
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < crossings_.size(); ++i) {
+    std::copy_if(at_edges[i].begin(), at_edges[i].end(), std::back_inserter(crossings_[i]),
+                 [&](const Crossing& crossing) { return allowed_size(crossing) < usual[i]; });
+    for (const Crossing& crossing : crossings_[i]) least = std::min(least, allowed_size(crossing));
+  }
   const double most = kMostCells * double(scene.patches.size());
   const auto cells = [&](double smallest) {
     double count = 0;
-    for (const auto& of_primitive : crossings)
-      for (const Crossing& crossing : of_primitive)
-        count +=
-            kCellsBesideAPart * (crossing.to - crossing.from).length() / std::max(kPart * crossing.extent, smallest);
+    for (std::size_t i = 0; i < crossings_.size(); ++i)
+      for (const Crossing& crossing : crossings_[i])
+        if (const double size = std::max(allowed_size(crossing), smallest); size < usual[i])
+          count += kCellsBesideAPart * (crossing.to - crossing.from).length() / size;
     return count;
   };
-  double least = std::numeric_limits<double>::infinity();
-  for (const auto& of_primitive : crossings)
-    for (const Crossing& crossing : of_primitive) least = std::min(least, kPart * crossing.extent);
-  if (least > 0 && std::isfinite(least) && cells(0) > most)
-    for (smallest_ = least; cells(smallest_) > most;) smallest_ *= kStep;
+  for (smallest_ = 0; cells(smallest_) > most;) smallest_ = std::max(least, kStep * smallest_);
 }
 
 bool FineDetail::is_too_large(const Patch& cell) const {
@@ -58,7 +72,7 @@ bool FineDetail::is_too_large(const Patch& cell) const {
   for (const Vec2d& corner : cell_polygon(primitive, frame, cell)) box.extendBy(corner);
   const double size = std::sqrt(cell.area);
   return std::any_of(crossings.begin(), crossings.end(), [&](const Crossing& crossing) {
-    return crossing.height <= size && size > std::max(kPart * crossing.extent, smallest_) &&
+    return crossing.height <= size && size > std::max(allowed_size(crossing), smallest_) &&
            size > kOfDistance * distance(box, box_of(crossing));
   });
 }

@@ -57,6 +57,7 @@ class Plane {
     const auto [low, high] = std::minmax_element(heights.begin(), heights.end());
     const double rounding = crosser.rounding + kPositionRounding * size_;
     if (*high <= rounding) return;
+    relief_ = *high;
     if (*low < -rounding) {
       add_part({0, 1, 2}, crosser, heights);
       add_part({0, 2, 3}, crosser, heights);
@@ -74,8 +75,14 @@ class Plane {
   std::vector<Crossing> crossings() && {
     const auto ends = [](const Crossing& c) { return std::array{c.from.x, c.from.y, c.to.x, c.to.y, c.height}; };
     std::sort(found_.begin(), found_.end(), [&](const auto& a, const auto& b) { return ends(a) < ends(b); });
-    const auto same_line = [](const Crossing& a, const Crossing& b) { return a.from == b.from && a.to == b.to; };
-    found_.erase(std::unique(found_.begin(), found_.end(), same_line), found_.end());
+    std::vector<Crossing> lines;
+    for (const Crossing& c : found_) {
+      if (!lines.empty() && lines.back().from == c.from && lines.back().to == c.to)
+        lines.back().relief = std::max(lines.back().relief, c.relief);
+      else
+        lines.push_back(c);
+    }
+    found_ = std::move(lines);
     const std::vector<std::int32_t> group = groups();
     std::vector<Imath::Box2d> boxes(found_.size());
     for (std::size_t i = 0; i < found_.size(); ++i)
@@ -117,7 +124,7 @@ class Plane {
     }
     if ((b - a).length() <= 4 * rounding || at_edge != (where_ == Where::at_edges)) return;
     if (std::array{b.x, b.y} < std::array{a.x, a.y}) std::swap(a, b);
-    found_.push_back({a, b, height});
+    found_.push_back({.from = a, .to = b, .height = height, .relief = relief_});
   }
 
   /// The group of each crossing: crossings of one group touch each other, directly or through others of it. Named by
@@ -148,6 +155,7 @@ class Plane {
   std::array<Vec2d, 4> outline_;
   bool triangle_;
   double size_ = 0;
+  double relief_ = 0;  ///< Of the surface that is added.
   std::vector<Crossing> found_;
 };
 

@@ -13,6 +13,7 @@ struct Crossing {
   Vec2d from, to;       ///< In the primitive's PlaneFrame, m.
   double height = 0.0;  ///< Of the other surface's edge above the primitive, m; 0 if it crosses.
   double extent = 0.0;  ///< Size of all crossings of the primitive that are connected to this one, m.
+  double relief = 0.0;  ///< How far the other surface rises above the primitive, m.
 };
 
 /// The crossings of plane primitives, inside of their outlines. A surface stands on primitive `i` where one of its

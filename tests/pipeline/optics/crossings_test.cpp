@@ -40,6 +40,7 @@ TEST(Crossings, AreWhereSurfacesStandOnAPlaneOrGoThroughIt) {
       EXPECT_NEAR(crossing.to.y, 2.5, 1e-9);
       EXPECT_NEAR(crossing.height, low > 0 ? low : 0.0, 1e-9);
       EXPECT_NEAR(crossing.extent, 2, 1e-9);
+      EXPECT_NEAR(crossing.relief, 3, 1e-9);
       length += (crossing.to - crossing.from).length();
     }
     EXPECT_NEAR(length, 2, 1e-9);
