@@ -8,8 +8,8 @@ namespace {
 
 // Raised whenever a stage computes different results from the same inputs.
 constexpr int kImportVersion = 8;
-constexpr int kTransportKeyVersion = 33;
-constexpr int kSolveVersion = 33;
+constexpr int kTransportKeyVersion = 34;
+constexpr int kSolveVersion = 34;
 constexpr int kTraceVersion = 16;
 
 void add_color(KeyHasher& hasher, const std::optional<Color>& color) {

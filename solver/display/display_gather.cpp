@@ -5,6 +5,7 @@
 
 #include "pipeline/optics/lights/direct_light.h"
 #include "solver/display/display_faces.h"
+#include "solver/display/vertex_filter.h"
 #include "solver/linear/form_factor_rows.h"
 #include "solver/linear/linear_system.h"
 #include "solver/linear/patch_interpolation.h"
@@ -49,7 +50,8 @@ class Gather {
       for (std::int32_t f = 0; f < mesh_.elements(); ++f)
         set_radiosity(f, irradiance_of_face(mesh_.corners_of(mesh_.faces[f])));
     }
-    return {&at_vertices_};
+    deviation_.resize(mesh_.gathered);
+    return {&at_vertices_, &deviation_};
   }
 
   /// Adds specular reflections of sampled emitters.
@@ -58,8 +60,11 @@ class Gather {
     if (transport_.display->rows.mirrored.empty()) return;
     SpectrumField mirrored(mesh_.gathered), deviation(mesh_.gathered);
     rows.gather_mirrored(sampled_exitance(), mirrored, deviation);
-    for (std::int32_t i = 0; i < mesh_.gathered; ++i) at_vertices_[i] += mirrored[i];
+    add(mirrored, at_vertices_);
+    add(deviation, deviation_);
   }
+
+  void filter(const VertexFilter& filter) { at_vertices_ = filter.apply(at_vertices_, deviation_); }
 
   void store_result() { group_.display = to_colors(at_vertices_, group_.name); }
 
@@ -203,6 +208,7 @@ class Gather {
   SpectrumField over_metals_;        ///< [gathered] Light of explicitly sampled emitters by metals; empty: none.
   std::vector<Color> direct_;        ///< [mesh elements] Direct irradiance by sampled emitters.
   SpectrumField at_vertices_;        ///< [gathered]; empty before the first pass.
+  SpectrumField deviation_;          ///< [gathered] Half the difference of the rows' sample sets.
 };
 
 }  // namespace
@@ -212,6 +218,7 @@ SpectrumField gather_display(const PatchSet& scene, const Transport& transport,
   SpectrumField differences(scene.patches.size());
   const std::vector<float> exposure = exposure_of_vertices(*transport.display);
   const FormFactorRows rows(transport.display->rows);
+  const VertexFilter filter(scene, transport.display->mesh);
   const std::vector<Emitter> emitters = explicit_emitters(scene), further = further_emitters(scene);
   const SpectrumField reflectance = face_reflectance(scene, transport.display->mesh);
   const std::size_t elements = scene.patches.size() + transport.display->mesh.elements() + scene.sky_cells();
@@ -228,6 +235,7 @@ SpectrumField gather_display(const PatchSet& scene, const Transport& transport,
       for (Gather& gather : gathers) gather.end_pass(rows);
     }
     for (Gather& gather : gathers) {
+      gather.filter(filter);
       gather.add_differences(exposure, differences);
       gather.store_result();
     }

@@ -125,8 +125,7 @@ std::int64_t cast_display(const PatchSet& scene, const RayScene& ray_scene, cons
   display.mesh = build_display_mesh(scene, ray_scene, PatchLookup(scene), seed, mesh_rays);
   const std::vector<Patch> points = receivers(scene, display.mesh);
   const Elements elements(scene, display.mesh);
-  return RayRows(scene, ray_scene, points, elements, seed, RayRows::SampleSets::joint)
-      .cast(rays, display.rows, progress, shard);
+  return RayRows(scene, ray_scene, points, elements, seed).cast(rays, display.rows, progress, shard);
 }
 
 void add_display_solution(const PatchSet& scene, const SolveConfig& config, Transport& transport, EnergyField& energy,

@@ -15,7 +15,9 @@ constexpr std::size_t kTaken = 12;  // directions that a guide takes from a neig
 constexpr std::size_t kNeighbours = 12;
 constexpr float kMinAlike = 0.7f;  // cosine between the normals of neighbours
 constexpr float kMaxGuide = 0.5f;  // form factor of a guide that is worth more rays
-constexpr int kGuidedBlock = 16;   // blocks of the sequence, beyond those of other rays
+constexpr int kGuidedBlock = 16;   // of the sequence, beyond the blocks of other rays
+constexpr int kPatchBlocks = 1;    // guided blocks of a patch's sample set
+constexpr int kPointBlocks = 4;    // of a point's, whose noise no area evens out
 constexpr int kLearningBlock = 1 << 20;
 
 /// Step by which at most `count` of `all` are taken.
@@ -158,12 +160,17 @@ void RayRows::add_guided(std::span<const SkyRow> rows, std::int32_t first, const
     if (open) {
       SampleSet set(*this, block.first + std::int32_t(k / 2), s, scratch);
       set.density = row.density ? &*row.density : nullptr;
-      set.begin(table, kGuidedBlock + s);
-      cast_guided(set, *open, table,
-                  [&](const Vec2f&, const Vec3f& direction) { block.sky_columns.push_back(elements_.sky(direction)); });
-      block.rays += table.count();
+      const int guided_blocks = set.patch.area > 0 ? kPatchBlocks : kPointBlocks;
+      for (int b = 0; b < guided_blocks; ++b) {
+        set.begin(table, kGuidedBlock + s * guided_blocks + b);
+        cast_guided(set, *open, table, [&](const Vec2f&, const Vec3f& direction) {
+          block.sky_columns.push_back(elements_.sky(direction));
+        });
+      }
+      const int guided = guided_blocks * table.count();
+      block.rays += guided;
       const float uniform = float(row.cast[s]), uniform_inside = float(guided_before - sky_before);
-      weight = 1.0f / (uniform + float(table.count()) / open->area());
+      weight = 1.0f / (uniform + float(guided) / open->area());
       if (uniform > uniform_inside)
         rest = (1.0f - weight * float(block.sky_columns.size() - sky_before)) / (uniform - uniform_inside);
     }

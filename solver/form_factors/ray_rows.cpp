@@ -26,14 +26,13 @@ constexpr int kRaysPerBackHit = 64;    // with more hits of unlit backs, rays st
 }  // namespace
 
 RayRows::RayRows(const PatchSet& scene, const RayScene& ray_scene, std::span<const Patch> receivers,
-                 const Elements& elements, std::uint64_t seed, SampleSets sets, bool visible_fractions)
+                 const Elements& elements, std::uint64_t seed, bool visible_fractions)
     : scene_(scene),
       ray_scene_(ray_scene),
       receivers_(receivers),
       elements_(elements),
       seed_(hash64(seed)),
-      visible_fractions_(visible_fractions),
-      independent_(sets == SampleSets::independent) {
+      visible_fractions_(visible_fractions) {
   for (const Primitive& p : scene.primitives) {
     metallic_.push_back(scene.materials[p.material].specular != Color(0.0f));
     has_metals_ = has_metals_ || metallic_.back();
@@ -122,7 +121,7 @@ void RayRows::append(std::span<const RowBlock> blocks, std::int32_t start, Trans
 /// number of blocks from the hits of the other set, so that its mean stays unbiased.
 void RayRows::cast_row(std::int32_t row, const DirectionTable& table, Scratch& scratch, RowBlock& result) const {
   std::array<SampleSet, 2> sets{SampleSet(*this, row, 0, scratch), SampleSet(*this, row, 1, scratch)};
-  for (SampleSet& set : sets) cast_block(set, table, set.index * !independent_);
+  for (SampleSet& set : sets) cast_block(set, table, 0);
   std::optional<VisibleDensity> density;
   if (visible_fractions_ && kRaysPerBackHit * (sets[0].back_hits + sets[1].back_hits) >= sets[0].cast + sets[1].cast) {
     density.emplace(scene_, ray_scene_, receivers_[row], visible_density_random(seed_, row));
@@ -132,7 +131,7 @@ void RayRows::cast_row(std::int32_t row, const DirectionTable& table, Scratch& s
       result.rays += set.cast + std::int64_t(set.mirrored.size());
       set.restart();
       set.density = &*density;
-      cast_block(set, table, set.index * !independent_);
+      cast_block(set, table, 0);
     }
   }
   result.visible_fractions.insert(result.visible_fractions.end(), 2, density ? density->visible_fraction() : 1.0f);
@@ -142,8 +141,7 @@ void RayRows::cast_row(std::int32_t row, const DirectionTable& table, Scratch& s
   };
   const std::array<int, 2> block_counts{block_count(sets[1]), block_count(sets[0])};
   for (SampleSet& set : sets) {
-    for (int block = 1; block < block_counts[set.index]; ++block)
-      cast_block(set, table, independent_ ? block : 2 * block + set.index);
+    for (int block = 1; block < block_counts[set.index]; ++block) cast_block(set, table, block);
     result.columns.insert(result.columns.end(), set.columns.begin(), set.columns.end());
     result.hits.push_back(std::int32_t(set.columns.size()));
     result.hit_weights.push_back(1.0f / float(set.cast));

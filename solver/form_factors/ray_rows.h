@@ -16,28 +16,23 @@ namespace patchlight {
 
 /// Rows of form factors by ray casting: the fraction of a patch's rays that hit patch j is an unbiased estimate of F_ij
 /// (Malley 1988). Origins are uniform over the patch's area, directions have the density cos / pi. A row has two sample
-/// sets of Sobol points with random digital shifts.
+/// sets of Sobol points, each with its own random digital shift, so that their difference estimates the error.
 ///
 /// Metals reflect rays; the elements hit afterwards are weighted by the specular reflectances on the path, after
 /// Russian roulette: extended form factors (Sillion and Puech 1989).
 ///
 /// Where a sample set finds the environment by less than a quarter of its rays, as through a window, the other set
-/// casts as many rays again by a SkyGuide to what the first set of this row and of its neighbours found: so a set's
-/// guide does not depend on its own rays, and its mean stays unbiased. Hits in these directions, by rays of either
-/// kind, have the weights of the balance heuristic (Veach and Guibas 1995); the rest of the hemisphere is shared out
-/// among all other rays, so that form factors of an open row still add up to 1.
+/// casts as many rays again, from points four times as many, by a SkyGuide to what the first set of this row and of its
+/// neighbours found: so a set's guide does not depend on its own rays, and its mean stays unbiased. Hits in these
+/// directions, by rays of either kind, have the weights of the balance heuristic (Veach and Guibas 1995); the rest of
+/// the hemisphere is shared out among all other rays, so that form factors of an open row still add up to 1.
 class RayRows {
  public:
-  enum class SampleSets {
-    independent,  ///< One shift for each sample set: the difference between the sets estimates the error.
-    joint         ///< One shift for each row: less noise, but the difference says nothing about the error.
-  };
-
   /// From `receivers`, patches of the scene's primitives or points (patches of no size), to `elements`.
   /// `visible_fractions`: whether form factors of partly covered patches are those of their visible part: see
   /// VisibleDensity.
   RayRows(const PatchSet& scene, const RayScene& ray_scene, std::span<const Patch> receivers, const Elements& elements,
-          std::uint64_t seed, SampleSets sets, bool visible_fractions = false);
+          std::uint64_t seed, bool visible_fractions = false);
 
   /// Sets `rows` from `rays` rays a row, rounded up to a multiple of 32; up to eight times as many where most rays hit
   /// nothing, so that sparse rows are no noisier. The result does not depend on the number of threads.
@@ -77,7 +72,6 @@ class RayRows {
   const Elements& elements_;
   std::uint64_t seed_;
   const bool visible_fractions_;
-  const bool independent_;
   std::vector<char> metallic_;  ///< [primitives].
   bool has_metals_ = false;
 };

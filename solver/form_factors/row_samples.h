@@ -29,9 +29,7 @@ struct RayRows::SampleSet {
         mirrored(scratch.mirrored[sample_set]) {
     columns.clear();
     mirrored.clear();
-    const std::uint64_t shift_bits = rows.independent_ ? random : hash64(rows.seed_ ^ std::uint64_t(row_index));
-    for (int k = 0; k < 4; ++k)
-      digital_shift[k] = std::uint32_t((k < 2 ? shift_bits : hash64(shift_bits)) >> 32 * (k % 2));
+    for (int k = 0; k < 4; ++k) digital_shift[k] = std::uint32_t((k < 2 ? random : hash64(random)) >> 32 * (k % 2));
     has_mask = has_alpha_mask(rows.scene_, patch);
     if (primitive.shape != Primitive::Shape::quad || has_mask || !patch.outline.empty()) {
       sampler.emplace(primitive, patch);

@@ -8,8 +8,7 @@ TransportRows sky_rows(const PatchSet& scene, const RayScene& ray_scene, int ray
                        std::int64_t& cast, Progress& progress) {
   const Elements elements(scene);
   TransportRows all, sky;
-  cast += RayRows(scene, ray_scene, scene.patches, elements, seed, RayRows::SampleSets::independent, true)
-              .cast(rays, all, progress);
+  cast += RayRows(scene, ray_scene, scene.patches, elements, seed, true).cast(rays, all, progress);
   sky.starts.push_back(0);
   for (std::size_t k = 0; k + 1 < all.starts.size(); ++k) {
     for (std::uint64_t at = all.starts[k]; at < all.starts[k + 1]; ++at) {

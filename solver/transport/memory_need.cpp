@@ -22,7 +22,8 @@ constexpr double kBytesOfPhotons = 26;             // of a patch and emitter in 
 constexpr double kBytesPerProgressiveGroup = 350;  // of a patch and light group, for progressive refinement
 constexpr double kBytesPerRay = 4;                 // of a row's ray: its column
 constexpr double kBytesPerLightRay = 8;            // to one of many emitters: its patch and weight
-constexpr double kGuidedRays = 2;                  // rays of a row with a guide over those of others
+constexpr double kGuidedRays = 2;                  // rays of a patch's row with a guide over those of others
+constexpr double kGuidedPointRays = 5;             // the same of a vertex
 constexpr double kBytesOfDisplay = 250;            // of a patch, for the display solution
 constexpr double kDisplayRayRatio = 1.2;  // upper bound of the rays of the display mesh over the rays of the patches
 constexpr double kBytesPerHemicubePatch = 16;  // of a patch visible in a row's two hemicubes: column and weight
@@ -37,6 +38,11 @@ double row_bytes(const PatchSet& scene, int rays) {
   return kBytesPerRay * rays * (scene.environment ? kGuidedRays : 1.0);
 }
 
+/// The same of a patch's rows of the display solution.
+double display_row_bytes(const PatchSet& scene, int rays) {
+  return kDisplayRayRatio * kBytesPerRay * rays * (scene.environment ? kGuidedPointRays : 1.0);
+}
+
 double gibibytes(double bytes) {
   return bytes / double(1 << 30);
 }
@@ -44,7 +50,7 @@ double gibibytes(double bytes) {
 }  // namespace
 
 double memory_needed(const PatchSet& scene, const SolveConfig& config, int rays) {
-  const double display = config.display ? kBytesOfDisplay + kDisplayRayRatio * row_bytes(scene, rays) : 0.0;
+  const double display = config.display ? kBytesOfDisplay + display_row_bytes(scene, rays) : 0.0;
   const auto n = double(scene.patches.size()), groups = double(scene.light_groups.size());
   if (config.method == "progressive")
     return kBaseBytes + n * (kBytesPerPatch + display + kBytesPerProgressiveGroup * groups);
@@ -60,7 +66,7 @@ double memory_needed(const PatchSet& scene, const SolveConfig& config, int rays)
 }
 
 double shard_memory_needed(const PatchSet& scene, const SolveConfig& config, int shards) {
-  const double rows = row_bytes(scene, config.rays) * (config.display ? 1 + kDisplayRayRatio : 1.0);
+  const double rows = row_bytes(scene, config.rays) + (config.display ? display_row_bytes(scene, config.rays) : 0.0);
   return kBaseBytes + double(scene.patches.size()) *
                           (kBytesPerShardPatch + (config.display ? kBytesOfDisplay : 0.0) + rows / shards);
 }

@@ -100,8 +100,7 @@ std::int64_t light_id(const PatchSet& scene, const Emitter& emitter) {
 std::int64_t cast_rows(const PatchSet& scene, const RayScene& ray_scene, const SolveConfig& config, int rays,
                        TransportRows& rows, Progress& progress, Shard shard) {
   const Elements elements(scene);
-  return RayRows(scene, ray_scene, scene.patches, elements, std::uint64_t(config.seed),
-                 RayRows::SampleSets::independent, true)
+  return RayRows(scene, ray_scene, scene.patches, elements, std::uint64_t(config.seed), true)
       .cast(rays, rows, progress, shard);
 }
 

@@ -123,8 +123,7 @@ void rows_cast(benchmark::State& state) {
   std::int64_t rays = 0;
   for (auto _ : state) {
     Transport transport;
-    rays += RayRows(scene(), ray_scene, scene().patches, Elements(scene()), 1, RayRows::SampleSets::independent)
-                .cast(256, transport, progress);
+    rays += RayRows(scene(), ray_scene, scene().patches, Elements(scene()), 1).cast(256, transport, progress);
     benchmark::DoNotOptimize(transport.columns.data());
   }
   state.SetItemsProcessed(rays);

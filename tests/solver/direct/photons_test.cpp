@@ -25,8 +25,7 @@ std::vector<double> gathered(const PatchSet& scene, int rays, std::uint64_t seed
   const RayScene ray_scene(scene);
   Progress progress({"test", true, ""});
   TransportRows rows;
-  RayRows(scene, ray_scene, scene.patches, Elements(scene), seed, RayRows::SampleSets::independent)
-      .cast(rays, rows, progress);
+  RayRows(scene, ray_scene, scene.patches, Elements(scene), seed).cast(rays, rows, progress);
   std::vector<double> received(scene.patches.size());
   for (const auto& m : rows.mirrored)
     if (scene.patches[m.patch].emission.y > 0) received[m.row] += 0.5 * m.weight.y;

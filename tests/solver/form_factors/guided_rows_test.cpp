@@ -19,8 +19,7 @@ TransportRows cast(const PatchSet& scene, int rays, std::uint64_t seed = 1) {
   const RayScene ray_scene(scene);
   Progress progress({"test", true, ""});
   TransportRows rows;
-  RayRows(scene, ray_scene, scene.patches, Elements(scene), seed, RayRows::SampleSets::independent, true)
-      .cast(rays, rows, progress);
+  RayRows(scene, ray_scene, scene.patches, Elements(scene), seed, true).cast(rays, rows, progress);
   return rows;
 }
 

@@ -17,8 +17,7 @@ Transport cast(const PatchSet& scene, int rays) {
   const RayScene ray_scene(scene);
   Progress progress({"test", true, ""});
   Transport transport;
-  RayRows(scene, ray_scene, scene.patches, Elements(scene), 1, RayRows::SampleSets::independent, true)
-      .cast(rays, transport, progress);
+  RayRows(scene, ray_scene, scene.patches, Elements(scene), 1, true).cast(rays, transport, progress);
   return transport;
 }
 
