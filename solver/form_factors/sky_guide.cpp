@@ -9,7 +9,7 @@ namespace patchlight {
 namespace {
 
 constexpr float kLoneReach = 1.0f / 32;     // of a single known direction
-constexpr float kDirectionsPerStep = 6.0f;  // of the reach, along the side of their rectangle, squared
+constexpr float kDirectionsPerStep = 2.0f;  // of the reach, along the side of their rectangle, squared
 
 /// Turns in [0,1); `turns` is small.
 float wrapped(float turns) {
