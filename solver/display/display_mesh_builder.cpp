@@ -49,7 +49,7 @@ class Builder {
     add_roots(cast);
     std::vector<std::int32_t> level;
     for (std::size_t i = 0; i < mesh_.cells.size(); ++i) level.push_back(std::int32_t(i));
-    for (int depth = 0; !level.empty(); ++depth) level = refine(level, depth, cast);
+    for (int depth = 0; !level.empty(); ++depth) level = refine(std::move(level), depth, cast);
     add_faces(scene_, lookup_, lattices_, seams_, smooth_, crossings_, is_open_, mesh_);
     add_display_facets(scene_, ray_scene_, lookup_, near_facets_, mesh_, cast);
     return std::move(mesh_);
@@ -92,11 +92,15 @@ class Builder {
   }
 
   /// Divides the cells of a level that need it. Returns the new cells.
-  std::vector<std::int32_t> refine(const std::vector<std::int32_t>& level, int depth, std::int64_t& cast) {
-    const auto needs_refinement = [&](const RefinementCriterion& criterion, const Patch& cell) {
+  std::vector<std::int32_t> refine(std::vector<std::int32_t> level, int depth, std::int64_t& cast) {
+    const auto is_too_large = [&](std::int32_t i) {
+      return depth < kMostLevels && detail_.is_too_large(cell_patches_[i]);
+    };
+    if (depth >= kLevels) std::erase_if(level, [&](std::int32_t i) { return !is_too_large(i); });
+    const auto needs_refinement = [&](const RefinementCriterion& criterion, std::int32_t i) {
       if (!criterion.is_open) return false;
-      if (depth < kLevels && criterion.value >= (depth + 1 < kLevels ? kSplit : kContact)) return true;
-      return depth < kMostLevels && detail_.is_too_large(cell);
+      if (depth >= kLevels) return true;
+      return criterion.value >= (depth + 1 < kLevels ? kSplit : kContact) || is_too_large(i);
     };
     std::vector<Patch> parts;
     for (const std::int32_t i : level) parts.push_back(cell_patches_[i]);
@@ -104,7 +108,7 @@ class Builder {
     std::vector<std::int32_t> next;
     for (std::size_t k = 0; k < level.size(); ++k) {
       DisplayMesh::Cell& cell = mesh_.cells[level[k]];
-      if (!needs_refinement(measures[k], parts[k])) continue;
+      if (!needs_refinement(measures[k], level[k])) continue;
       cell.children = std::int32_t(mesh_.cells.size());
       for (const Patch& quarter : quarters(scene_, parts[k])) {
         next.push_back(std::int32_t(mesh_.cells.size()));
