@@ -7,6 +7,7 @@
 
 #include "pipeline/optics/sampling/patch_sampling.h"
 #include "pipeline/optics/transport/face_lookup.h"
+#include "solver/linear/filter_error.h"
 #include "solver/linear/parallel_rows.h"
 
 namespace patchlight {
@@ -14,9 +15,9 @@ namespace patchlight {
 namespace {
 
 constexpr int kWidths = 3;           // of filters, of 1, 2 and 4 steps
-constexpr int kPoolSteps = 3;        // over which estimates of single vertices are pooled
+constexpr int kPoolSteps = 4;        // of neighbours over which estimates of single vertices are pooled
 constexpr double kRidge = 1e-6;      // of slopes that few vertices determine
-constexpr double kMostSpread = 1.5;  // sum of the weights' magnitudes
+constexpr double kMostSpread = 1.5;  // of the weights' magnitudes; vertices whose plane takes more stay as they are
 
 /// The gathering vertices around each vertex.
 class Neighbours {
@@ -85,8 +86,8 @@ std::vector<float> plane_weights(std::span<const Vec2d> offsets) {
   return weights;
 }
 
-double square(const Spectrum& s) {
-  return (s * s).sum();
+bool is_positive(const Spectrum& s) {
+  return s.c[0] >= 0 && s.c[1] >= 0 && s.c[2] >= 0;
 }
 
 }  // namespace
@@ -122,23 +123,38 @@ SpectrumField VertexFilter::step(const SpectrumField& field) const {
 }
 
 std::vector<double> VertexFilter::pooled(std::vector<double> values) const {
-  std::vector<double> means(values.size());
-  for (int s = 0; s < kPoolSteps; ++s) {
-    const bool with_itself = s > 0;
+  std::vector<double> sums(values.size());
+  const auto sum_rows = [&] {
     for_each_row(values.size(), [&](std::size_t i) {
-      double sum = 0;
-      const std::uint32_t begin = starts_[i] + !with_itself, end = starts_[i + 1];
-      for (std::uint32_t k = begin; k < end; ++k) sum += values[near_[k]];
-      means[i] = begin < end ? sum / double(end - begin) : 0.0;
+      sums[i] = 0;
+      for (std::uint32_t k = starts_[i]; k < starts_[i + 1]; ++k) sums[i] += values[near_[k]];
     });
-    values.swap(means);
+  };
+  sum_rows();
+  for (int s = 2; s < kPoolSteps; ++s) {
+    for_each_row(values.size(), [&](std::size_t i) { values[i] = sums[i] / double(starts_[i + 1] - starts_[i]); });
+    sum_rows();
   }
-  return values;
+  std::vector<double> medians(values.size(), 0.0);
+  for_each_row(values.size(), [&](std::size_t i) {
+    std::vector<double> means;
+    for (std::uint32_t k = starts_[i] + 1; k < starts_[i + 1]; ++k) {
+      const std::int32_t j = near_[k];
+      means.push_back((sums[j] - values[i]) / double(starts_[j + 1] - starts_[j] - 1));
+    }
+    if (means.empty()) return;
+    const auto middle = means.begin() + std::ptrdiff_t(means.size() / 2);
+    std::nth_element(means.begin(), middle, means.end());
+    medians[i] = *middle;
+  });
+  return medians;
 }
 
 SpectrumField VertexFilter::apply(const SpectrumField& irradiance, const SpectrumField& deviation) const {
   const std::size_t n = irradiance.size();
-  SpectrumField result = irradiance, narrow = irradiance, narrow_noise = deviation;
+  SpectrumField result = irradiance;
+  std::vector<Filtered> narrow(n);
+  for (std::size_t i = 0; i < n; ++i) narrow[i] = {irradiance[i], deviation[i]};
   SpectrumField once = step(irradiance), once_noise = step(deviation);  // F^k of them
   std::vector<double> increase(n);                                      // of the squared error by the wider filter
   std::vector<bool> is_chosen(n, false);
@@ -149,17 +165,14 @@ SpectrumField VertexFilter::apply(const SpectrumField& irradiance, const Spectru
       twice_noise = step(twice_noise);
     }
     for (std::size_t i = 0; i < n; ++i) {
-      const Spectrum wide = once[i] * Spectrum(2.0) - twice[i];
-      const Spectrum wide_noise = once_noise[i] * Spectrum(2.0) - twice_noise[i];
-      increase[i] = square(wide - narrow[i]) - square(wide_noise - narrow_noise[i]) + square(wide_noise) -
-                    square(narrow_noise[i]);
+      const Filtered wide{once[i] * Spectrum(2.0) - twice[i], once_noise[i] * Spectrum(2.0) - twice_noise[i]};
+      increase[i] = error_increase(narrow[i], wide);
       narrow[i] = wide;
-      narrow_noise[i] = wide_noise;
     }
-    const std::vector<double> total = pooled(increase);
+    const std::vector<double> pooled_increase = pooled(increase);
     for (std::size_t i = 0; i < n; ++i) {
-      is_chosen[i] = is_chosen[i] || total[i] >= 0;
-      if (!is_chosen[i]) result[i] = narrow[i];
+      is_chosen[i] = is_chosen[i] || pooled_increase[i] >= 0;
+      if (!is_chosen[i] && is_positive(narrow[i].value)) result[i] = narrow[i].value;
     }
     once = std::move(twice);
     once_noise = std::move(twice_noise);

@@ -13,8 +13,7 @@ namespace patchlight {
 /// A step replaces the value of a vertex by that of a plane fitted to it and the vertices with which it shares faces,
 /// so no step reaches through what stands on a surface. Filters of growing width are S = 2 F^k - F^2k for k steps F
 /// ("twicing": Tukey 1977), which keep gradients and most of the curvature. Each vertex has its own filter, or none:
-/// two independent sample sets give unbiased estimates of a filter's squared bias and remaining variance (as in
-/// Rousselle, Knaus and Zwicker 2012).
+/// two independent sample sets tell which (error_increase()).
 class VertexFilter {
  public:
   VertexFilter(const PatchSet& scene, const DisplayMesh& mesh);
@@ -25,7 +24,8 @@ class VertexFilter {
  private:
   /// F of a field.
   SpectrumField step(const SpectrumField& field) const;
-  /// Means over the vertices around each, hardly with its own value.
+  /// The medians of neighbours' means over the vertices around them, hardly with a vertex's own value: so a single
+  /// steep place counts little.
   std::vector<double> pooled(std::vector<double> values) const;
 
   std::vector<std::uint32_t> starts_;  ///< [gathered + 1] Of rows: a vertex, then those with which it shares faces.

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "pipeline/system/vector_code.h"
+#include "solver/linear/filter_error.h"
 
 namespace patchlight {
 
@@ -103,10 +104,6 @@ SpectrumField values_of(const FilterGrid& grid, const SpectrumField& field) {
   return values;
 }
 
-double weighted_square(const Spectrum& s, const Spectrum& weight) {
-  return (s * s * weight * weight).sum();
-}
-
 }  // namespace
 
 IrradianceFilter::IrradianceFilter(const std::vector<FilterGrid>& grids, const SpectrumField& irradiance,
@@ -128,18 +125,13 @@ void IrradianceFilter::choose(const FilterGrid& grid, const SpectrumField& irrad
                       weight = values_of(grid, reflectance);
   const std::size_t cells = mean.size();
   SpectrumField narrow = mean, narrow_noise = half_difference;
-  std::vector<double> noise(cells), increase(cells);  // increase: of the squared error by the wider window
-  for (std::size_t i = 0; i < cells; ++i) noise[i] = weighted_square(half_difference[i], weight[i]);
+  std::vector<double> increase(cells);  // of the squared error by the wider window
   for (std::uint8_t width = 1; width < kWidths.size(); ++width) {
     if (kWidths[width - 1] >= std::max(grid.nu, grid.nv)) break;
     SpectrumField wide = smoothed(mean, grid, kWidths[width]);
     SpectrumField wide_noise = smoothed(half_difference, grid, kWidths[width]);
-    for (std::size_t i = 0; i < cells; ++i) {
-      increase[i] = weighted_square(wide[i] - narrow[i], weight[i]) -
-                    weighted_square(wide_noise[i] - narrow_noise[i], weight[i]) +
-                    weighted_square(wide_noise[i], weight[i]) - noise[i];
-      noise[i] = weighted_square(wide_noise[i], weight[i]);
-    }
+    for (std::size_t i = 0; i < cells; ++i)
+      increase[i] = error_increase({narrow[i], narrow_noise[i]}, {wide[i], wide_noise[i]}, weight[i]);
     const std::vector<double> pooled = neighbourhood_sums(increase, grid.nu, grid.nv, kWidths[width]);
     for (std::size_t i = 0; i < cells; ++i) {
       const std::int32_t patch = grid.patch(std::int32_t(i));
