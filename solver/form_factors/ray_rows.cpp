@@ -139,7 +139,8 @@ void RayRows::cast_row(std::int32_t row, const DirectionTable& table, Scratch& s
     const int hit_count = int(other.columns.size()) + other.back_hits;
     return hit_count == 0 ? 1 : std::min(kMaxSequenceBlocks, (table.count() + hit_count / 2) / hit_count);
   };
-  const std::array<int, 2> block_counts{block_count(sets[1]), block_count(sets[0])};
+  const int least = ray_factors_.empty() ? 1 : ray_factors_[row];
+  const std::array<int, 2> block_counts{std::max(least, block_count(sets[1])), std::max(least, block_count(sets[0]))};
   for (SampleSet& set : sets) {
     for (int block = 1; block < block_counts[set.index]; ++block) cast_block(set, table, block);
     result.columns.insert(result.columns.end(), set.columns.begin(), set.columns.end());

@@ -34,6 +34,9 @@ class RayRows {
   RayRows(const PatchSet& scene, const RayScene& ray_scene, std::span<const Patch> receivers, const Elements& elements,
           std::uint64_t seed, bool visible_fractions = false);
 
+  /// Has receiver i cast at least factors[i] times as many rays. Shape: [receivers].
+  void set_ray_factors(std::vector<std::uint8_t> factors) { ray_factors_ = std::move(factors); }
+
   /// Sets `rows` from `rays` rays a row, rounded up to a multiple of 32; up to eight times as many where most rays hit
   /// nothing, so that sparse rows are no noisier. The result does not depend on the number of threads.
   /// `shard`: casts only its part of the receivers, numbered from its first. Returns the number of rays cast, reflected
@@ -72,7 +75,8 @@ class RayRows {
   const Elements& elements_;
   std::uint64_t seed_;
   const bool visible_fractions_;
-  std::vector<char> metallic_;  ///< [primitives].
+  std::vector<std::uint8_t> ray_factors_;  ///< [receivers]; empty: 1.
+  std::vector<char> metallic_;             ///< [primitives].
   bool has_metals_ = false;
 };
 

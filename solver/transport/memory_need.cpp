@@ -25,7 +25,7 @@ constexpr double kBytesPerLightRay = 8;            // to one of many emitters: i
 constexpr double kGuidedRays = 2;                  // rays of a patch's row with a guide over those of others
 constexpr double kGuidedPointRays = 5;             // the same of a vertex
 constexpr double kBytesOfDisplay = 250;            // of a patch, for the display solution
-constexpr double kDisplayRayRatio = 1.2;  // upper bound of the rays of the display mesh over the rays of the patches
+constexpr double kDisplayRayRatio = 2.0;  // upper bound of the rays of the display mesh over the rays of the patches
 constexpr double kBytesPerHemicubePatch = 16;  // of a patch visible in a row's two hemicubes: column and weight
 
 bool has_metals(const PatchSet& scene) {
