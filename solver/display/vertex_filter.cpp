@@ -2,6 +2,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <span>
 
@@ -14,10 +15,11 @@ namespace patchlight {
 
 namespace {
 
-constexpr int kWidths = 3;           // of filters, of 1, 2 and 4 steps
-constexpr int kPoolSteps = 4;        // of neighbours over which estimates of single vertices are pooled
-constexpr double kRidge = 1e-6;      // of slopes that few vertices determine
-constexpr double kMostSpread = 1.5;  // of the weights' magnitudes; vertices whose plane takes more stay as they are
+constexpr int kWidths = 3;              // of filters, of 1, 2 and 4 steps
+constexpr int kPoolSteps = 4;           // of neighbours over which estimates of single vertices are pooled
+constexpr std::size_t kMostMeans = 32;  // of neighbours whose median counts
+constexpr double kRidge = 1e-6;         // of slopes that few vertices determine
+constexpr double kMostSpread = 1.5;     // of the weights' magnitudes; vertices whose plane takes more stay as they are
 
 /// The gathering vertices around each vertex.
 class Neighbours {
@@ -122,7 +124,7 @@ SpectrumField VertexFilter::step(const SpectrumField& field) const {
   return result;
 }
 
-std::vector<double> VertexFilter::pooled(std::vector<double> values) const {
+std::vector<double> VertexFilter::pooled(std::vector<double> values, const std::vector<bool>& wanted) const {
   std::vector<double> sums(values.size());
   const auto sum_rows = [&] {
     for_each_row(values.size(), [&](std::size_t i) {
@@ -137,15 +139,15 @@ std::vector<double> VertexFilter::pooled(std::vector<double> values) const {
   }
   std::vector<double> medians(values.size(), 0.0);
   for_each_row(values.size(), [&](std::size_t i) {
-    std::vector<double> means;
-    for (std::uint32_t k = starts_[i] + 1; k < starts_[i + 1]; ++k) {
-      const std::int32_t j = near_[k];
-      means.push_back((sums[j] - values[i]) / double(starts_[j + 1] - starts_[j] - 1));
+    std::array<double, kMostMeans> means;
+    const std::size_t count = std::min<std::size_t>(starts_[i + 1] - starts_[i] - 1, kMostMeans);
+    if (!wanted[i] || count == 0) return;
+    for (std::size_t k = 0; k < count; ++k) {
+      const std::int32_t j = near_[starts_[i] + 1 + k];
+      means[k] = (sums[j] - values[i]) / double(starts_[j + 1] - starts_[j] - 1);
     }
-    if (means.empty()) return;
-    const auto middle = means.begin() + std::ptrdiff_t(means.size() / 2);
-    std::nth_element(means.begin(), middle, means.end());
-    medians[i] = *middle;
+    std::nth_element(means.begin(), means.begin() + count / 2, means.begin() + count);
+    medians[i] = means[count / 2];
   });
   return medians;
 }
@@ -157,7 +159,7 @@ SpectrumField VertexFilter::apply(const SpectrumField& irradiance, const Spectru
   for (std::size_t i = 0; i < n; ++i) narrow[i] = {irradiance[i], deviation[i]};
   SpectrumField once = step(irradiance), once_noise = step(deviation);  // F^k of them
   std::vector<double> increase(n);                                      // of the squared error by the wider filter
-  std::vector<bool> is_chosen(n, false);
+  std::vector<bool> is_open(n, true);                                   // whether a wider filter may be better
   for (int width = 0; width < kWidths; ++width) {
     SpectrumField twice = once, twice_noise = once_noise;  // F^2k
     for (int s = 0; s < 1 << width; ++s) {
@@ -169,10 +171,10 @@ SpectrumField VertexFilter::apply(const SpectrumField& irradiance, const Spectru
       increase[i] = error_increase(narrow[i], wide);
       narrow[i] = wide;
     }
-    const std::vector<double> pooled_increase = pooled(increase);
+    const std::vector<double> pooled_increase = pooled(increase, is_open);
     for (std::size_t i = 0; i < n; ++i) {
-      is_chosen[i] = is_chosen[i] || pooled_increase[i] >= 0;
-      if (!is_chosen[i] && is_positive(narrow[i].value)) result[i] = narrow[i].value;
+      is_open[i] = is_open[i] && pooled_increase[i] < 0;
+      if (is_open[i] && is_positive(narrow[i].value)) result[i] = narrow[i].value;
     }
     once = std::move(twice);
     once_noise = std::move(twice_noise);

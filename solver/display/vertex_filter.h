@@ -25,8 +25,8 @@ class VertexFilter {
   /// F of a field.
   SpectrumField step(const SpectrumField& field) const;
   /// The medians of neighbours' means over the vertices around them, hardly with a vertex's own value: so a single
-  /// steep place counts little.
-  std::vector<double> pooled(std::vector<double> values) const;
+  /// steep place counts little. Only where `wanted`; else 0.
+  std::vector<double> pooled(std::vector<double> values, const std::vector<bool>& wanted) const;
 
   std::vector<std::uint32_t> starts_;  ///< [gathered + 1] Of rows: a vertex, then those with which it shares faces.
   std::vector<std::int32_t> near_;
