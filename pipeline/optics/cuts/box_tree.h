@@ -9,9 +9,10 @@
 
 namespace patchlight {
 
-/// Boxes, m, in a tree, to find those that overlap another.
+/// A bounding volume hierarchy over boxes with edges along the axes, m. It finds the boxes that overlap a given one.
 class BoxTree {
  public:
+  /// `boxes`: numbered by their indices.
   explicit BoxTree(const std::vector<Imath::Box3d>& boxes);
   ~BoxTree();
   BoxTree(const BoxTree&) = delete;
