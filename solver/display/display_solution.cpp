@@ -17,11 +17,11 @@ namespace patchlight {
 
 namespace {
 
-constexpr int kPatchRaysPerVertexRay = 2;  // vertices are dense where irradiance varies
-constexpr int kMinVertexRays = 128;        // with fewer rays vertices show as blotches
-constexpr double kLargeFace = 1.0 / 16;    // area of a large face over the median of patches, weighted by area
-constexpr std::uint8_t kLargeFaceFactor = 4;
-constexpr int kVertexRaysPerShadowRay = 8;  // rays of a vertex over the sample budget of an element's direct light
+constexpr int kPatchRaysPerVertexRay = 2;     // vertices are dense where irradiance varies
+constexpr int kMinVertexRays = 128;           // with fewer rays vertices show as blotches
+constexpr double kLargeFace = 1.0 / 16;       // area of a large face over the median of patches, weighted by area
+constexpr std::uint8_t kLargeFaceFactor = 4;  // of rays
+constexpr int kVertexRaysPerShadowRay = 8;    // rays of a vertex over the sample budget of an element's direct light
 
 std::uint64_t display_seed(const SolveConfig& config) {
   return hash64(std::uint64_t(config.seed));
@@ -30,30 +30,20 @@ std::uint64_t display_seed(const SolveConfig& config) {
 /// The gathering vertices as patches of no size, with the smooth normals of curved meshes.
 std::vector<Patch> receivers(const PatchSet& scene, const DisplayMesh& mesh) {
   const SmoothNormals normals(scene);
-  std::vector<Patch> points;
-  for (const auto& vertex : std::span(mesh.vertices).first(mesh.gathered)) {
-    Patch& point =
-        points.emplace_back(sub_patch(scene, scene.patches[vertex.patch], vertex.u, vertex.v, vertex.u, vertex.v));
-    point.normal = normals(point.primitive, vertex.u, vertex.v, point.normal);
-  }
+  std::vector<Patch> points = vertex_patches(scene, mesh);
+  for (Patch& point : points) point.normal = normals(point.primitive, point.u0, point.v0, point.normal);
   return points;
 }
 
 /// Factors of the rays of gathering vertices: more where faces are large, since there are few of them and their noise
 /// covers most of a frame.
 std::vector<std::uint8_t> ray_factors(const PatchSet& scene, const DisplayMesh& mesh) {
-  std::vector<double> areas;
-  double whole = 0;
-  for (const Patch& patch : scene.patches) {
-    areas.push_back(patch.area);
-    whole += patch.area;
-  }
-  std::sort(areas.begin(), areas.end());
-  double below = 0;
-  const auto median = std::find_if(areas.begin(), areas.end(), [&](double a) { return (below += a) >= 0.5 * whole; });
+  std::vector<std::pair<double, double>> areas;
+  for (const Patch& patch : scene.patches) areas.emplace_back(patch.area, patch.area);
+  const double large = kLargeFace * weighted_percentile(std::move(areas), 0.5);
   std::vector<std::uint8_t> factors(mesh.gathered, kLargeFaceFactor);
   for (const DisplayMesh::Face& face : mesh.faces)
-    if (double(face.part) * scene.patches[face.patch].area < kLargeFace * *median)
+    if (double(face.part) * scene.patches[face.patch].area < large)
       for (const std::int32_t vertex : mesh.corners_of(face))
         if (vertex < mesh.gathered) factors[vertex] = 1;
   for (const DisplayMesh::Facet& facet : mesh.facets)
@@ -150,9 +140,9 @@ std::int64_t cast_display(const PatchSet& scene, const RayScene& ray_scene, cons
   display.mesh = build_display_mesh(scene, ray_scene, PatchLookup(scene), seed, mesh_rays);
   const std::vector<Patch> points = receivers(scene, display.mesh);
   const Elements elements(scene, display.mesh);
-  RayRows rows(scene, ray_scene, points, elements, seed);
-  if (scene.environment) rows.set_ray_factors(ray_factors(scene, display.mesh));
-  return rows.cast(rays, display.rows, progress, shard);
+  std::vector<std::uint8_t> factors;
+  if (scene.environment) factors = ray_factors(scene, display.mesh);
+  return RayRows(scene, ray_scene, points, elements, seed, false, factors).cast(rays, display.rows, progress, shard);
 }
 
 void add_display_solution(const PatchSet& scene, const SolveConfig& config, Transport& transport, EnergyField& energy,

@@ -95,9 +95,7 @@ bool is_positive(const Spectrum& s) {
 }  // namespace
 
 VertexFilter::VertexFilter(const PatchSet& scene, const DisplayMesh& mesh) : starts_{0} {
-  std::vector<Patch> points;
-  for (const auto& vertex : std::span(mesh.vertices).first(mesh.gathered))
-    points.push_back(sub_patch(scene, scene.patches[vertex.patch], vertex.u, vertex.v, vertex.u, vertex.v));
+  const std::vector<Patch> points = vertex_patches(scene, mesh);
   const Neighbours neighbours(mesh);
   std::vector<Vec2d> offsets;
   for (std::int32_t i = 0; i < mesh.gathered; ++i) {

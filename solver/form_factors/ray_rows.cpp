@@ -26,13 +26,15 @@ constexpr int kRaysPerBackHit = 64;    // with more hits of unlit backs, rays st
 }  // namespace
 
 RayRows::RayRows(const PatchSet& scene, const RayScene& ray_scene, std::span<const Patch> receivers,
-                 const Elements& elements, std::uint64_t seed, bool visible_fractions)
+                 const Elements& elements, std::uint64_t seed, bool visible_fractions,
+                 std::span<const std::uint8_t> ray_factors)
     : scene_(scene),
       ray_scene_(ray_scene),
       receivers_(receivers),
       elements_(elements),
       seed_(hash64(seed)),
-      visible_fractions_(visible_fractions) {
+      visible_fractions_(visible_fractions),
+      ray_factors_(ray_factors) {
   for (const Primitive& p : scene.primitives) {
     metallic_.push_back(scene.materials[p.material].specular != Color(0.0f));
     has_metals_ = has_metals_ || metallic_.back();

@@ -30,12 +30,9 @@ class RayRows {
  public:
   /// From `receivers`, patches of the scene's primitives or points (patches of no size), to `elements`.
   /// `visible_fractions`: whether form factors of partly covered patches are those of their visible part: see
-  /// VisibleDensity.
+  /// VisibleDensity. `ray_factors`: how many times as many rays each receiver casts at least; empty: 1.
   RayRows(const PatchSet& scene, const RayScene& ray_scene, std::span<const Patch> receivers, const Elements& elements,
-          std::uint64_t seed, bool visible_fractions = false);
-
-  /// Has receiver i cast at least factors[i] times as many rays. Shape: [receivers].
-  void set_ray_factors(std::vector<std::uint8_t> factors) { ray_factors_ = std::move(factors); }
+          std::uint64_t seed, bool visible_fractions = false, std::span<const std::uint8_t> ray_factors = {});
 
   /// Sets `rows` from `rays` rays a row, rounded up to a multiple of 32; up to eight times as many where most rays hit
   /// nothing, so that sparse rows are no noisier. The result does not depend on the number of threads.
@@ -75,8 +72,8 @@ class RayRows {
   const Elements& elements_;
   std::uint64_t seed_;
   const bool visible_fractions_;
-  std::vector<std::uint8_t> ray_factors_;  ///< [receivers]; empty: 1.
-  std::vector<char> metallic_;             ///< [primitives].
+  const std::span<const std::uint8_t> ray_factors_;  ///< [receivers] Or empty.
+  std::vector<char> metallic_;                       ///< [primitives].
   bool has_metals_ = false;
 };
 

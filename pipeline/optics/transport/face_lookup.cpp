@@ -111,4 +111,11 @@ std::vector<Patch> face_patches(const PatchSet& scene, const DisplayMesh& mesh) 
   return patches;
 }
 
+std::vector<Patch> vertex_patches(const PatchSet& scene, const DisplayMesh& mesh) {
+  std::vector<Patch> points;
+  for (const auto& vertex : std::span(mesh.vertices).first(mesh.gathered))
+    points.push_back(sub_patch(scene, scene.patches[vertex.patch], vertex.u, vertex.v, vertex.u, vertex.v));
+  return points;
+}
+
 }  // namespace patchlight

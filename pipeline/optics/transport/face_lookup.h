@@ -57,6 +57,9 @@ std::vector<Patch> face_patches(const PatchSet& scene, const DisplayMesh& mesh);
 /// The part of a patch's cell in this (u,v) range of its primitive, as a patch without an outline.
 Patch sub_patch(const PatchSet& scene, const Patch& patch, float u0, float v0, float u1, float v1);
 
+/// The gathering vertices as patches of no size. Shape: [gathered].
+std::vector<Patch> vertex_patches(const PatchSet& scene, const DisplayMesh& mesh);
+
 /// The quarters of a cell, in rows of growing u.
 std::array<Patch, 4> quarters(const PatchSet& scene, const Patch& cell);
 
