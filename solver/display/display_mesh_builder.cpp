@@ -39,9 +39,9 @@ class Builder {
         smooth_(scene.primitives),
         reach_(reach()),
         crossings_(find_crossings(scene.primitives, [this](std::int32_t i) { return reach_[i]; })),
-        seams_(scene, lattices_, [this](std::int32_t i) { return reach_[i]; }),
-        detail_(scene, crossings_,
-                find_crossings_at_edges(scene.primitives, [this](std::int32_t i) { return reach_[i]; })),
+        at_edges_(find_crossings_at_edges(scene.primitives, [this](std::int32_t i) { return reach_[i]; })),
+        seams_(scene, lattices_, reach_, at_edges_),
+        detail_(scene, crossings_, at_edges_),
         seed_(seed) {}
 
   DisplayMesh build(std::int64_t& cast) {
@@ -156,6 +156,7 @@ class Builder {
   const SmoothEdges smooth_;
   const std::vector<double> reach_;
   const std::vector<std::vector<Crossing>> crossings_;  ///< [primitives]
+  const std::vector<std::vector<Crossing>> at_edges_;   ///< [primitives]
   const Seams seams_;
   const FineDetail detail_;
   const std::uint64_t seed_;

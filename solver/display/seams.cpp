@@ -28,12 +28,13 @@ double distance_from_line(const Vec2d& a, const Vec2d& b, const Vec2d& p) {
 
 }  // namespace
 
-Seams::Seams(const PatchSet& scene, const Lattices& lattices, const std::function<double(std::int32_t)>& reach)
-    : scene_(scene), has_(scene.primitives.size()), lines_(scene.primitives.size()) {
+Seams::Seams(const PatchSet& scene, const Lattices& lattices, const std::vector<double>& reach,
+             const std::vector<std::vector<Crossing>>& at_edges)
+    : scene_(scene), has_(scene.primitives.size()), lines_(scene.primitives.size()), at_edges_(at_edges) {
   std::vector<Candidate> candidates;
   std::vector<Imath::Box3d> boxes;
   for (std::int32_t i = 0; i < std::int32_t(scene.primitives.size()); ++i) {
-    const std::optional<PlaneFrame> frame = reach(i) < 0 ? std::nullopt : PlaneFrame::of(scene.primitives[i]);
+    const std::optional<PlaneFrame> frame = reach[i] < 0 ? std::nullopt : PlaneFrame::of(scene.primitives[i]);
     if (!frame) continue;
     Imath::Box3d& box = boxes.emplace_back(bounds_of({scene.primitives[i]}));
     double largest = 0;
@@ -77,7 +78,6 @@ Seams::Seams(const PatchSet& scene, const Lattices& lattices, const std::functio
       for (const std::int32_t i : quads) has_[i] = true;
   for (const Candidate& candidate : candidates)
     if (has_[candidate.primitive]) rounding_ = std::max(rounding_, candidate.rounding);
-  crossings_ = find_crossings_at_edges(scene.primitives, [&](std::int32_t i) { return has_[i] ? reach(i) : -1.0; });
 }
 
 bool Seams::touches(const Patch& cell) const {
@@ -101,7 +101,7 @@ bool Seams::touches(const Patch& cell) const {
 
 bool Seams::is_open(std::int32_t i, const Vec2d& point) const {
   const double tolerance = 2 * position_rounding(scene_.primitives[i]);
-  return std::none_of(crossings_[i].begin(), crossings_[i].end(), [&](const Crossing& crossing) {
+  return std::none_of(at_edges_[i].begin(), at_edges_[i].end(), [&](const Crossing& crossing) {
     const Vec2d along = (crossing.to - crossing.from).normalized();
     const double t = (point - crossing.from) ^ along;
     return t > -tolerance && t < (crossing.to - crossing.from).length() + tolerance &&

@@ -1,5 +1,4 @@
 #pragma once
-#include <functional>
 #include <unordered_map>
 #include <vector>
 
@@ -12,8 +11,10 @@ namespace patchlight {
 /// with cells of different sizes, or modelled pieces of a ceiling.
 class Seams {
  public:
-  /// `reach`: as in find_crossings(), negative for primitives without seams.
-  Seams(const PatchSet& scene, const Lattices& lattices, const std::function<double(std::int32_t)>& reach);
+  /// `reach`: as in find_crossings(), negative for primitives without seams. `at_edges`: what stands at the outlines;
+  /// must outlive this object. Shape of both: [primitives].
+  Seams(const PatchSet& scene, const Lattices& lattices, const std::vector<double>& reach,
+        const std::vector<std::vector<Crossing>>& at_edges);
 
   /// Whether a quad shares the vertices on its outline with others.
   bool has(std::int32_t i) const { return has_[i]; }
@@ -30,9 +31,9 @@ class Seams {
   };
 
   const PatchSet& scene_;
-  std::vector<bool> has_;                         ///< [primitives]
-  std::vector<std::vector<Line>> lines_;          ///< [primitives] In PlaneFrames.
-  std::vector<std::vector<Crossing>> crossings_;  ///< [primitives] At the outlines.
+  std::vector<bool> has_;                 ///< [primitives]
+  std::vector<std::vector<Line>> lines_;  ///< [primitives] In PlaneFrames.
+  const std::vector<std::vector<Crossing>>& at_edges_;
   double rounding_ = 0;
 };
 

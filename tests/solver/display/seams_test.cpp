@@ -26,7 +26,12 @@ PatchScene tiles() {
 
 struct Found {
   explicit Found(const PatchSet& set)
-      : scene(set), lookup(set), lattices(set, lookup), seams(set, lattices, [](std::int32_t) { return 0.1; }) {}
+      : scene(set),
+        lookup(set),
+        lattices(set, lookup),
+        reach(set.primitives.size(), 0.1),
+        at_edges(find_crossings_at_edges(set.primitives, [](std::int32_t) { return 0.1; })),
+        seams(set, lattices, reach, at_edges) {}
 
   int touching(std::int32_t primitive) const {
     return int(std::count_if(scene.patches.begin(), scene.patches.end(),
@@ -36,6 +41,8 @@ struct Found {
   const PatchSet& scene;
   PatchLookup lookup;
   Lattices lattices;
+  std::vector<double> reach;
+  std::vector<std::vector<Crossing>> at_edges;
   Seams seams;
 };
 
