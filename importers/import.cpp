@@ -73,9 +73,10 @@ std::string summary(const GltfScene& scene, const PrimitiveList& list, const Pat
   const auto moving = std::count_if(set.cameras.begin(), set.cameras.end(),
                                     [](const Camera& camera) { return !camera.motion.empty(); });
   return fmt::format(
-      "{} triangles read as {} quads, {} triangles, {} spheres{}; {} patches; modelled: {} metallic materials, "
+      "{} triangles read as {} quads, {} triangles, {} spheres{}{}; {} patches; modelled: {} metallic materials, "
       "{} light groups, {} cameras{}{}{}{}{}{}",
       scene.triangles, list.quads, list.triangles, list.spheres,
+      list.regions > 0 ? fmt::format(", {} planar regions", list.regions) : "",
       list.merged_facets == 0
           ? ""
           : fmt::format(" ({} of them from {} coplanar triangles)", list.merged_facets, list.merged_triangles),

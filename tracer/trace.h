@@ -1,7 +1,7 @@
 #pragma once
 #include "pipeline/job/job.h"
+#include "pipeline/job/shard.h"
 #include "pipeline/model/energy_field.h"
-#include "pipeline/model/shard.h"
 #include "pipeline/stage/progress.h"
 
 namespace patchlight {

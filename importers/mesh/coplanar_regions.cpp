@@ -167,6 +167,14 @@ std::vector<CoplanarRegion> find_coplanar_regions(const MeshTopology& topology, 
     std::sort(members.begin(), members.end());
     CoplanarRegion& found = regions.emplace_back();
     found.loops = boundary_loops(topology, members, region);
+    found.bends = std::any_of(members.begin(), members.end(), [&](std::int32_t t) {
+      const Triangle& triangle = topology.triangles[t];
+      for (int i = 0; i < 3; ++i) {
+        const std::int32_t other = triangle.neighbors[i];
+        if (other >= 0 && region[other] != region[t] && is_smooth_bend(topology, triangle, i)) return true;
+      }
+      return false;
+    });
     found.triangles = std::move(members);
     found.normal = seed.normal;
     found.tolerance = seed.tolerance;

@@ -22,6 +22,7 @@ struct CoplanarRegion {
   std::vector<std::int32_t> triangles;  ///< In ascending order.
   std::vector<std::vector<Corner>>
       loops;               ///< Boundary, counter-clockwise; holes clockwise. Empty if the boundary touches itself.
+  bool bends = false;      ///< A smooth surface bends at its boundary.
   Vec3d normal{0.0};       ///< Unit.
   double tolerance = 0.0;  ///< m; distance of vertices from the plane, and from a straight edge.
 };

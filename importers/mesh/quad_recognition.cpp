@@ -207,7 +207,7 @@ std::size_t facet_count(const CoplanarRegion& region, const std::vector<Triangle
 
 }  // namespace
 
-RecognizedFacets recognize_quads(const MeshTopology& topology, std::vector<char> excluded) {
+RecognizedFacets recognize_quads(const MeshTopology& topology, std::vector<char> excluded, bool as_regions) {
   std::vector<std::int32_t> pair_of;
   std::vector<TrianglePair> triangle_pairs = match_triangle_pairs(topology, excluded, pair_of);
   RecognizedFacets result;
@@ -215,7 +215,7 @@ RecognizedFacets recognize_quads(const MeshTopology& topology, std::vector<char>
   std::map<std::int32_t, std::vector<Facet>> merged;  // by the region's first triangle
   for (const CoplanarRegion& region : find_coplanar_regions(topology, excluded)) {
     const std::size_t max_facets = facet_count(region, triangle_pairs, pair_of) - 1;
-    std::vector<Facet> quads = region_quads(topology, region, max_facets, result.smooth_vertices);
+    std::vector<Facet> quads = region_quads(topology, region, max_facets, as_regions, result.smooth_vertices);
     if (quads.empty()) continue;
     for (const std::int32_t triangle : region.triangles) excluded[triangle] = 1;
     result.merged_triangles += region.triangles.size();

@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 
+#include "importers/mesh/planar_region.h"
 #include "importers/mesh/region_outline.h"
 
 namespace patchlight {
@@ -229,24 +230,35 @@ std::vector<Facet> facets_in_space(const MeshTopology& topology, const RegionOut
 }  // namespace
 
 std::vector<Facet> region_quads(const MeshTopology& topology, const CoplanarRegion& region, std::size_t max_facets,
-                                std::int32_t& next_smooth) {
+                                bool as_regions, std::int32_t& next_smooth) {
   const RegionOutline outline = outline_of(topology, region);
   const std::size_t corners = outline.corners.size();
-  if (corners < 3 || corners > kMaxCorners) return {};
-  TrapezoidSweep sweep(outline, region.tolerance);
   std::optional<Decomposition> found;
-  if (corners <= 4) {  // a single loop
-    found.emplace();
-    const std::array whole{OutlinePoint{0}, OutlinePoint{1}, OutlinePoint{2}, OutlinePoint{corners - 1}};
-    if (!sweep.add_facet(whole, *found)) found.reset();
+  if (corners >= 3 && corners <= kMaxCorners) {
+    TrapezoidSweep sweep(outline, region.tolerance);
+    if (corners <= 4) {  // a single loop
+      found.emplace();
+      const std::array whole{OutlinePoint{0}, OutlinePoint{1}, OutlinePoint{2}, OutlinePoint{corners - 1}};
+      if (!sweep.add_facet(whole, *found)) found.reset();
+    }
+    if (!found && !region.bends) found = best_decomposition(outline, sweep);
+    const auto has_area_of_region = [&] {
+      const double error = 2.0 * region.tolerance * perimeter_of(outline) + kAreaRounding * found->area;
+      return std::abs(found->area - area_of(topology, region)) <= error;
+    };
+    if (found && !has_area_of_region()) found.reset();
   }
-  if (!found && !outline.has_required_vertices) {
-    found = best_decomposition(outline, sweep);
-    if (found && !found->all_rectangles && (found->has_slivers || 2 * found->facets.size() > max_facets)) return {};
+  const bool few = found && found->facets.size() <= max_facets;
+  if (few && (found->facets.size() == 1 || found->all_rectangles))
+    return facets_in_space(topology, outline, *found, next_smooth);
+  if (as_regions && !region.bends && topology.colors.empty()) {
+    std::vector<std::array<Vec3d, 4>> pieces;
+    std::int32_t unused = next_smooth;
+    if (found && found->facets.size() <= region.triangles.size())
+      for (const Facet& facet : facets_in_space(topology, outline, *found, unused)) pieces.push_back(facet.corners);
+    return {planar_region(topology, region, pieces, next_smooth)};
   }
-  if (!found || found->facets.size() > max_facets) return {};
-  const double error = 2.0 * region.tolerance * perimeter_of(outline) + kAreaRounding * found->area;
-  if (!(std::abs(found->area - area_of(topology, region)) <= error)) return {};
+  if (!few || found->has_slivers || 2 * found->facets.size() > max_facets) return {};
   return facets_in_space(topology, outline, *found, next_smooth);
 }
 

@@ -2,10 +2,12 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "pipeline/model/math.h"
+#include "pipeline/model/region.h"
 
 namespace patchlight {
 
@@ -85,24 +87,32 @@ struct TriangleSoup {
   std::vector<Vec4f> colors;
 };
 
-/// Source of a facet corner's texture coordinates and colours: linear interpolation between two corners of the mesh.
+/// Source of a facet corner's texture coordinates and colours: linear interpolation between two corners of the mesh, or
+/// the affine continuation of three.
 struct CornerSource {
   std::int32_t from = 0, to = 0;  ///< Indices of corners, 3 per triangle of the mesh.
   double fraction = 0.0;          ///< 0: `from`, 1: `to`.
+  std::int32_t third = 0;         ///< A corner that counts if its fraction is not 0.
+  double third_fraction = 0.0;
 
   template <class Value>
   Value operator()(const std::vector<Value>& values) const {
     const Value& a = values[static_cast<std::size_t>(from)];
-    if (fraction == 0.0) return a;
-    return Value(a + (values[static_cast<std::size_t>(to)] - a) * static_cast<typename Value::BaseType>(fraction));
+    using Scalar = typename Value::BaseType;
+    Value result = a;
+    if (fraction != 0.0) result += (values[static_cast<std::size_t>(to)] - a) * static_cast<Scalar>(fraction);
+    if (third_fraction != 0.0)
+      result += (values[static_cast<std::size_t>(third)] - a) * static_cast<Scalar>(third_fraction);
+    return result;
   }
 };
 
-/// A planar piece of a mesh: a convex quad, or a triangle that repeats its last corner.
+/// A planar piece of a mesh: a convex quad, a triangle that repeats its last corner, or a region of a rectangle.
 struct Facet {
   std::array<Vec3d, 4> corners{};
   std::array<std::int32_t, 4> smooth_vertices{};
   std::array<CornerSource, 4> sources{};
+  std::shared_ptr<const Region> region{};  ///< Null: all of the quad.
 };
 
 /// A sphere that a mesh approximates.

@@ -207,7 +207,7 @@ class Rebuilder {
 
 /// Whether a primitive may be divided.
 bool is_divisible(const Primitive& p, const SurfaceMaterial& material, double patch_area, const SmoothEdges& smooth) {
-  if (p.shape != Primitive::Shape::quad || p.light_group >= 0) return false;
+  if (p.shape != Primitive::Shape::quad || p.region || p.light_group >= 0) return false;
   if (material.specular != Color(0.0f) || material.patch_area > 0.0) return false;
   const QuadGrid grid = quad_grid(p, patch_area);
   return (grid.columns > 1 && grid.rows > 1) || !smooth.is_smooth(p);

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "pipeline/model/cuts/cut_cells.h"
+#include "pipeline/model/cuts/region_shape.h"
 #include "pipeline/optics/cuts/cell_cutter.h"
 #include "pipeline/optics/surface/lattices.h"
 #include "pipeline/optics/surface/smooth_edges.h"
@@ -11,8 +13,9 @@
 namespace patchlight {
 namespace {
 
-constexpr double kWhole = 0.25;  // area of primitives that are not cut, over the patch area
-constexpr double kSmall = 0.25;  // extent of crossings that do not cut, over the size of a cell
+constexpr double kWhole = 0.25;        // area of primitives that are not cut, over the patch area
+constexpr double kLeastOfPart = 1e-4;  // of a part of a cell that lies in its region
+constexpr double kSmall = 0.25;        // extent of crossings that do not cut, over the size of a cell
 
 bool has_picture_of_light(const PatchSet& scene, const Primitive& p) {
   return p.emission_texture >= 0 || (p.shader >= 0 && is_set(scene.shaders[p.shader].emission));
@@ -34,26 +37,26 @@ std::uint8_t closed_edges(const CellCutter& cutter, const Primitive& primitive, 
 }
 
 /// Appends the parts of a patch's cell, but the largest, to `others`, and the cuts to `cuts`. The largest becomes the
-/// patch itself, whose index is `index`; the others' indices begin with `next`.
-void cut_patch(const CellParts& cell, const PlaneFrame& frame, std::int32_t index, std::int32_t next, Patch& patch,
-               std::vector<Patch>& others, std::vector<Cut>& cuts) {
+/// patch itself, whose index is `index`; the others' indices begin with `next`. `region`: null for a whole quad.
+void cut_patch(const CellParts& cell, const PlaneFrame& frame, const RegionShape* region, std::int32_t index,
+               std::int32_t next, Patch& patch, std::vector<Patch>& others, std::vector<Cut>& cuts) {
+  Patch whole = patch;
+  whole.cut = std::int32_t(cuts.size());
+  std::vector<Patch> parts(cell.parts.size(), whole);
   std::size_t largest = 0;
-  for (std::size_t k = 1; k < cell.parts.size(); ++k)
-    if (area_of(cell.parts[k]) > area_of(cell.parts[largest])) largest = k;
-  const auto first_cut = std::int32_t(cuts.size());
-  std::vector<std::int32_t> numbers(cell.parts.size());
-  const Patch whole = patch;
-  for (std::size_t k = 0; k < cell.parts.size(); ++k) {
-    Patch part = whole;
-    part.cut = first_cut;
-    part.area = area_of(cell.parts[k]);
-    part.center = frame.to_world(centroid_of(cell.parts[k]));
-    numbers[k] = k == largest ? index : next++;
-    (k == largest ? patch : others.emplace_back()) = part;
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    set_part(region ? region->inside(cell.parts[k]) : std::vector<Polygon>{cell.parts[k]}, frame, parts[k]);
+    if (parts[k].area > parts[largest].area) largest = k;
+  }
+  std::vector<std::int32_t> sides(parts.size(), Cut::kNothing);
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    if (region && !(parts[k].area > kLeastOfPart * area_of(cell.parts[k]))) continue;
+    sides[k] = ~(k == largest ? index : next++);
+    (k == largest ? patch : others.emplace_back()) = std::move(parts[k]);
   }
   for (const Cut& of_cell : cell.cuts) {
     Cut& cut = cuts.emplace_back(of_cell);
-    for (std::int32_t& side : cut.sides) side = side >= 0 ? first_cut + side : ~numbers[~side];
+    for (std::int32_t& side : cut.sides) side = side >= 0 ? whole.cut + side : sides[std::size_t(~side)];
   }
 }
 
@@ -105,6 +108,8 @@ void cut_patches(const std::vector<PatchTarget>& targets, PatchSet& scene) {
     const Primitive& primitive = scene.primitives[i];
     const PlaneFrame frame = *PlaneFrame::of(primitive);
     const CellCutter cutter(crossings[i], kSmall, position_rounding(primitive));
+    std::optional<RegionShape> region;
+    if (primitive.region) region.emplace(primitive, frame);
     std::vector<Patch> others;
     const std::size_t last = patches.size();
     for (std::size_t k = first; k < last; ++k) {
@@ -112,13 +117,13 @@ void cut_patches(const std::vector<PatchTarget>& targets, PatchSet& scene) {
       patch.closed = closed_edges(cutter, primitive, frame, patch);
       const CellParts cell = cutter.cut(cell_polygon(primitive, frame, patch));
       if (!cell.cuts.empty())
-        cut_patch(cell, frame, std::int32_t(k), std::int32_t(last + others.size()), patch, others, scene.cuts);
+        cut_patch(cell, frame, region ? &*region : nullptr, std::int32_t(k), std::int32_t(last + others.size()), patch,
+                  others, scene.cuts);
     }
     patches.insert(patches.end(), others.begin(), others.end());
   }
   scene.patches = std::move(patches);
   close_edges_of_quads(largest, scene);
-  set_outlines(scene);
 }
 
 }  // namespace patchlight

@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+
+#include "pipeline/model/cuts/cut_cells.h"
+#include "pipeline/model/cuts/region_shape.h"
 
 namespace patchlight {
 namespace {
@@ -10,6 +14,7 @@ namespace {
 constexpr int kMinRings = 2;
 constexpr int kMinPatchesPerRing = 3;
 constexpr double kMaxPatchesPerRow = 1 << 22;  // boundaries are floats and must differ
+constexpr double kLeastPart = 1e-4;            // of a cell that counts, over the mean part that lies in the region
 constexpr double kPlanar =
     1e-7;  // distance of a corner from the plane / diagonal; the relative area error is its square
 
@@ -66,6 +71,29 @@ double quad_area(const Corners& c, bool planar, double u0, double v0, double u1,
   return sum * size;
 }
 
+/// Calls act(patch) for each cell of a grid on a region: what of it lies there as a patch.
+template <class Act>
+void for_each_cell_in_region(const Primitive& primitive, Patch cell, const QuadGrid& grid, Act act) {
+  const PlaneFrame frame = *PlaneFrame::of(primitive);
+  const RegionShape shape(primitive, frame);
+  const double least =
+      kLeastPart * primitive_area(primitive) / (static_cast<double>(grid.columns) * static_cast<double>(grid.rows));
+  cell.normal = Vec3f(frame.normal());
+  for (std::int64_t row = 0; row < grid.rows; ++row)
+    for (std::int64_t column = 0; column < grid.columns; ++column) {
+      cell.u0 = boundary(column, grid.columns);
+      cell.u1 = boundary(column + 1, grid.columns);
+      cell.v0 = boundary(row, grid.rows);
+      cell.v1 = boundary(row + 1, grid.rows);
+      const Polygon polygon = cell_polygon(primitive, frame, cell);
+      const std::vector<Polygon> parts = shape.inside(polygon);
+      const bool is_whole = fill(parts, polygon);
+      set_part(is_whole ? std::vector<Polygon>{polygon} : parts, frame, cell);
+      if (is_whole) cell.triangles.clear();
+      if (cell.area > least) act(cell);
+    }
+}
+
 /// A patch with the values common to all patches of a primitive; (u,v), centre, normal and area are not set.
 Patch patch_template(std::int32_t index, const SurfaceMaterial& material) {
   Patch patch;
@@ -94,6 +122,10 @@ void append_quad(const Primitive& quad, Patch patch, const QuadGrid& grid, std::
       patches.push_back(patch);
     }
   }
+}
+
+void append_region(const Primitive& primitive, const Patch& patch, const QuadGrid& grid, std::vector<Patch>& patches) {
+  for_each_cell_in_region(primitive, patch, grid, [&](const Patch& cell) { patches.push_back(cell); });
 }
 
 void append_sphere(const Primitive& sphere, Patch patch, double patch_area, std::vector<Patch>& patches) {
@@ -125,7 +157,8 @@ void append_sphere(const Primitive& sphere, Patch patch, double patch_area, std:
 
 double primitive_area(const Primitive& primitive) {
   if (primitive.shape == Primitive::Shape::sphere) return 4.0 * kPi * primitive.sphere_radius * primitive.sphere_radius;
-  return quad_area(primitive.corners, is_planar(primitive.corners), 0.0, 0.0, 1.0, 1.0);
+  const double whole = quad_area(primitive.corners, is_planar(primitive.corners), 0.0, 0.0, 1.0, 1.0);
+  return primitive.region ? whole * primitive.region->area() : whole;
 }
 
 QuadGrid quad_grid(const Primitive& quad, double patch_area) {
@@ -134,14 +167,22 @@ QuadGrid quad_grid(const Primitive& quad, double patch_area) {
   const double step = std::sqrt(patch_area);
   const double u_length = ((c[1] - c[0]).length() + (c[2] - c[3]).length()) * 0.5;
   const double v_length = ((c[3] - c[0]).length() + (c[2] - c[1]).length()) * 0.5;
-  return {static_cast<std::int32_t>(std::clamp(std::round(u_length / step), 1.0, kMaxPatchesPerRow)),
-          static_cast<std::int32_t>(std::clamp(std::round(v_length / step), 1.0, kMaxPatchesPerRow))};
+  const auto cells = [](double count) {
+    return static_cast<std::int32_t>(std::clamp(std::round(count), 1.0, kMaxPatchesPerRow));
+  };
+  const double most = quad.region ? double(Region::kMostCells) : std::numeric_limits<double>::infinity();
+  const double coarser = std::max(1.0, std::sqrt(u_length * v_length / (patch_area * most)));
+  return {cells(u_length / (step * coarser)), cells(v_length / (step * coarser))};
 }
 
 double patch_count(const Primitive& primitive, double patch_area) {
   if (primitive.shape == Primitive::Shape::quad) {
     const QuadGrid grid = quad_grid(primitive, patch_area);
-    return static_cast<double>(grid.columns) * grid.rows;
+    const double cells = static_cast<double>(grid.columns) * grid.rows;
+    if (!primitive.region || cells == 1.0) return cells;
+    double count = 0.0;
+    for_each_cell_in_region(primitive, {}, grid, [&](const Patch&) { ++count; });
+    return count;
   }
   const double rings = sphere_rings(primitive, patch_area);
   if (rings > 1e5)
@@ -156,6 +197,8 @@ void append_patches(const Primitive& primitive, std::int32_t index, const Surfac
   const Patch common = patch_template(index, material);
   if (primitive.shape == Primitive::Shape::sphere) {
     append_sphere(primitive, common, target.area, patches);
+  } else if (primitive.region) {
+    append_region(primitive, common, quad_grid(primitive, target.area), patches);
   } else {
     append_quad(primitive, common, target.grid.columns > 0 ? target.grid : quad_grid(primitive, target.area), patches);
   }

@@ -7,7 +7,7 @@
 
 namespace patchlight {
 
-/// Area of the exact sphere or bilinear quad, m2.
+/// Area of the exact sphere, bilinear quad or region, m2.
 double primitive_area(const Primitive& primitive);
 
 /// Number of patches that append_patches makes. Floating-point, since a tiny patch area can exceed integers.
@@ -28,7 +28,8 @@ struct PatchTarget {
   QuadGrid grid{0, 0};  ///< Of a quad; zeros: by the area.
 };
 
-/// Subdivides a primitive into patches, in rows of ascending v, with ascending u in each row.
+/// Subdivides a primitive into patches, in rows of ascending v, with ascending u in each row. Those of a region are the
+/// parts of cells that lie in it.
 ///
 /// Sphere: rings of equal polar angle, each subdivided by its circumference; at least 2 rings of 3 patches.
 /// Areas are exact: of the bilinear surface, and R^2 dphi (cos theta1 - cos theta2).

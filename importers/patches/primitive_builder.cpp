@@ -31,6 +31,7 @@ Primitive back_of(const Primitive& front, std::int32_t smooth_offset) {
     back.corners[i] = front.corners[order[i]];
     back.smooth_vertices[i] = front.smooth_vertices[order[i]] + smooth_offset;
   }
+  if (front.region) back.region = std::make_shared<const Region>(front.region->mirrored());
   return back;
 }
 
@@ -126,7 +127,10 @@ void append_primitives(const Surface& surface, const SurfaceMaterial& material, 
   const MeshTopology topology = build_topology(soup);
   list.degenerate_triangles += static_cast<std::int64_t>(topology.degenerate_triangles);
   std::vector<char> in_sphere = append_spheres(surface, material, topology, list);
-  RecognizedFacets recognized = recognize_quads(topology, std::move(in_sphere));
+  // Lamps and mirrors are sampled by their corners, and masks have their own texture coordinates.
+  const bool as_regions = surface.light_group < 0 && material.specular == Color(0.0f) &&
+                          material.metal == Color(0.0f) && !surface.is_masked;
+  RecognizedFacets recognized = recognize_quads(topology, std::move(in_sphere), as_regions);
   std::vector<Facet>& facets = recognized.facets;
   list.merged_triangles += static_cast<std::int64_t>(recognized.merged_triangles);
   list.merged_facets += static_cast<std::int64_t>(recognized.merged_facets);
@@ -136,6 +140,7 @@ void append_primitives(const Surface& surface, const SurfaceMaterial& material, 
   for (const Facet& facet : facets) {
     Primitive primitive = primitive_template(surface);
     primitive.corners = facet.corners;
+    primitive.region = facet.region;
     for (std::size_t i = 0; i < 4; ++i) primitive.smooth_vertices[i] = facet.smooth_vertices[i] + list.smooth_vertices;
     const auto has_mapping = [&](std::size_t mapping) {
       return !topology.texcoords.empty() && !std::isnan(facet.sources[0](topology.texcoords[mapping]).x);
@@ -156,7 +161,7 @@ void append_primitives(const Surface& surface, const SurfaceMaterial& material, 
       if (mapping > 0 && has_mapping(mapping))
         append_corners(at_corners(topology.texcoords[mapping]), kNoTexcoords, list, *corners);
     if (!topology.colors.empty()) append_corners(at_corners(topology.colors), kWhiteVertices, list, list.colors);
-    ++(primitive.is_triangle() ? list.triangles : list.quads);
+    ++(primitive.region ? list.regions : primitive.is_triangle() ? list.triangles : list.quads);
   }
   list.smooth_vertices += material.double_sided ? 2 * smooth_count : smooth_count;
 }

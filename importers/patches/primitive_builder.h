@@ -29,6 +29,7 @@ struct PrimitiveList {
   std::int64_t quads = 0;
   std::int64_t triangles = 0;
   std::int64_t spheres = 0;
+  std::int64_t regions = 0;               ///< Planar regions.
   std::int64_t merged_triangles = 0;      ///< Triangles of merged coplanar regions,
   std::int64_t merged_facets = 0;         ///< and the facets that replace them.
   std::int64_t degenerate_triangles = 0;  ///< Skipped.
@@ -37,8 +38,8 @@ struct PrimitiveList {
 /// Indices of a quad's corners in the order of its back's, which reverses the winding and mirrors u.
 std::array<std::size_t, 4> reversed_corners(const Primitive& front);
 
-/// Recognises spheres and quads among a surface's triangles and appends its primitives. Each primitive of a
-/// double-sided material is followed by its back.
+/// Recognises spheres, planar regions and quads among a surface's triangles and appends its primitives. Each primitive
+/// of a double-sided material is followed by its back.
 void append_primitives(const Surface& surface, const SurfaceMaterial& material, const TriangleSoup& soup,
                        PrimitiveList& list);
 

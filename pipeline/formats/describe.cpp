@@ -76,9 +76,9 @@ std::string describe_names(const std::string& title, const Entries& items, Name 
 }  // namespace
 
 std::string describe(const PatchSet& scene) {
-  std::size_t quads = 0, triangles = 0, spheres = 0, backs = 0;
+  std::size_t quads = 0, triangles = 0, spheres = 0, regions = 0, backs = 0;
   for (const Primitive& p : scene.primitives) {
-    ++(p.shape == Primitive::Shape::sphere ? spheres : p.is_triangle() ? triangles : quads);
+    ++(p.shape == Primitive::Shape::sphere ? spheres : p.region ? regions : p.is_triangle() ? triangles : quads);
     backs += p.back >= 0;
   }
   double area = 0;
@@ -88,6 +88,7 @@ std::string describe(const PatchSet& scene) {
     bounds.extendBy(patch.center);
   }
   std::string text = fmt::format("primitives  {} quads, {} triangles, {} spheres", quads, triangles, spheres);
+  if (regions > 0) text += fmt::format(", {} planar regions", regions);
   if (backs > 0) text += fmt::format(" ({} are two-sided, counted twice)", backs / 2);
   text += fmt::format("\npatches     {}, {:.4g} m2 in all, {:.3g} m2 each\n", scene.patches.size(), area,
                       area / double(scene.patches.size()));

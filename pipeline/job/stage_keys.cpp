@@ -7,10 +7,10 @@ namespace patchlight {
 namespace {
 
 // Raised whenever a stage computes different results from the same inputs.
-constexpr int kImportVersion = 8;
-constexpr int kTransportKeyVersion = 34;
-constexpr int kSolveVersion = 34;
-constexpr int kTraceVersion = 16;
+constexpr int kImportVersion = 9;
+constexpr int kTransportKeyVersion = 35;
+constexpr int kSolveVersion = 35;
+constexpr int kTraceVersion = 17;
 
 void add_color(KeyHasher& hasher, const std::optional<Color>& color) {
   hasher.add(color.has_value());

@@ -14,7 +14,7 @@ namespace patchlight {
 struct DisplayMesh {
   struct Cell {
     std::int32_t children = -1;  ///< First of four children, in rows of growing u; -1: a leaf.
-    std::int32_t face = -1;      ///< Of a leaf that is not cut.
+    std::int32_t face = -1;      ///< Of a leaf that is not cut; -1: none, outside of a region.
     std::int32_t cut = -1;       ///< First of the cuts through a leaf; -1: none.
   };
 
@@ -44,7 +44,7 @@ struct DisplayMesh {
   /// [patches]: root cell of each patch's cell, which the parts of a cut cell share; -1: not subdivided.
   std::vector<std::int32_t> roots;
   std::vector<Cell> cells;  ///< Parents before their children.
-  std::vector<Cut> cuts;    ///< Through leaves; their sides are other cuts, or ~face.
+  std::vector<Cut> cuts;    ///< Through leaves; their sides are other cuts, ~face, or kNothing.
   std::vector<Face> faces;
   /// Vertices of the faces: of leaves that are not cut, in rows of growing u, then middles of edges; of others
   /// counter-clockwise.

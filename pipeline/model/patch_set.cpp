@@ -15,6 +15,9 @@ Imath::Box3d bounds_of(const std::vector<Primitive>& primitives) {
       const Vec3d extent(std::abs(primitive.sphere_radius));
       box.extendBy(primitive.sphere_center - extent);
       box.extendBy(primitive.sphere_center + extent);
+    } else if (primitive.region) {
+      for (const auto& piece : primitive.region->pieces)
+        for (const Vec2d& at : piece) box.extendBy(position_at(primitive.corners, at.x, at.y));
     } else {
       for (const Vec3d& corner : primitive.corners) box.extendBy(corner);
     }

@@ -3,6 +3,8 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,15 +14,17 @@
 #include "pipeline/model/light.h"
 #include "pipeline/model/math.h"
 #include "pipeline/model/provenance.h"
+#include "pipeline/model/region.h"
 #include "pipeline/model/shader.h"
 #include "pipeline/model/texture.h"
 
 namespace patchlight {
 
-/// A surface that is divided into patches: a bilinear quad or a sphere.
+/// A surface that is divided into patches: a bilinear quad, a planar region or a sphere.
 ///
 /// Quad: p(u,v) interpolates corners 0 (0,0), 1 (1,0), 2 (1,1), 3 (0,1) bilinearly; a triangle repeats its last corner.
 /// Seen from the lit side, the corners run counter-clockwise.
+/// Region: the part of a parallelogram that its outline and holes leave.
 /// Sphere: u is the azimuth about world Y (0 at +X, growing towards -Z), v the polar angle from +Y, both in [0,1].
 struct Primitive {
   enum class Shape : std::int32_t { quad = 0, sphere = 1 };
@@ -41,6 +45,7 @@ struct Primitive {
   std::int32_t back = -1;         ///< The primitive of the other side of this surface, with u mirrored; -1: none.
   /// Ids of the corners' smooth vertices: corners with the same id share one normal. -1 for spheres.
   std::array<std::int32_t, 4> smooth_vertices{-1, -1, -1, -1};
+  std::shared_ptr<const Region> region{};  ///< What there is of the quad, a parallelogram; null: all of it.
 
   bool is_triangle() const { return shape == Shape::quad && corners[2] == corners[3]; }
 };
@@ -77,9 +82,10 @@ struct Patch {
   float u0 = 0, v0 = 0, u1 = 1, v1 = 1;
   /// Fraction of the area that passes the alpha test. Reflectance, emission and irradiance refer to that part.
   float coverage = 1.0f;
-  std::int32_t cut = -1;       ///< First of the cuts through its cell, into PatchSet::cuts; -1: the patch is the cell.
-  std::uint8_t closed = 0;     ///< Bit k: other surfaces stand along edge k: v = v0, u = u1, v = v1, u = u0.
-  std::vector<Vec3d> outline;  ///< m; the corners of a part of a cut cell, counter-clockwise; empty: the whole cell.
+  std::int32_t cut = -1;    ///< First of the cuts through its cell, into PatchSet::cuts; -1: the patch is the cell.
+  std::uint8_t closed = 0;  ///< Bit k: other surfaces stand along edge k: v = v0, u = u1, v = v1, u = u0.
+  /// m; the corners of triangles that tile a part of a cell, counter-clockwise; empty: the whole cell.
+  std::vector<Vec3d> triangles;
 
   double covered_area() const { return area * double(coverage); }  ///< m2
 };
@@ -88,8 +94,9 @@ struct Patch {
 /// crosses it.
 struct Cut {
   Vec2d from{0.0}, to{0.0};  ///< On the line, in the primitive's PlaneFrame, m.
-  /// What lies to its left and to its right: another cut, or ~patch.
+  /// What lies to its left and to its right: another cut, ~patch, or kNothing outside of a region.
   std::array<std::int32_t, 2> sides{0, 0};
+  static constexpr std::int32_t kNothing = std::numeric_limits<std::int32_t>::min();
 };
 
 /// A file that the scene was read from. Its content is part of the import's key.
@@ -100,7 +107,7 @@ struct SourceFile {
 
 /// The content of patches.h5. Patches of one primitive are contiguous: first one of each cell of its grid, in rows of
 /// growing v, with growing u within a row, where every row spans u from 0 to 1; then the other parts of cut cells, with
-/// the (u,v) range of their cell. Primitives have the order of their patches.
+/// the (u,v) range of their cell. Cells outside of a region have no patch. Primitives have the order of their patches.
 struct PatchSet {
   /// Number of cells of the environment; 0 without one.
   int sky_cells() const { return environment ? int(environment->cells.size()) : 0; }

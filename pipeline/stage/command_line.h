@@ -6,7 +6,7 @@
 #include <variant>
 #include <vector>
 
-#include "pipeline/model/shard.h"
+#include "pipeline/job/shard.h"
 
 namespace patchlight {
 

@@ -209,8 +209,9 @@ DirectFactors::FindNeighbours grid_neighbours(const PatchSet& scene, const Patch
       const PatchLookup::Row& row = lookup.row(patch.primitive, k);
       const int middle = PatchLookup::cell(0.5f * (patch.u0 + patch.u1), row.cells);
       for (int j = std::max(0, middle - 1); j <= std::min(row.cells - 1, middle + 1); ++j)
-        if (row.first + j != i && (all || lookup.is_open(patch.primitive, std::min(j, middle), std::min(k, at))))
-          neighbours[count++] = row.first + j;
+        if (const std::int32_t next = lookup.at(row, j);
+            next >= 0 && next != i && (all || lookup.is_open(patch.primitive, std::min(j, middle), std::min(k, at))))
+          neighbours[count++] = next;
     }
     if (sphere || lattices.empty()) return count;
     const int columns = lookup.row(patch.primitive, 0).cells;

@@ -42,6 +42,7 @@ class Builder {
         at_edges_(find_crossings_at_edges(scene.primitives, [this](std::int32_t i) { return reach_[i]; })),
         seams_(scene, lattices_, reach_, at_edges_),
         detail_(scene, crossings_, at_edges_),
+        lines_(with_outlines(crossings_)),
         seed_(seed) {}
 
   DisplayMesh build(std::int64_t& cast) {
@@ -50,7 +51,7 @@ class Builder {
     std::vector<std::int32_t> level;
     for (std::size_t i = 0; i < mesh_.cells.size(); ++i) level.push_back(std::int32_t(i));
     for (int depth = 0; !level.empty(); ++depth) level = refine(std::move(level), depth, cast);
-    add_faces(scene_, lookup_, lattices_, seams_, smooth_, crossings_, is_open_, mesh_);
+    add_faces(scene_, lookup_, lattices_, seams_, smooth_, lines_, is_open_, mesh_);
     add_display_facets(scene_, ray_scene_, lookup_, near_facets_, mesh_, cast);
     return std::move(mesh_);
   }
@@ -64,7 +65,7 @@ class Builder {
     const DirectFactors::FindNeighbours neighbours = grid_neighbours(scene_, lookup_, lattices_, true);
     for (std::int32_t i = 0; i < std::int32_t(measures.size()); ++i) {
       const Patch& patch = scene_.patches[i];
-      const bool is_near = patch.cut >= 0 || measures[i].value >= kNear || detail_.is_too_large(patch);
+      const bool is_near = !patch.triangles.empty() || measures[i].value >= kNear || detail_.is_too_large(patch);
       const bool facet = is_facet(patch.primitive);
       if (!facet && seams_.touches(patch)) mesh_.roots[i] = 0;
       if (!is_near) continue;
@@ -96,6 +97,7 @@ class Builder {
     const auto is_too_large = [&](std::int32_t i) {
       return depth < kMostLevels && detail_.is_too_large(cell_patches_[i]);
     };
+    std::erase_if(level, [&](std::int32_t i) { return cell_patches_[i].area <= 0; });  // outside of a region
     if (depth >= kLevels) std::erase_if(level, [&](std::int32_t i) { return !is_too_large(i); });
     const auto needs_refinement = [&](const RefinementCriterion& criterion, std::int32_t i) {
       if (!criterion.is_open) return false;
@@ -134,6 +136,14 @@ class Builder {
     return reach;
   }
 
+  /// Crossings, and the outlines of regions.
+  std::vector<std::vector<Crossing>> with_outlines(std::vector<std::vector<Crossing>> lines) const {
+    const auto outlines = outlines_of_regions(scene_.primitives);
+    for (std::size_t i = 0; i < lines.size(); ++i)
+      lines[i].insert(lines[i].end(), outlines[i].begin(), outlines[i].end());
+    return lines;
+  }
+
   /// Criteria of patches or cells.
   std::vector<RefinementCriterion> measure(const std::vector<Patch>& parts, std::int64_t& cast) const {
     constexpr int kBlock = 256;
@@ -159,6 +169,7 @@ class Builder {
   const std::vector<std::vector<Crossing>> at_edges_;   ///< [primitives]
   const Seams seams_;
   const FineDetail detail_;
+  const std::vector<std::vector<Crossing>> lines_;  ///< [primitives] Along which leaves are cut.
   const std::uint64_t seed_;
   DisplayMesh mesh_;
   std::vector<bool> is_open_;              ///< [patches] See RefinementCriterion.

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "pipeline/model/cuts/cut_cells.h"
+#include "pipeline/model/cuts/region_shape.h"
 #include "pipeline/optics/cuts/cell_cutter.h"
 #include "pipeline/optics/sampling/patch_sampling.h"
 #include "pipeline/optics/transport/face_lookup.h"
@@ -16,15 +17,22 @@ namespace {
 
 constexpr double kSmall = 0.1;  // extent of crossings that do not cut, over the size of a leaf
 constexpr std::int32_t kOfPoints = std::numeric_limits<std::int32_t>::min();  // VertexKey::grid
-constexpr double kSmallestPart = 1e-9;                                        // of a patch; faces have an area
-constexpr double kSamePoint = 0.05;  // of a leaf: distance of vertices of two quads that are one
-constexpr double kMargin = 1e-3;     // around a leaf, over its size, in which crossings are looked for
+constexpr double kInside = 1e-3;        // part of a face's area that lies in its region
+constexpr double kSmallestPart = 1e-9;  // of a patch; faces have an area
+constexpr double kSamePoint = 0.05;     // of a leaf: distance of vertices of two quads that are one
+constexpr double kMargin = 1e-3;        // around a leaf, over its size, in which crossings are looked for
 
-/// A plane primitive with crossings.
+/// A plane primitive whose leaves may be cut.
 struct Plane {
   PlaneFrame frame;
   SectorFinder sectors;
-  double rounding;  ///< Error of positions, m.
+  double rounding;                    ///< Error of positions, m.
+  std::optional<RegionShape> region;  ///< Empty: all of the quad.
+
+  /// Whether there is anything of a polygon.
+  bool holds(const Polygon& polygon) const {
+    return !region || patchlight::area_of(region->inside(polygon)) > kInside * patchlight::area_of(polygon);
+  }
 };
 
 /// Distance of a polygon's corner from the edges that do not end there, m.
@@ -73,7 +81,8 @@ class Faces {
     const PlaneFrame frame = *PlaneFrame::of(primitive);
     const double size = std::sqrt(area_of(cell_polygon(primitive, frame, patch)));
     const double rounding = position_rounding(primitive);
-    plane.emplace(Plane{frame, SectorFinder(primitive, frame, thinnest_part(size, rounding)), rounding});
+    plane.emplace(Plane{frame, SectorFinder(primitive, frame, thinnest_part(size, rounding)), rounding, {}});
+    if (primitive.region) plane->region.emplace(primitive, frame);
   }
 
   void add_faces(const Leaf& leaf) {
@@ -102,7 +111,7 @@ class Faces {
       const auto& [from, to, across_u, across_v] = kEdges[k];
       const int x = column + across_u, y = row + across_v;
       const bool inside = x >= 0 && y >= 0 && x < lookup_.row(i, 0).cells && y < lookup_.rows(i);
-      const std::int32_t next = inside ? lookup_.row(i, y).first + x : lattices_.beyond(i, x, y);
+      const std::int32_t next = inside ? lookup_.at(lookup_.row(i, y), x) : lattices_.beyond(i, x, y);
       if (next < 0 || mesh_.roots[next] >= 0 || lookup_.closed_edges(leaf.patch) >> k & 1) continue;
       const Leaf::Node a = leaf.corner(from), b = leaf.corner(to), middle{(a.x + b.x) / 2, (a.y + b.y) / 2};
       if (plane && plane->sectors.around(place(leaf, *plane, middle), near).parted()) continue;
@@ -120,6 +129,7 @@ class Faces {
       if (polygon.empty() || (corners[k] != polygon.back() && corners[k] != polygon.front()))
         polygon.push_back(corners[k]);
     }
+    if (!plane.holds(polygon)) return;
     const std::vector<Crossing> near = near_crossings(leaf, plane, polygon);
     const CellParts parts = CellCutter(near, kSmall, plane.rounding).cut(polygon);
     if (parts.cuts.empty()) {
@@ -128,13 +138,19 @@ class Faces {
       add_middles(leaf, &plane, near);
       return;
     }
-    const auto first_face = mesh_.elements(), first_cut = std::int32_t(mesh_.cuts.size());
+    const auto first_cut = std::int32_t(mesh_.cuts.size());
+    std::vector<std::int32_t> faces;  // of the parts; -1: none
+    std::int32_t next = mesh_.elements();
+    for (const Polygon& part : parts.parts) faces.push_back(plane.holds(part) ? next++ : -1);
+    if (next == mesh_.elements()) return;
     cell.cut = first_cut;
     for (const Cut& of_leaf : parts.cuts) {
       Cut& cut = mesh_.cuts.emplace_back(of_leaf);
-      for (std::int32_t& side : cut.sides) side = side >= 0 ? first_cut + side : ~(first_face + ~side);
+      for (std::int32_t& side : cut.sides)
+        side = side >= 0 ? first_cut + side : faces[~side] >= 0 ? ~faces[~side] : Cut::kNothing;
     }
     for (const Polygon& part : parts.parts) {
+      if (faces[std::size_t(&part - parts.parts.data())] < 0) continue;
       add_face(patch_at(leaf, plane, part), int(part.size()));
       for (const Vec2d& corner : part) {
         const auto at = std::find(corners.begin(), corners.end(), corner);
@@ -231,7 +247,7 @@ class Faces {
   }
 
   void find_midpoints(const Leaf& leaf) {
-    if (mesh_.cells[leaf.cell].cut >= 0) return;
+    if (mesh_.cells[leaf.cell].face < 0) return;
     const std::int32_t primitive = scene_.patches[leaf.patch].primitive;
     const std::optional<Plane>& plane = planes_[primitive];
     std::vector<Crossing> near;

@@ -38,9 +38,9 @@ std::vector<Leaf> find_leaves(const PatchSet& scene, const PatchLookup& lookup, 
     frame.origin = frame.origin * kFinestCells;
     const Vec2f step(1.0f / float(cells.cells * kFinestCells), 1.0f / float(rows * kFinestCells));
     const Leaf::Node at = Leaf::Node{column, row} * kFinestCells;
-    const std::int32_t grid = ring ? cells.first : lookup.row(p.primitive, 0).first;
-    const std::int32_t lattice = ring ? grid : lookup.row(frame.lattice, 0).first;
-    add_leaves({root, cells.first + column, grid, lattice, frame, at, kFinestCells, step}, mesh, leaves);
+    const std::int32_t grid = lookup.nearest(ring ? cells : lookup.row(p.primitive, 0), 0);
+    const std::int32_t lattice = ring ? grid : lookup.nearest(lookup.row(frame.lattice, 0), 0);
+    add_leaves({root, lookup.at(cells, column), grid, lattice, frame, at, kFinestCells, step}, mesh, leaves);
   }
   return leaves;
 }

@@ -2,7 +2,7 @@
 #include <optional>
 #include <span>
 
-#include "pipeline/model/shard.h"
+#include "pipeline/job/shard.h"
 #include "pipeline/model/transport.h"
 #include "pipeline/optics/intersect/ray_scene.h"
 #include "pipeline/optics/transport/elements.h"

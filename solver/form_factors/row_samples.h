@@ -31,7 +31,7 @@ struct RayRows::SampleSet {
     mirrored.clear();
     for (int k = 0; k < 4; ++k) digital_shift[k] = std::uint32_t((k < 2 ? random : hash64(random)) >> 32 * (k % 2));
     has_mask = has_alpha_mask(rows.scene_, patch);
-    if (primitive.shape != Primitive::Shape::quad || has_mask || !patch.outline.empty()) {
+    if (primitive.shape != Primitive::Shape::quad || has_mask || !patch.triangles.empty()) {
       sampler.emplace(primitive, patch);
       return;
     }

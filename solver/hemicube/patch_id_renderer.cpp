@@ -17,7 +17,8 @@ namespace patchlight {
 namespace {
 
 struct QuadSide {
-  std::int32_t first = 0, columns = 0, rows = 0;
+  std::int32_t first = 0;  ///< Patch, from 1; negative: ~ the number of a region's cell.
+  std::int32_t columns = 0, rows = 0;
 };
 struct Vertex {
   Vec3f position;
@@ -47,8 +48,9 @@ struct CutLineRecord {
 };
 
 /// A program of quads.
-unsigned link_quad_program(bool masked, bool cut) {
-  const std::string defines = std::string(masked ? "#define MASKED\n" : "") + (cut ? "#define CUT\n" : "");
+unsigned link_quad_program(bool masked, bool cut, bool regions) {
+  const std::string defines = std::string(masked ? "#define MASKED\n" : "") + (cut ? "#define CUT\n" : "") +
+                              (regions ? "#define REGIONS\n" : "");
   const auto with_defines = [&](const std::string& shader) {
     const std::size_t first_line = shader.find('\n') + 1;
     return shader.substr(0, first_line) + defines + shader.substr(first_line);
@@ -76,7 +78,7 @@ void upload_storage(unsigned binding, const std::vector<T>& values) {
 QuadSide quad_side(const PatchLookup& lookup, std::int32_t primitive) {
   if (primitive < 0) return {};
   const PatchLookup::Row& row = lookup.row(primitive, 0);
-  return {row.first + 1, row.cells, lookup.rows(primitive)};
+  return {row.in_region ? ~row.first : row.first + 1, row.cells, lookup.rows(primitive)};
 }
 
 Vec3d patch_bounds_center(const PatchSet& scene) {
@@ -97,6 +99,7 @@ PatchIdRenderer::PatchIdRenderer(const PatchSet& scene) : origin_(patch_bounds_c
   }
   upload_spheres(scene, lookup);
   if (!scene.cuts.empty()) upload_cuts(lookup);
+  if (!lookup.region_cells().empty()) upload_storage(7, lookup.region_cells());
   glGenFramebuffers(1, &framebuffer_);
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
   glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
@@ -118,14 +121,19 @@ PatchIdRenderer::Quads PatchIdRenderer::upload_quads(const PatchSet& scene, cons
     const Vec2f shape = quad_shape(p.corners);
     const std::array<Vec2f, 4> st{Vec2f(0, 0), Vec2f(1, 0), shape, Vec2f(0, 1)};
     const std::array<int, 6> order{0, 1, 2, 0, 2, 3};
-    for (int k = 0; k < (p.is_triangle() ? 3 : 6); ++k)
-      vertices.push_back(
-          {to_local(p.corners[order[k]]), st[order[k]], shape, quad_side(lookup, i), quad_side(lookup, p.back), masks});
+    const QuadSide front = quad_side(lookup, i), back = quad_side(lookup, p.back);
+    for (int k = 0; k < (p.is_triangle() ? 3 : 6) && !p.region; ++k)
+      vertices.push_back({to_local(p.corners[order[k]]), st[order[k]], shape, front, back, masks});
+    for (const auto& uv : p.region ? p.region->pieces : std::vector<std::array<Vec2d, 4>>{})
+      for (int k = 0; k < (uv[2] == uv[3] ? 3 : 6); ++k) {
+        const Vec2d& at = uv[std::size_t(order[k])];
+        vertices.push_back({to_local(position_at(p.corners, at.x, at.y)), Vec2f(at), shape, front, back, masks});
+      }
     ++masks;
   }
   Quads quads;
   quads.vertices = int(vertices.size());
-  quads.program = link_quad_program(masked, !scene.cuts.empty());
+  quads.program = link_quad_program(masked, !scene.cuts.empty(), !lookup.region_cells().empty());
   glGenVertexArrays(1, &quads.array);
   glBindVertexArray(quads.array);
   upload(GL_ARRAY_BUFFER, vertices);

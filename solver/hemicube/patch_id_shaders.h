@@ -1,7 +1,7 @@
 #pragma once
 
 // GLSL of PatchIdRenderer. With MASKED defined, the shaders of quads do alpha tests; with CUT, they find the parts of
-// cut cells.
+// cut cells; with REGIONS, the patches of regions.
 
 namespace patchlight {
 
@@ -38,7 +38,7 @@ void main() {
 inline constexpr const char* kQuadFragmentShader = R"(#version 450 core
 in vec2 at;
 flat in vec2 corner;     // a, b: corner 2 in the frame of the edges
-flat in ivec3 grids[2];  // back, front: the first patch's id, columns, rows; zeros where unlit
+flat in ivec3 grids[2];  // back, front: the first patch's id, or ~ a region's first cell; columns, rows; zeros: unlit
 layout(location = 0) out uint id;
 
 // s = u (1 + v (a - 1)), t = v (1 + u (b - 1))
@@ -109,6 +109,10 @@ uint part_of_cell(uint cell_id, vec2 uv) {
 }
 #endif
 
+#ifdef REGIONS
+layout(std430, binding = 7) readonly buffer RegionCells { int region_cells[]; };  // patches; ~patch near by outside
+#endif
+
 void main() {
   vec2 uv = inverse_bilinear(corner.x, corner.y, at.x, at.y);
 #ifdef MASKED
@@ -117,7 +121,14 @@ void main() {
   ivec3 grid = gl_FrontFacing ? grids[1] : grids[0];
   if (!gl_FrontFacing) uv.x = 1.0 - uv.x;
   ivec2 cell = clamp(ivec2(uv * grid.yz), ivec2(0), max(grid.yz - 1, ivec2(0)));
-  id = uint(grid.x + cell.y * grid.y + cell.x);
+  int number = cell.y * grid.y + cell.x;
+  id = uint(grid.x + number);
+#ifdef REGIONS
+  if (grid.x < 0) {
+    int patch_index = region_cells[~grid.x + number];
+    id = uint(patch_index < 0 ? ~patch_index : patch_index) + 1u;
+  }
+#endif
 #ifdef CUT
   id = part_of_cell(id, uv);
 #endif

@@ -32,9 +32,15 @@ void set_ends(const std::vector<std::uint8_t>& closed, FilterGrid& grid) {
 }
 
 FilterGrid grid_of(const PatchLookup& lookup, std::int32_t primitive) {
-  FilterGrid grid{lookup.row(primitive, 0).first, lookup.row(primitive, 0).cells, lookup.rows(primitive)};
+  const PatchLookup::Row& first = lookup.row(primitive, 0);
+  FilterGrid grid{first.in_region ? 0 : first.first, first.cells, lookup.rows(primitive)};
   std::vector<std::uint8_t> closed;
-  for (std::int32_t i = 0; i < grid.cells(); ++i) closed.push_back(lookup.closed_edges(grid.first + i));
+  for (int row = 0; row < grid.nv; ++row)
+    for (int column = 0; column < grid.nu; ++column) {
+      const std::int32_t patch = lookup.at(lookup.row(primitive, row), column);
+      if (first.in_region) grid.patches.push_back(patch);
+      closed.push_back(patch < 0 ? 15 : lookup.closed_edges(patch));
+    }
   set_ends(closed, grid);
   return grid;
 }
@@ -61,7 +67,8 @@ FilterGrid grid_of(const PatchLookup& lookup, const Lattices& lattices, const st
     for (int row = 0; row < lookup.rows(i); ++row)
       for (int column = 0; column < lookup.row(i, row).cells; ++column) {
         const Node at = frame.cell(column, row) - low;
-        const std::int32_t patch = lookup.row(i, row).first + column;
+        const std::int32_t patch = lookup.at(lookup.row(i, row), column);
+        if (patch < 0) continue;
         grid.patches[at.y * size.x + at.x] = patch;
         closed[at.y * size.x + at.x] = frame.edges(lookup.closed_edges(patch));
       }

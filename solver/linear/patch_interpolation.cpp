@@ -15,7 +15,7 @@ Spectrum interpolate(const PatchSet& scene, const PatchLookup& lookup, std::int3
     const int k = int(std::floor(x));
     const auto at = [&](int cell) {
       const int index = periodic ? (cell + cells.cells) % cells.cells : std::clamp(cell, 0, cells.cells - 1);
-      return Spectrum(field[cells.first + index]);
+      return Spectrum(field[lookup.nearest(cells, index)]);
     };
     const double fraction = double(x) - k;
     return at(k) * Spectrum(1 - fraction) + at(k + 1) * Spectrum(fraction);

@@ -65,7 +65,7 @@ class IrradianceLookup::Builder {
   }
 
   const Color& cell(std::int32_t i, int column, int row) const {
-    return (*irradiance_)[lookup_.row(i, row).first + column];
+    return (*irradiance_)[lookup_.nearest(lookup_.row(i, row), column)];
   }
 
   /// Cell `k` along an edge.
@@ -168,7 +168,7 @@ class IrradianceLookup::Builder {
       for (int column = 0; column < nu; ++column) at(column, row) = cell(i, column, row);
     // The second cell from an edge; the first where anything stands between them.
     const auto before = [&](int column, int row, int edge, int to_column, int to_row) {
-      const bool closed = lookup_.closed_edges(lookup_.row(i, row).first + column) >> edge & 1;
+      const bool closed = lookup_.closed_edges(lookup_.nearest(lookup_.row(i, row), column)) >> edge & 1;
       return closed ? at(column, row) : at(std::clamp(to_column, 0, nu - 1), std::clamp(to_row, 0, nv - 1));
     };
     for (int k = 0; k < nu; ++k) {
@@ -223,7 +223,7 @@ Color IrradianceLookup::operator()(std::int32_t i, float u, float v, std::size_t
   if (grid.columns == 0) return on_sphere(i, u, v, values);
   const Color* cells = values.cells.data() + grid.first;
   const auto own = [&] { return values.patches[lookup_.patch(i, u, v)]; };
-  if (grid.columns < 0 && lookup_.closed_edges(lookup_.row(i, 0).first) != 0) return own();
+  if (grid.columns < 0 && lookup_.closed_edges(lookup_.nearest(lookup_.row(i, 0), 0)) != 0) return own();
   if (grid.columns < 0) return mix(mix(cells[0], cells[1], u), mix(cells[2], cells[3], u), v);
   const float x = u * float(grid.columns) + 0.5f, y = v * float(grid.rows) + 0.5f;
   const int column = std::clamp(int(x), 0, grid.columns), row = std::clamp(int(y), 0, grid.rows);

@@ -82,6 +82,11 @@ void Outlines::add_edges() {
   for (std::int32_t i = 0; i < std::int32_t(scene_.primitives.size()); ++i) {
     const Primitive& p = scene_.primitives[i];
     if (p.shape != Primitive::Shape::quad) continue;
+    if (p.region) {
+      for (const auto& [from, to] : p.region->edges)
+        edges_.push_back({position_at(p.corners, from.x, from.y), position_at(p.corners, to.x, to.y), i, -1});
+      continue;
+    }
     const int count = p.is_triangle() ? 3 : 4;
     for (int k = 0; k < count; ++k) {
       const std::int32_t a = p.smooth_vertices[k], b = p.smooth_vertices[(k + 1) % count];

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "pipeline/formats/patches/patch_cuts.h"
+#include "pipeline/formats/patches/patch_regions.h"
 #include "pipeline/job/expression.h"
 
 namespace patchlight {
@@ -202,17 +203,57 @@ bool is_even(const PatchSet& scene, const Primitive& primitive, const std::vecto
   return true;
 }
 
+void skip_further_parts(const PatchSet& scene, std::size_t index, std::size_t& next) {
+  while (next < scene.patches.size() && scene.patches[next].primitive == std::int32_t(index) &&
+         scene.patches[next].cut >= 0)
+    ++next;
+}
+
+/// The number of cells along an edge, of which [low, high] is one; 0: none is.
+std::int64_t cells_along(float low, float high) {
+  constexpr double kMostCells = 1 << 22;
+  const double count = std::round(1.0 / (double(high) - low));
+  return count >= 1 && count <= kMostCells ? std::int64_t(count) : 0;
+}
+
+/// Whether patches from `next` on are cells of an even grid on region `index`, in their order. Advances `next` to the
+/// first patch after them.
+bool are_cells_of_region(const PatchSet& scene, std::size_t index, std::size_t& next) {
+  if (next == scene.patches.size()) return false;
+  const Patch& first = scene.patches[next];
+  const std::int64_t columns = cells_along(first.u0, first.u1), rows = cells_along(first.v0, first.v1);
+  if (columns == 0 || rows == 0 || columns * rows > Region::kMostCells) return false;
+  for (std::int64_t last = -1; next < scene.patches.size(); ++next) {
+    const Patch& patch = scene.patches[next];
+    if (patch.primitive != std::int32_t(index)) break;
+    if (!(patch.u0 >= 0 && patch.u1 <= 1 && patch.v0 >= 0 && patch.v1 <= 1)) return false;  // NaN too
+    const std::int64_t column = std::llround(patch.u0 * double(columns)), row = std::llround(patch.v0 * double(rows));
+    if (!is_boundary(patch.u0, std::size_t(column), std::size_t(columns)) ||
+        !is_boundary(patch.u1, std::size_t(column) + 1, std::size_t(columns)) ||
+        !is_boundary(patch.v0, std::size_t(row), std::size_t(rows)) ||
+        !is_boundary(patch.v1, std::size_t(row) + 1, std::size_t(rows)))
+      return false;
+    if (row * columns + column <= last && patch.cut >= 0) break;  // a further part of a cut cell
+    if (row * columns + column <= last) return false;
+    last = row * columns + column;
+  }
+  return next > 0 && scene.patches[next - 1].primitive == std::int32_t(index);
+}
+
 /// Checks that the patches of each primitive are rows that tile the unit square evenly.
 PatchFault order_fault(const PatchSet& scene) {
   std::size_t next = 0;
   for (std::size_t i = 0; i < scene.primitives.size(); ++i) {
     const std::size_t first = next;
+    if (scene.primitives[i].region) {
+      if (!are_cells_of_region(scene, i, next)) return {"patches that are not cells of their region", "/patches/uv"};
+      skip_further_parts(scene, i, next);
+      continue;
+    }
     const std::vector<std::size_t> rows = rows_of(scene, i, next);
     if (rows.empty()) return {"patches that do not tile their primitive", "/patches/uv"};
     if (!is_even(scene, scene.primitives[i], rows, first)) return {"patches of uneven size", "/patches/uv"};
-    while (next < scene.patches.size() && scene.patches[next].primitive == std::int32_t(i) &&
-           scene.patches[next].cut >= 0)
-      ++next;  // further parts of cut cells
+    skip_further_parts(scene, i, next);
   }
   if (next != scene.patches.size()) return {"patches that do not tile their primitive", "/patches/uv"};
   return {};
@@ -242,6 +283,7 @@ PatchFault find_fault(const PatchSet& scene) {
         return {"a camera that is not finite", "/cameras"};
   if (scene.cameras.empty()) return {"no camera", "/cameras/name"};
   if (PatchFault fault = order_fault(scene)) return fault;
+  if (PatchFault fault = region_fault(scene)) return fault;
   return cut_fault(scene);
 }
 

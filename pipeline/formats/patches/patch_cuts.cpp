@@ -21,6 +21,7 @@ bool visit_cell(const PatchSet& scene, const Patch& first, std::vector<bool>& cu
   while (!todo.empty()) {
     const std::int32_t at = todo.back();
     todo.pop_back();
+    if (at == Cut::kNothing && scene.primitives[first.primitive].region) continue;
     if (at < 0) {
       const auto patch = std::size_t(~at);
       if (patch >= patches.size() || patches[patch] || !is_same_cell(first, scene.patches[patch])) return false;
@@ -95,16 +96,17 @@ PatchFault cut_fault(const PatchSet& scene) {
   return std::find(cuts.begin(), cuts.end(), false) != cuts.end() ? not_a_tree : PatchFault{};
 }
 
-PatchFault outline_fault(const PatchSet& scene) {
+PatchFault area_fault(const PatchSet& scene) {
   for (const Patch& patch : scene.patches) {
-    if (patch.cut < 0) continue;
-    if (patch.outline.size() < 3) return {"cuts that leave a patch without an area", "/cuts/line"};
-    const PlaneFrame frame = *PlaneFrame::of(scene.primitives[patch.primitive]);
-    Polygon outline;
-    for (const Vec3d& corner : patch.outline) outline.push_back(frame.to_plane(corner));
-    const double area = area_of(outline);
+    if (patch.triangles.empty() && patch.cut < 0) continue;
+    if (patch.triangles.empty()) return {"cuts that leave a patch without an area", "/cuts/line"};
+    double area = 0;
+    for (std::size_t k = 0; k < patch.triangles.size(); k += 3) {
+      const Vec3d* const corner = &patch.triangles[k];
+      area += 0.5 * ((corner[1] - corner[0]) % (corner[2] - corner[0])).length();
+    }
     if (!(area > 0 && std::abs(area - patch.area) <= kAreaRounding * std::max(area, patch.area)))
-      return {"an area that is not that of the cut patch", "/patches/area"};
+      return {"an area that is not that of the patch's part of its cell", "/patches/area"};
   }
   return {};
 }

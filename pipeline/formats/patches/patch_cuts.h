@@ -15,7 +15,7 @@ void read_cut_datasets(const H5Reader& reader, PatchSet& scene);
 /// that names each patch of the cell once.
 PatchFault cut_fault(const PatchSet& scene);
 
-/// The first outline that does not have its patch's area. Cuts must be valid.
-PatchFault outline_fault(const PatchSet& scene);
+/// The first part of a cell whose triangles do not have its patch's area. Cuts must be valid, and triangles set.
+PatchFault area_fault(const PatchSet& scene);
 
 }  // namespace patchlight

@@ -8,6 +8,7 @@
 #include "pipeline/formats/patches/patch_environment.h"
 #include "pipeline/formats/patches/patch_lights.h"
 #include "pipeline/formats/patches/patch_motions.h"
+#include "pipeline/formats/patches/patch_regions.h"
 #include "pipeline/formats/patches/patch_shaders.h"
 #include "pipeline/formats/patches/patch_textures.h"
 #include "pipeline/hdf5/h5_store.h"
@@ -18,6 +19,8 @@
 namespace patchlight {
 
 namespace {
+
+constexpr std::int32_t kRegionType = 3;  // in /primitives/type; others are as in Primitive::Shape
 
 template <class T, class Entries, class Fill>
 void write_rows(H5Writer& writer, const std::string& name, const Entries& items, int columns, Fill fill,
@@ -50,7 +53,8 @@ void read_rows(const H5Reader& reader, const std::string& name, Entries& items, 
 void write_primitives(H5Writer& writer, const PatchSet& scene) {
   const auto& all = scene.primitives;
   using P = const Primitive&;
-  write_rows<std::int32_t>(writer, "/primitives/type", all, 0, [](P p, auto* r) { *r = std::int32_t(p.shape); });
+  write_rows<std::int32_t>(writer, "/primitives/type", all, 0,
+                           [](P p, auto* r) { *r = p.region ? kRegionType : std::int32_t(p.shape); });
   write_rows<double>(
       writer, "/primitives/corners", all, 3,
       [](P p, auto* r) {
@@ -128,10 +132,13 @@ void read_primitives(const H5Reader& reader, PatchSet& scene) {
   using P = Primitive&;
   scene.nodes = reader.strings("/nodes/name", -1);
   all.resize(reader.dataset<std::int32_t>("/primitives/type", -1).size());
+  std::vector<bool> is_region;
   read_rows<std::int32_t>(reader, "/primitives/type", all, 0, [&](P p, auto* r) {
-    if (*r != 0 && *r != 1) reader.refuse("unknown primitive type", "/primitives/type");
-    p.shape = Primitive::Shape(*r);
+    if (*r != 0 && *r != 1 && *r != kRegionType) reader.refuse("unknown primitive type", "/primitives/type");
+    p.shape = *r == 1 ? Primitive::Shape::sphere : Primitive::Shape::quad;
+    is_region.push_back(*r == kRegionType);
   });
+  read_region_datasets(reader, is_region, scene);
   read_rows<double>(
       reader, "/primitives/corners", all, 3,
       [](P p, auto* r) {
@@ -213,6 +220,7 @@ void write_patches(const std::filesystem::path& file, PatchSet& scene) {
   write_patch_rows(writer, scene);
   write_cut_datasets(writer, scene);
   write_primitives(writer, scene);
+  write_region_datasets(writer, scene);
   write_materials(writer, scene.materials);
   write_cameras(writer, scene.cameras);
   write_motion_datasets(writer, scene);
@@ -230,11 +238,12 @@ void write_patches(const std::filesystem::path& file, PatchSet& scene) {
     return KeyHasher().add(writer.key_of(names)).add(metallic_roughness).hex();
   };
   scene.key =
-      key_of({"/patches/", "/cuts/", "/primitives/type", "/primitives/corners", "/primitives/sphere",
+      key_of({"/patches/", "/cuts/", "/regions/", "/primitives/type", "/primitives/corners", "/primitives/sphere",
               "/primitives/back", "/primitives/light_group", "/light_groups/", "/lights/kind", "/lights/light_group",
               "/lights/strength", "/lights/shape", "/environment/cells", "/environment/light_group"});
-  scene.geometry_key = key_of({"/patches/center", "/patches/primitive", "/patches/uv", "/cuts/", "/primitives/type",
-                               "/primitives/corners", "/primitives/sphere", "/primitives/back", "/environment/rows"});
+  scene.geometry_key =
+      key_of({"/patches/center", "/patches/primitive", "/patches/uv", "/cuts/", "/regions/", "/primitives/type",
+              "/primitives/corners", "/primitives/sphere", "/primitives/back", "/environment/rows"});
   scene.frames_key = writer.key_of(
       {"/primitives/smooth_vertices", "/primitives/material", "/shaders/", "/primitives/shader", "/primitives/texcoord",
        "/textures/", "/primitives/texture", "/materials/tint", "/primitives/color", "/primitives/emission_tex",
@@ -273,8 +282,8 @@ PatchSet read_patches(const std::filesystem::path& file) {
   const std::vector<std::string> hashes = reader.strings("/sources/hash", std::int64_t(paths.size()));
   for (std::size_t i = 0; i < paths.size(); ++i) scene.sources.push_back({paths[i], hashes[i]});
   if (const PatchFault fault = find_fault(scene)) reader.refuse(fault.what, fault.where);
-  set_outlines(scene);
-  if (const PatchFault fault = outline_fault(scene)) reader.refuse(fault.what, fault.where);
+  set_triangles(scene);
+  if (const PatchFault fault = area_fault(scene)) reader.refuse(fault.what, fault.where);
   return scene;
 }
 

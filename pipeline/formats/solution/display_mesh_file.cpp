@@ -46,9 +46,11 @@ void check_faces(const H5Reader& reader, DisplayMesh& mesh) {
   };
   std::vector<std::int32_t> todo;
   for (const DisplayMesh::Cell& cell : mesh.cells) {
-    if (cell.children >= 0) continue;
+    if (cell.children >= 0 || (cell.face == -1 && cell.cut < 0)) continue;  // outside of a region
+    bool has_face = false;
     if (cell.cut < 0) {
       visit(faces, cell.face, kCells);
+      has_face = true;
       if (mesh.faces[cell.face].count != 4) reader.refuse("a leaf without four corners", kFaces);
     } else {
       todo.push_back(cell.cut);
@@ -56,13 +58,16 @@ void check_faces(const H5Reader& reader, DisplayMesh& mesh) {
     while (!todo.empty()) {
       const std::int32_t at = todo.back();
       todo.pop_back();
+      if (at == Cut::kNothing) continue;
       if (at < 0) {
         visit(faces, ~at, kCuts);
+        has_face = true;
         continue;
       }
       visit(cuts, at, kCuts);
       todo.insert(todo.end(), mesh.cuts[at].sides.begin(), mesh.cuts[at].sides.end());
     }
+    if (!has_face) reader.refuse("cuts that leave nothing of a leaf", kCuts);
   }
   std::int64_t corners = 0;
   for (DisplayMesh::Face& face : mesh.faces) {

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "pipeline/job/job.h"
+#include "pipeline/job/shard.h"
 #include "pipeline/model/patch_set.h"
-#include "pipeline/model/shard.h"
 #include "pipeline/model/transport.h"
 
 namespace patchlight {

@@ -4,7 +4,7 @@
 #include "pipeline/job/schema/job_schema.h"
 #include "pipeline/job/schema/key_kinds.h"
 #include "pipeline/job/schema/value_parsing.h"
-#include "pipeline/model/shard.h"
+#include "pipeline/job/shard.h"
 #include "pipeline/system/text_scanner.h"
 
 namespace patchlight {

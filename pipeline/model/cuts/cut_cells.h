@@ -19,18 +19,20 @@ struct CutLine {
   int side(float u, float v) const { return constant + u * along_u + v * (along_v + u * twist) < 0; }
 };
 
-/// Sets the lines of all cuts through a cell of a plane primitive, whose first is `root`. `lines`: as `cuts`.
+/// Sets the lines of all cuts through a cell of a plane primitive, whose first is `root`. `lines`: as `cuts`, but that
+/// both sides have what lies on one of them where there is nothing on the other.
 void set_lines(const std::vector<Cut>& cuts, std::int32_t root, const Primitive& quad, const PlaneFrame& frame,
                std::vector<CutLine>& lines);
 
 /// Calls act(polygon, number) for each part of a cell, where `root` is the first of the cuts through it, and ~number
-/// the side of a cut.
+/// the side of a cut; not for what is nothing.
 template <class Act>
 void for_each_part(const std::vector<Cut>& cuts, std::int32_t root, Polygon cell, Act act) {
   std::vector<std::pair<Polygon, std::int32_t>> todo{{std::move(cell), root}};
   while (!todo.empty()) {
     const auto [polygon, at] = std::move(todo.back());
     todo.pop_back();
+    if (at == Cut::kNothing) continue;
     if (at < 0) {
       act(polygon, ~at);
       continue;
@@ -40,7 +42,13 @@ void for_each_part(const std::vector<Cut>& cuts, std::int32_t root, Polygon cell
   }
 }
 
-/// Sets the outlines of all patches of cut cells.
-void set_outlines(PatchSet& scene);
+/// Whether convex polygons tile a whole cell.
+bool fill(const std::vector<Polygon>& polygons, const Polygon& cell);
+
+/// Makes a patch the part of its cell that convex polygons tile: its triangles and its area, and its centre on them.
+void set_part(const std::vector<Polygon>& polygons, const PlaneFrame& frame, Patch& patch);
+
+/// Sets the triangles of all patches that are parts of cells and have none.
+void set_triangles(PatchSet& scene);
 
 }  // namespace patchlight

@@ -1,5 +1,7 @@
 #include "pipeline/model/cuts/polygon.h"
 
+#include <utility>
+
 namespace patchlight {
 
 double area_of(const Polygon& polygon) {
@@ -17,6 +19,12 @@ Vec2d centroid_of(const Polygon& polygon) {
     total += weight;
   }
   return polygon[0] + sum / total;
+}
+
+Polygon intersection(Polygon polygon, const Polygon& other) {
+  for (std::size_t k = 0; k < other.size() && polygon.size() >= 3; ++k)
+    polygon = std::move(split(polygon, other[k], other[(k + 1) % other.size()])[0]);
+  return polygon;
 }
 
 std::array<Polygon, 2> split(const Polygon& polygon, const Vec2d& a, const Vec2d& b) {

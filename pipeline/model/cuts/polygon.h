@@ -16,6 +16,9 @@ using Polygon = std::vector<Vec2d>;  ///< A convex polygon's corners, counter-cl
 double area_of(const Polygon& polygon);
 Vec2d centroid_of(const Polygon& polygon);
 
+/// The part of a polygon inside of another; no corners if there is none.
+Polygon intersection(Polygon polygon, const Polygon& other);
+
 /// The parts of a polygon to the left (first) and to the right of the line through a and b.
 std::array<Polygon, 2> split(const Polygon& polygon, const Vec2d& a, const Vec2d& b);
 

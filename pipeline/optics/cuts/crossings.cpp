@@ -17,22 +17,27 @@ namespace {
 constexpr double kLow = 0.25;  // height of an edge that stands on a plane, over the size of its surface
 constexpr double kPositionRounding = 1.0 / (1 << 22);  // of positions, relative to their coordinates
 
-/// A surface that may cross others.
+double half_cross(const std::array<Vec3d, 4>& corners) {
+  return 0.5 * ((corners[2] - corners[0]) % (corners[3] - corners[1])).length();
+}
+
+/// A surface that may cross others, or a piece of a region.
 struct Crosser {
   std::array<Vec3d, 4> corners;
-  double size;       ///< Root of its area, m.
-  double rounding;   ///< Error of its positions, m.
-  Imath::Box3d box;  ///< With a margin of `rounding`.
+  std::array<Vec3d, 4> whole;  ///< Of its primitive.
+  double size;                 ///< Root of its primitive's area, m.
+  double rounding;             ///< Error of its positions, m.
+  Imath::Box3d box;            ///< With a margin of `rounding`.
 
-  explicit Crosser(const Primitive& primitive) : corners(primitive.corners) {
-    const Vec3d normal = (corners[2] - corners[0]) % (corners[3] - corners[1]);
+  Crosser(const Primitive& primitive, const std::array<Vec3d, 4>& of_piece)
+      : corners(of_piece), whole(primitive.corners) {
     double largest = 0;
     for (const Vec3d& c : corners) {
       box.extendBy(c);
       for (int k = 0; k < 3; ++k) largest = std::max(largest, std::abs(c[k]));
     }
     rounding = kPositionRounding * largest;
-    size = std::sqrt(0.5 * normal.length());
+    size = std::sqrt(half_cross(whole) * (primitive.region ? primitive.region->area() : 1.0));
     box.min -= Vec3d(rounding);
     box.max += Vec3d(rounding);
   }
@@ -49,6 +54,9 @@ class Plane {
       outline_[k] = frame.to_plane(primitive.corners[k]);
       size_ = std::max(size_, outline_[k].length());
     }
+    if (!primitive.region) return;
+    const auto place = [&](const Vec2d& uv) { return frame.to_plane(position_at(primitive.corners, uv.x, uv.y)); };
+    for (const auto& [from, to] : primitive.region->edges) edges_.push_back({place(from), place(to)});
   }
 
   void add(const Crosser& crosser, double reach) {
@@ -57,7 +65,8 @@ class Plane {
     const auto [low, high] = std::minmax_element(heights.begin(), heights.end());
     const double rounding = crosser.rounding + kPositionRounding * size_;
     if (*high <= rounding) return;
-    relief_ = *high;
+    relief_ = 0;
+    for (const Vec3d& corner : crosser.whole) relief_ = std::max(relief_, frame_.height(corner));
     if (*low < -rounding) {
       add_part({0, 1, 2}, crosser, heights);
       add_part({0, 2, 3}, crosser, heights);
@@ -70,6 +79,11 @@ class Plane {
           add(crosser.corners[k], crosser.corners[next], rounding, height <= rounding ? 0.0 : height);
       }
     }
+  }
+
+  /// Adds the outline of a region.
+  void add_outline() {
+    for (const auto& [from, to] : edges_) found_.push_back({.from = from, .to = to});
   }
 
   std::vector<Crossing> crossings() && {
@@ -122,9 +136,24 @@ class Plane {
       if (inside_a < 0) a += (b - a) * (inside_a / (inside_a - inside_b));
       if (inside_b < 0) b += (a - b) * (inside_b / (inside_b - inside_a));
     }
-    if ((b - a).length() <= 4 * rounding || at_edge != (where_ == Where::at_edges)) return;
+    if ((b - a).length() <= 4 * rounding) return;
+    at_edge = at_edge || is_at_region_edge(a, b, rounding);
+    if (at_edge != (where_ == Where::at_edges)) return;
     if (std::array{b.x, b.y} < std::array{a.x, a.y}) std::swap(a, b);
     found_.push_back({.from = a, .to = b, .height = height, .relief = relief_});
+  }
+
+  /// Whether a line lies along one of a region's edges.
+  bool is_at_region_edge(const Vec2d& a, const Vec2d& b, double rounding) const {
+    return std::any_of(edges_.begin(), edges_.end(), [&](const std::array<Vec2d, 2>& edge) {
+      const double length = (edge[1] - edge[0]).length();
+      const Vec2d along = (edge[1] - edge[0]) / length;
+      const auto is_on_it = [&](const Vec2d& p) {
+        const double t = (p - edge[0]) ^ along;
+        return std::abs(along.cross(p - edge[0])) <= rounding && t >= -rounding && t <= length + rounding;
+      };
+      return is_on_it(a) && is_on_it(b);
+    });
   }
 
   /// The group of each crossing: crossings of one group touch each other, directly or through others of it. Named by
@@ -153,6 +182,7 @@ class Plane {
   const PlaneFrame& frame_;
   const Where where_;
   std::array<Vec2d, 4> outline_;
+  std::vector<std::array<Vec2d, 2>> edges_;  ///< Of a region.
   bool triangle_;
   double size_ = 0;
   double relief_ = 0;  ///< Of the surface that is added.
@@ -167,8 +197,14 @@ std::vector<std::vector<Crossing>> find(const std::vector<Primitive>& primitives
     const Primitive& p = primitives[i];
     const bool is_back = p.back >= 0 && p.back < std::int32_t(i);  // in the same place as its front
     if (p.shape != Primitive::Shape::quad || p.mask >= 0 || is_back) continue;
-    boxes.push_back(crossers.emplace_back(p).box);
+    if (!p.region) crossers.emplace_back(p, p.corners);
+    for (const auto& piece : p.region ? p.region->pieces : std::vector<std::array<Vec2d, 4>>{}) {
+      std::array<Vec3d, 4> corners;
+      for (int k = 0; k < 4; ++k) corners[k] = position_at(p.corners, piece[k].x, piece[k].y);
+      crossers.emplace_back(p, corners);
+    }
   }
+  for (const Crosser& crosser : crossers) boxes.push_back(crosser.box);
   const BoxTree tree(boxes);
   std::vector<std::vector<Crossing>> result(primitives.size());
   tbb::parallel_for(std::size_t(0), primitives.size(), [&](std::size_t i) {
@@ -197,6 +233,18 @@ std::vector<std::vector<Crossing>> find_crossings(const std::vector<Primitive>& 
 std::vector<std::vector<Crossing>> find_crossings_at_edges(const std::vector<Primitive>& primitives,
                                                            const std::function<double(std::int32_t)>& reach) {
   return find(primitives, reach, Where::at_edges);
+}
+
+std::vector<std::vector<Crossing>> outlines_of_regions(const std::vector<Primitive>& primitives) {
+  std::vector<std::vector<Crossing>> result(primitives.size());
+  for (std::size_t i = 0; i < primitives.size(); ++i) {
+    if (!primitives[i].region) continue;
+    const PlaneFrame frame = *PlaneFrame::of(primitives[i]);
+    Plane plane(primitives[i], frame, Where::at_edges);
+    plane.add_outline();
+    result[i] = std::move(plane).crossings();
+  }
+  return result;
 }
 
 }  // namespace patchlight

@@ -16,6 +16,15 @@ namespace {
 
 constexpr float kMinOffset = 1e-20f;
 
+std::array<Vec3d, 4> exact(const std::array<Vec3f, 4>& corners) {
+  return {Vec3d(corners[0]), Vec3d(corners[1]), Vec3d(corners[2]), Vec3d(corners[3])};
+}
+
+Vec3d normal_of(const std::array<Vec3f, 4>& corners) {
+  const auto [a, b, c, d] = exact(corners);
+  return ((c - a) % (d - b)).normalized();
+}
+
 /// Bound of the distances, along the normal, of ray origins on a quad from the plane that is traced. With the unit
 /// roundoff u, the largest coordinates M_k and the extents D_k of the quad: its corners are rounded by u M_k, which
 /// moves its plane by up to 3 u M_k; origins are rounded by u M_k when they are computed, and again when they are
@@ -23,10 +32,10 @@ constexpr float kMinOffset = 1e-20f;
 /// origin over the plane by 5 u D_k. An axis-aligned quad thus has an offset from its own height alone, whatever its
 /// extent.
 /// At least kMinOffset, since Embree finds planes through the origin of a ray.
-float quad_offset(const std::array<Vec3d, 4>& corners, const Vec3d& normal) {
+float quad_offset(const std::array<Vec3f, 4>& corners, const Vec3d& normal) {
   Vec3d size(0.0);
   Imath::Box3d box;
-  for (const Vec3d& corner : corners) {
+  for (const Vec3d& corner : exact(corners)) {
     for (int k = 0; k < 3; ++k) size[k] = std::max(size[k], std::abs(corner[k]));
     box.extendBy(corner);
   }
@@ -102,9 +111,10 @@ RayScene::RayScene(const PatchSet& scene, std::size_t max_packet_primitives) {
   const Imath::Box3d bounds = bounds_of(scene.primitives);
   origin_ = bounds.center();
   offsets_.resize(scene.primitives.size());
-  const auto masked =
-      std::count_if(scene.primitives.begin(), scene.primitives.end(), [](const Primitive& p) { return p.mask >= 0; });
-  if (scene.primitives.size() - std::size_t(masked) <= max_packet_primitives)
+  std::size_t unmasked = 0, masked = 0;
+  for (const Primitive& p : scene.primitives)
+    (p.mask >= 0 ? masked : unmasked) += p.region ? p.region->pieces.size() : 1;
+  if (unmasked <= max_packet_primitives)
     packet_tracer_.emplace();
   else
     embree_ = EmbreeTracer::create();
@@ -125,31 +135,36 @@ void RayScene::add_quads(const PatchSet& scene) {
   for (std::size_t i = 0; i < scene.primitives.size(); ++i) {
     const Primitive& p = scene.primitives[i];
     if (p.shape != Primitive::Shape::quad) continue;
-    std::array<Vec3f, 4> local;
-    std::array<Vec3d, 4> exact;
-    for (int k = 0; k < 4; ++k) {
-      local[k] = to_local(p.corners[k]);
-      exact[k] = Vec3d(local[k]);
-    }
-    const Vec3d normal = ((exact[2] - exact[0]) % (exact[3] - exact[1])).normalized();
-    offsets_[i] = quad_offset(exact, normal);
+    const std::array<Vec3f, 4> local = to_local(p.corners);
+    const Vec3d normal = normal_of(local);
+    offsets_[i] = quad_offset(local, normal);
     // Corners 1 and 3 from a plane through 0 and 2; half of it is the bilinear surface from two triangles.
-    const auto height = float(std::abs((exact[1] - exact[0]) ^ normal));
+    const auto height = float(std::abs(Vec3d(local[1] - local[0]) ^ normal));
     offsets_[i] += 0.5f * height;
     if (p.back >= 0 && p.back < std::int32_t(i)) {
       offsets_[i] = offsets_[p.back];
       continue;
     }
+    const auto add = [&](const std::array<Vec3f, 4>& traced, const Vec2f& shape, std::int32_t piece) {
+      const bool plane = packet_tracer_ && packet_tracer_->add_quad(exact(traced), std::int32_t(quads_.size()));
+      quads_.push_back({std::int32_t(i), p.back, shape.x, shape.y, Vec3f(normal), !plane, piece});
+      if (!packet_tracer_) corners.push_back(traced);
+      return plane;
+    };
     const Vec2f shape = quad_shape(p.corners);
-    if (p.mask >= 0) {
+    if (p.region) {
+      for (const auto& uv : p.region->pieces) {
+        std::array<Vec3d, 4> of_piece;
+        for (int k = 0; k < 4; ++k) of_piece[k] = position_at(p.corners, uv[k].x, uv[k].y);
+        pieces_.push_back({Vec2f(uv[0]), Vec2f(uv[1] - uv[0]), Vec2f(uv[3] - uv[0])});
+        add(to_local(of_piece), quad_shape(of_piece), std::int32_t(pieces_.size()) - 1);
+      }
+    } else if (p.mask >= 0) {
       masked.push_back({std::int32_t(i), p.back, shape.x, shape.y, Vec3f(normal), true});
       masked_corners.push_back(local);
-      continue;
+    } else if (add(local, shape, -1)) {
+      offsets_[i] += 0.5f * height;
     }
-    const bool plane = packet_tracer_ && packet_tracer_->add_quad(exact, std::int32_t(quads_.size()));
-    if (plane) offsets_[i] += 0.5f * height;
-    quads_.push_back({std::int32_t(i), p.back, shape.x, shape.y, Vec3f(normal), !plane});
-    if (!packet_tracer_) corners.push_back(local);
   }
   if (!corners.empty()) embree_->add_quads(corners);
   if (masked.empty()) return;
@@ -215,12 +230,18 @@ inline SurfaceHit RayScene::surface_hit(unsigned geometry, unsigned index, float
   result.primitive = from_front || quad.back < 0 ? quad.front : quad.back;
   result.u = s;
   result.v = t;
-  if (quad.a != 1.0f || quad.b != 1.0f) {
-    if (quad.two_triangles && s + t > 1.0f) {  // triangle (2,3,1)
-      const float p = 1.0f - s, q = 1.0f - t;
-      s = quad.a - p * quad.a + q * (1.0f - quad.a);
-      t = quad.b + p * (1.0f - quad.b) - q * quad.b;
-    }
+  const bool parallelogram = quad.a == 1.0f && quad.b == 1.0f;
+  if (!parallelogram && quad.two_triangles && s + t > 1.0f) {  // triangle (2,3,1)
+    const float p = 1.0f - s, q = 1.0f - t;
+    s = quad.a - p * quad.a + q * (1.0f - quad.a);
+    t = quad.b + p * (1.0f - quad.b) - q * quad.b;
+  }
+  if (quad.piece >= 0) {
+    const Piece& piece = pieces_[quad.piece];
+    const Vec2f uv = piece.corner + piece.along * s + piece.across * t;
+    result.u = std::clamp(uv.x, 0.0f, 1.0f);
+    result.v = std::clamp(uv.y, 0.0f, 1.0f);
+  } else if (!parallelogram) {
     const Vec2f uv = inverse_bilinear(quad.a, quad.b, s, t);
     result.u = uv.x;
     result.v = uv.y;

@@ -41,9 +41,9 @@ struct SurfaceHit {
 };
 
 /// A scene's primitives for ray casting, in single precision relative to the scene's centre; both sides of a surface
-/// are one primitive. Small scenes are traced by a PacketTracer, larger ones by Embree. Masked primitives have an
-/// Embree BVH of their own with the alpha test as hit filter, which scenes without masks skip. The PatchSet must
-/// outlive the RayScene. Hits do not depend on the number of threads.
+/// are one primitive, a region its pieces. Small scenes are traced by a PacketTracer, larger ones by Embree. Masked
+/// primitives have an Embree BVH of their own with the alpha test as hit filter, which scenes without masks skip. The
+/// PatchSet must outlive the RayScene. Hits do not depend on the number of threads.
 class RayScene {
  public:
   /// Largest number of unmasked primitives for the PacketTracer. It was measured to be faster than Embree at 20 and at
@@ -55,6 +55,9 @@ class RayScene {
   RayScene& operator=(const RayScene&) = delete;
 
   Vec3f to_local(const Vec3d& world) const { return Vec3f(world - origin_); }
+  std::array<Vec3f, 4> to_local(const std::array<Vec3d, 4>& world) const {
+    return {to_local(world[0]), to_local(world[1]), to_local(world[2]), to_local(world[3])};
+  }
 
   /// Offset of ray origins from primitive `i` along its normal that avoids self-intersection, m: a bound of the
   /// rounding of its points along the normal, plus the largest distance between a quad's bilinear surface and the plane
@@ -76,7 +79,12 @@ class RayScene {
     float a;  ///< Corner 2 = corner 0 + a * (corner 1 - corner 0) + b * (corner 3 - corner 0).
     float b;
     Vec3f normal;
-    bool two_triangles;  ///< Not planar: traced as two triangles.
+    bool two_triangles;       ///< Not planar: traced as two triangles.
+    std::int32_t piece = -1;  ///< Of a region: index into pieces_; -1: a whole quad.
+  };
+  /// (u,v) of a region's piece: at its corner 0, and how it changes along its edges.
+  struct Piece {
+    Vec2f corner, along, across;
   };
   struct Sphere {
     std::int32_t outside;
@@ -94,6 +102,7 @@ class RayScene {
   std::optional<PacketTracer> packet_tracer_;
   std::vector<float> offsets_;
   std::vector<Quad> quads_;
+  std::vector<Piece> pieces_;
   std::vector<Sphere> spheres_;
   std::unique_ptr<EmbreeTracer> embree_;         ///< Unmasked primitives; null: the PacketTracer has them.
   std::unique_ptr<EmbreeTracer> masked_embree_;  ///< Masked primitives; null: none.

@@ -111,7 +111,8 @@ std::vector<Candidate> candidates_of(const PatchSet& scene) {
     last.uniform = last.uniform && patch.emission == scene.patches[last.first].emission;
   }
   std::erase_if(candidates, [&](const Candidate& c) {
-    return scene.primitives[scene.patches[c.first].primitive].mask >= 0 && c.area > kMaxMasked * all;
+    const Primitive& primitive = scene.primitives[scene.patches[c.first].primitive];
+    return primitive.region || (primitive.mask >= 0 && c.area > kMaxMasked * all);
   });
   return candidates;
 }

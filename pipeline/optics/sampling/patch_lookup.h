@@ -9,14 +9,15 @@ namespace patchlight {
 
 /// Finds the patch at (u,v) of a primitive, by its rows of cells and the cuts through them.
 ///
-/// Rows of a quad have the same number of cells of equal size. Rows of a sphere are rings of equal polar angle; their
-/// numbers of cells differ.
+/// Rows of a quad have the same number of cells of equal size; those of a region, only some of them. Rows of a sphere
+/// are rings of equal polar angle; their numbers of cells differ.
 class PatchLookup {
  public:
   struct Row {
-    std::int32_t first;  ///< Patch of the cell at u = 0.
+    std::int32_t first;  ///< Patch of the cell at u = 0; of a region, its number among the cells of regions.
     std::int32_t cells;  ///< Number of cells.
     bool has_cuts;
+    bool in_region;
   };
 
   explicit PatchLookup(const PatchSet& scene);
@@ -28,9 +29,25 @@ class PatchLookup {
   /// The patch at (u,v) of primitive `i`; u and v in [0,1].
   std::int32_t patch(std::int32_t i, float u, float v) const {
     const Row& at = row(i, cell(v, rows(i)));
-    const std::int32_t patch = at.first + cell(u, at.cells);
+    const std::int32_t patch = nearest(at, cell(u, at.cells));
     return at.has_cuts && cut_of_[patch] >= 0 ? part(cut_of_[patch], u, v) : patch;
   }
+
+  /// The patch of a cell of a row; -1 outside of the region.
+  std::int32_t at(const Row& row, int column) const {
+    const std::int32_t patch = row.in_region ? region_cells_[row.first + column] : row.first + column;
+    return patch < 0 ? -1 : patch;
+  }
+
+  /// The same, but outside of the region the patch of a cell near by.
+  std::int32_t nearest(const Row& row, int column) const {
+    if (!row.in_region) return row.first + column;
+    const std::int32_t patch = region_cells_[row.first + column];
+    return patch < 0 ? ~patch : patch;
+  }
+
+  /// [cells of regions] Patches; ~patch of a cell near by where there is none.
+  const std::vector<std::int32_t>& region_cells() const { return region_cells_; }
 
   /// Whether anything stands on the edges between four cells of a quad's grid, or cuts one of them: the cells from
   /// (column, row) to (column + 1, row + 1), as far as they are in the grid.
@@ -39,7 +56,10 @@ class PatchLookup {
     const int last_column = this->row(i, 0).cells - 1, last_row = rows(i) - 1;
     const int left = column < 0 ? 0 : column, right = column < last_column ? column + 1 : last_column;
     const int low = row < 0 ? 0 : row, high = row < last_row ? row + 1 : last_row;
-    const auto closed = [&](int x, int y) { return closed_[this->row(i, y).first + x]; };
+    const auto closed = [&](int x, int y) {
+      const std::int32_t patch = at(this->row(i, y), x);
+      return patch < 0 ? 0 : int(closed_[patch]);
+    };
     return !(left < right && (closed(left, low) | closed(left, high)) & 2) &&
            !(low < high && (closed(left, low) | closed(right, low)) & 4);
   }
@@ -63,6 +83,7 @@ class PatchLookup {
   }
 
  private:
+  std::int32_t add_region(const PatchSet& scene, std::int32_t first);
   void add_cuts(const PatchSet& scene);
   void add_closed_edges(const PatchSet& scene);
 
@@ -73,6 +94,7 @@ class PatchLookup {
 
   std::vector<std::uint32_t> starts_;
   std::vector<Row> rows_;
+  std::vector<std::int32_t> region_cells_;
   std::vector<CutLine> lines_;        ///< As PatchSet::cuts.
   std::vector<std::int32_t> cut_of_;  ///< [patches] Patch::cut; empty: no cuts.
   std::vector<std::uint8_t> closed_;  ///< [patches] See closed_edges(); empty: no edges are closed.

@@ -50,11 +50,11 @@ PatchSampler::PatchSampler(const Primitive& primitive, const Patch& patch) : pri
     cos_bottom_ = std::cos(kPi * patch.v1);
     return;
   }
-  if (!patch.outline.empty()) {
-    fan_.push_back(0);
-    for (std::size_t k = 2; k < patch.outline.size(); ++k) {
-      const Vec3d &o = patch.outline[0], &a = patch.outline[k - 1], &b = patch.outline[k];
-      fan_.push_back(fan_.back() + ((a - o) % (b - o)).length());
+  if (!patch.triangles.empty()) {
+    areas_.push_back(0);
+    for (std::size_t k = 0; k < patch.triangles.size(); k += 3) {
+      const Vec3d &o = patch.triangles[k], &a = patch.triangles[k + 1], &b = patch.triangles[k + 2];
+      areas_.push_back(areas_.back() + ((a - o) % (b - o)).length());
     }
     return;
   }
@@ -62,26 +62,27 @@ PatchSampler::PatchSampler(const Primitive& primitive, const Patch& patch) : pri
     density_[k] = area_density(primitive.corners, k % 2 ? patch.u1 : patch.u0, k / 2 ? patch.v1 : patch.v0);
 }
 
-/// x chooses the triangle of the fan and the angle in it, y the distance from the first corner.
-Vec3d PatchSampler::in_outline(double x, double y) const {
-  const double area = x * fan_.back();
-  const auto next = std::clamp<std::ptrdiff_t>(std::upper_bound(fan_.begin(), fan_.end(), area) - fan_.begin(), 1,
-                                               std::ptrdiff_t(fan_.size()) - 1);
-  const double below = fan_[next - 1], size = fan_[next] - below;
+/// x chooses the triangle and the angle in it, y the distance from its first corner.
+Vec3d PatchSampler::in_triangles(double x, double y) const {
+  const double area = x * areas_.back();
+  const auto next = std::clamp<std::ptrdiff_t>(std::upper_bound(areas_.begin(), areas_.end(), area) - areas_.begin(), 1,
+                                               std::ptrdiff_t(areas_.size()) - 1);
+  const double below = areas_[next - 1], size = areas_[next] - below;
   const double turn = size > 0 ? std::min((area - below) / size, 1.0) : 0.5;
-  const Vec3d &o = patch_.outline[0], &a = patch_.outline[next], &b = patch_.outline[next + 1];
+  const Vec3d* const corner = &patch_.triangles[std::size_t(3 * (next - 1))];
+  const Vec3d &o = corner[0], &a = corner[1], &b = corner[2];
   return o + ((a - o) * (1 - turn) + (b - o) * turn) * std::sqrt(y);
 }
 
 SurfacePoint PatchSampler::operator()(float x, float y) const {
-  if (!fan_.empty()) return {in_outline(x, y), patch_.normal};
+  if (!areas_.empty()) return {in_triangles(x, y), patch_.normal};
   const Imath::V2d at = uv(x, y);
   if (primitive_.shape == Primitive::Shape::sphere) return point_at(primitive_, at.x, at.y);
   return {position_at(primitive_.corners, at.x, at.y), patch_.normal};
 }
 
 Imath::V2d PatchSampler::uv(float x, float y) const {
-  if (!fan_.empty()) return uv_of(primitive_, in_outline(x, y));
+  if (!areas_.empty()) return uv_of(primitive_, in_triangles(x, y));
   if (primitive_.shape == Primitive::Shape::sphere) {
     const double u = patch_.u0 + x * double(patch_.u1 - patch_.u0);
     const double cos_theta = cos_top_ + y * (cos_bottom_ - cos_top_);

@@ -27,13 +27,13 @@ class PatchSampler {
   Imath::V2d uv(float x, float y) const;
 
  private:
-  Vec3d in_outline(double x, double y) const;
+  Vec3d in_triangles(double x, double y) const;
 
   const Primitive& primitive_;
   const Patch& patch_;
   double cos_top_ = 0, cos_bottom_ = 0;  ///< Sphere: cosines of the patch's polar angles.
   double density_[4]{1, 1, 1, 1};        ///< Quad: area per du dv at the patch's corners 00, 10, 01, 11.
-  std::vector<double> fan_{};            ///< Part of a cell: area of the first k triangles about its first corner.
+  std::vector<double> areas_{};          ///< Part of a cell: twice the area of its first k triangles.
 };
 
 /// A direction about +Z with density cos / pi per sr, by Malley's method; x and y in [0,1).

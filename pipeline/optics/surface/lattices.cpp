@@ -26,7 +26,7 @@ int edge_of(const Node& outwards) {
 
 class Lattices::Builder {
  public:
-  Builder(const PatchSet& scene, const PatchLookup& lookup) {
+  Builder(const PatchSet& scene, const PatchLookup& lookup) : scene_(scene), lookup_(lookup) {
     const SmoothEdges smooth(scene.primitives);
     double largest = 0;
     for (std::int32_t i = 0; i < std::int32_t(scene.primitives.size()); ++i) {
@@ -82,6 +82,7 @@ class Lattices::Builder {
   void add_edges() {
     for (std::size_t g = 0; g < grids_.size(); ++g) {
       const auto add = [&](const Node& from, const Node& to, const Node& outwards) {
+        if (!ends_at_whole_cell(grids_[g], from, to, outwards)) return;
         Edge& edge = edges_.emplace_back(Edge{0, std::int32_t(g), from, to, outwards});
         edge.key = region(middle_of(edge), {});
       };
@@ -96,6 +97,14 @@ class Lattices::Builder {
       }
     }
     std::stable_sort(edges_.begin(), edges_.end(), [](const Edge& a, const Edge& b) { return a.key < b.key; });
+  }
+
+  /// Whether the cell inside of an edge is not a part that a region's outline leaves of it.
+  bool ends_at_whole_cell(const Grid& grid, const Node& from, const Node& to, const Node& outwards) const {
+    const auto column = int(std::min(from.x, to.x) - (outwards.x > 0 ? 1 : 0));
+    const auto row = int(std::min(from.y, to.y) - (outwards.y > 0 ? 1 : 0));
+    const std::int32_t patch = lookup_.at(lookup_.row(grid.quad, row), column);
+    return patch >= 0 && (scene_.patches[patch].triangles.empty() || scene_.patches[patch].cut >= 0);
   }
 
   Vec3d middle_of(const Edge& edge) const {
@@ -185,7 +194,8 @@ class Lattices::Builder {
 
   static void add_border(const Grid& grid, const Frame& frame, Lattices& result) {
     const auto add = [&](int column, int row) {
-      const std::int32_t patch = result.lookup_.row(grid.quad, row).first + column;
+      const std::int32_t patch = result.lookup_.at(result.lookup_.row(grid.quad, row), column);
+      if (patch < 0) return;
       result.border_.try_emplace({frame.lattice, frame.cell(column, row)},
                                  Cell{patch, frame.edges(result.lookup_.closed_edges(patch))});
     };
@@ -195,6 +205,8 @@ class Lattices::Builder {
       for (const int column : {0, grid.nu - 1}) add(column, row);
   }
 
+  const PatchSet& scene_;
+  const PatchLookup& lookup_;
   std::vector<Grid> grids_;
   double tolerance_ = 0;                            ///< Of positions, m.
   std::vector<Edge> edges_;                         ///< By their keys.

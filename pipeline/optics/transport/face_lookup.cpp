@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "pipeline/model/cuts/region_shape.h"
 #include "pipeline/model/error.h"
 #include "pipeline/optics/sampling/patch_sampling.h"
 
@@ -15,6 +16,24 @@ PlaneFrame frame_of(const Primitive& primitive) {
   if (!frame)
     throw Error(ExitCode::bad_data, "the display solution cuts a surface that is not plane", "", "solve again");
   return *frame;
+}
+
+/// Sets the part of a cell of a region that lies in it. `whole`: the patch that the cell is a part of.
+void set_part_of_region(const Primitive& primitive, const Patch& whole, Patch& cell) {
+  if (whole.cut < 0 && whole.triangles.empty()) return;
+  const PlaneFrame frame = frame_of(primitive);
+  const Polygon polygon = cell_polygon(primitive, frame, cell);
+  std::vector<Polygon> parts;
+  if (whole.cut >= 0) {
+    parts = RegionShape(primitive, frame).inside(polygon);
+  } else {
+    for (std::size_t k = 0; k < whole.triangles.size(); k += 3) {
+      const auto at = [&](std::size_t corner) { return frame.to_plane(whole.triangles[k + corner]); };
+      Polygon part = intersection({at(0), at(1), at(2)}, polygon);
+      if (part.size() >= 3 && area_of(part) > 0) parts.push_back(std::move(part));
+    }
+  }
+  if (!fill(parts, polygon)) set_part(parts, frame, cell);
 }
 
 }  // namespace
@@ -37,7 +56,7 @@ Patch sub_patch(const PatchSet& scene, const Patch& patch, float u0, float v0, f
   part.u1 = u1;
   part.v1 = v1;
   part.cut = -1;
-  part.outline.clear();
+  part.triangles.clear();
   const SurfacePoint middle = point_at(primitive, 0.5 * (u0 + u1), 0.5 * (v0 + v1));
   part.center = middle.position;
   part.normal = middle.normal;
@@ -52,6 +71,7 @@ Patch sub_patch(const PatchSet& scene, const Patch& patch, float u0, float v0, f
     const Vec3d along_v = (c[3] - c[0]) * (1 - u) + (c[2] - c[1]) * u;
     part.area = (along_u % along_v).length() * across * (double(v1) - v0);
   }
+  if (primitive.region && part.area > 0) set_part_of_region(primitive, patch, part);
   return part;
 }
 
@@ -76,7 +96,7 @@ void for_each_leaf(const PatchSet& scene, const DisplayMesh& mesh,
       todo.pop_back();
       const DisplayMesh::Cell& cell = mesh.cells[index];
       if (cell.children < 0) {
-        act(cell, part);
+        if (cell.face >= 0 || cell.cut >= 0) act(cell, part);
         continue;
       }
       const std::array<Patch, 4> parts = quarters(scene, part);
@@ -103,9 +123,7 @@ std::vector<Patch> face_patches(const PatchSet& scene, const DisplayMesh& mesh) 
                     }
                     Patch& patch = patches[face] = part;
                     patch.reflectance = scene.patches[mesh.faces[face].patch].reflectance;
-                    patch.area = area_of(polygon);
-                    patch.center = frame.to_world(centroid_of(polygon));
-                    for (const Vec2d& at : polygon) patch.outline.push_back(frame.to_world(at));
+                    set_part({polygon}, frame, patch);
                   });
   });
   return patches;

@@ -47,14 +47,15 @@ class FaceLookup {
   std::vector<CutLine> lines_;  ///< As DisplayMesh::cuts.
 };
 
-/// Calls act(cell, part) for each leaf, with its part of its root's cell as a patch without an outline.
+/// Calls act(cell, part) for each leaf with faces, with its part of its root's cell as a patch that is not cut.
 void for_each_leaf(const PatchSet& scene, const DisplayMesh& mesh,
                    const std::function<void(const DisplayMesh::Cell&, const Patch&)>& act);
 
 /// All faces as patches, with the colours of theirs. Shape: [faces].
 std::vector<Patch> face_patches(const PatchSet& scene, const DisplayMesh& mesh);
 
-/// The part of a patch's cell in this (u,v) range of its primitive, as a patch without an outline.
+/// The part of a patch's cell in this (u,v) range of its primitive, as a patch that is not cut; without an area where
+/// it is outside of a region.
 Patch sub_patch(const PatchSet& scene, const Patch& patch, float u0, float v0, float u1, float v1);
 
 /// The gathering vertices as patches of no size. Shape: [gathered].

@@ -30,6 +30,10 @@ class Place {
                                     is_lamp ? lamp_material() : material())}});
   }
 
+  void mesh(const char* name, const Mesh& shape) {
+    gltf_.node({{"name", name}, {"mesh", gltf_.mesh(shape, material())}});
+  }
+
   /// `finer`: nodes whose patches have an area, m2.
   void solve(const std::map<std::string, double>& finer = {}, int rays = 256) {
     Importer importer;

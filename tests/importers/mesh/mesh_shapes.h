@@ -61,6 +61,23 @@ inline Mesh grid(std::uint32_t n) {
   return mesh;
 }
 
+/// The square from -1 to 1 in the plane z = 0, facing +Z, less a regular polygon of 8 n corners about its middle.
+inline Mesh plate_with_hole(std::uint32_t n, double radius) {
+  Mesh mesh;
+  const std::uint32_t corners = 8 * n;
+  for (std::uint32_t k = 0; k < corners; ++k) {
+    const double angle = 2 * kPi * k / corners, x = std::cos(angle), y = std::sin(angle);
+    const double outwards = 1 / std::max(std::abs(x), std::abs(y));
+    mesh.positions.emplace_back(Vec3d(x * outwards, y * outwards, 0));
+    mesh.positions.emplace_back(Vec3d(x * radius, y * radius, 0));
+  }
+  for (std::uint32_t k = 0; k < corners; ++k) {
+    const std::uint32_t a = 2 * k, b = a + 1, c = 2 * ((k + 1) % corners), d = c + 1;
+    mesh.indices.insert(mesh.indices.end(), {a, c, b, b, c, d});
+  }
+  return mesh;
+}
+
 /// Like Blender's: radius 1, poles on the Y axis.
 inline Mesh uv_sphere(std::uint32_t segments, std::uint32_t rings) {
   Mesh mesh;

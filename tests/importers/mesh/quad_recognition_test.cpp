@@ -16,7 +16,7 @@ bool is_quad(const Facet& facet) {
 
 std::vector<Facet> facets_of(const Mesh& mesh) {
   const MeshTopology topology = build_topology(soup_of(mesh));
-  return recognize_quads(topology, std::vector<char>(topology.triangles.size(), 0)).facets;
+  return recognize_quads(topology, std::vector<char>(topology.triangles.size(), 0), false).facets;
 }
 
 TEST(QuadRecognition, CubeIsSixQuadsFacingOut) {
@@ -154,7 +154,7 @@ TEST(QuadRecognition, RotatedRegionsFarFromTheOriginAreMerged) {
   TriangleSoup soup = soup_of(floor);
   soup.rounding = 1e-5;
   const MeshTopology topology = build_topology(soup);
-  EXPECT_EQ(recognize_quads(topology, std::vector<char>(topology.triangles.size(), 0)).facets.size(), 1u);
+  EXPECT_EQ(recognize_quads(topology, std::vector<char>(topology.triangles.size(), 0), false).facets.size(), 1u);
 }
 
 TEST(QuadRecognition, MergedQuadKeepsTheTextureMappingOfItsTriangles) {
@@ -165,7 +165,7 @@ TEST(QuadRecognition, MergedQuadKeepsTheTextureMappingOfItsTriangles) {
     for (const Vec3d& p : soup.positions) soup.texcoords[0].push_back(mapping(p));
     const MeshTopology topology = build_topology(soup);
     std::vector<std::pair<Facet, Texcoords>> facets;
-    for (const Facet& f : recognize_quads(topology, std::vector<char>(topology.triangles.size(), 0)).facets) {
+    for (const Facet& f : recognize_quads(topology, std::vector<char>(topology.triangles.size(), 0), false).facets) {
       Texcoords& at = facets.emplace_back(f, Texcoords{}).second;
       for (std::size_t i = 0; i < 4; ++i) at[i] = f.sources[i](topology.texcoords[0]);
     }

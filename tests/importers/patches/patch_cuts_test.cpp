@@ -101,7 +101,7 @@ TEST(PatchCuts, SampleTheirPartsUniformly) {
   PatchSet& scene = builder.get();
   cut(4, scene);
   for (const Patch& patch : scene.patches) {
-    if (patch.outline.empty()) continue;
+    if (patch.triangles.empty()) continue;
     const PatchSampler sampler(scene.primitives[patch.primitive], patch);
     Vec3d mean(0.0);
     constexpr int kAcross = 64;

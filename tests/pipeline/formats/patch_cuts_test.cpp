@@ -38,9 +38,9 @@ TEST(PatchCutsFile, ReadsBackWhatWasWritten) {
   EXPECT_EQ(read.cuts[0].sides, scene.cuts[0].sides);
   EXPECT_EQ(read.patches[0].closed, 2);
   EXPECT_EQ(read.patches[3].cut, 0);
-  EXPECT_TRUE(read.patches[0].outline.empty());
-  EXPECT_EQ(read.patches[1].outline.size(), 4u);
-  for (const Vec3d& corner : read.patches[1].outline) EXPECT_LE(corner.x, 1.5) << "to the left of a line upwards";
+  EXPECT_TRUE(read.patches[0].triangles.empty());
+  EXPECT_EQ(read.patches[1].triangles.size(), 6u);
+  for (const Vec3d& corner : read.patches[1].triangles) EXPECT_LE(corner.x, 1.5) << "to the left of a line upwards";
   PatchSet uncut = cut_scene();
   uncut.cuts[1].to.y = 0.6;
   uncut.patches[2].area = 0.225;

@@ -34,6 +34,7 @@ inline void expect_refused(const PatchSet& good, const std::vector<Fault>& fault
     PatchSet scene = good;
     spoil(scene);
     write_patches(folder / "patches.h5", scene);
+    SCOPED_TRACE(where);
     EXPECT_ERROR(read_patches(folder / "patches.h5"), ExitCode::bad_data, where);
   }
 }

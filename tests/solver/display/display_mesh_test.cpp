@@ -61,7 +61,7 @@ TEST(DisplayMesh, FacesCoverTheirPatches) {
   for (std::size_t f = 0; f < faces.size(); ++f) {
     area += faces[f].area;
     difference += std::abs(hits[f] - faces[f].area);
-    cut += faces[f].outline.empty() ? 0 : faces[f].area;
+    cut += faces[f].triangles.empty() ? 0 : faces[f].area;
     EXPECT_NEAR(faces[f].normal.length(), 1, 1e-5);
     EXPECT_NEAR(mesh.faces[f].part, faces[f].area / scene.patches[mesh.faces[f].patch].area, 1e-6);
   }
