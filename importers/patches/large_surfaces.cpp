@@ -8,6 +8,7 @@
 #include "importers/patches/patch_areas.h"
 #include "importers/patches/patch_grid.h"
 #include "importers/patches/size_field.h"
+#include "pipeline/model/cuts/region_shape.h"
 #include "pipeline/optics/surface/smooth_edges.h"
 
 namespace patchlight {
@@ -135,19 +136,27 @@ class Rebuilder {
     add(before_.primitives[i], {areas_[i]}, i, whole);
   }
 
-  /// Adds a piece of quad `i`, with its corners' (u,v) and its grid; then, for a quad with a back, the back's.
+  /// Adds a piece of quad `i`, with its corners' (u,v) and its grid; then, for a quad with a back, the back's. Of a
+  /// region, only what there is of the piece.
   void add_piece(std::int32_t i, const std::array<Vec2d, 4>& uv, const QuadGrid& grid) {
     const PatchTarget target{areas_[i], grid};
     Primitive part = before_.primitives[i];
     for (std::size_t k = 0; k < 4; ++k) part.corners[k] = position_at(before_.primitives[i].corners, uv[k].x, uv[k].y);
     if (before_.primitives[i].is_triangle() && uv[2].y == 1.0) part.corners[3] = part.corners[2];
     part.smooth_vertices = vertices_of(part);
+    if (part.region) {
+      constexpr double kLeast = 1e-9, kWhole = 1 - 1e-9;  // of the piece's area
+      const Region region = part_of(*part.region, uv[0], uv[2]);
+      if (region.area() < kLeast) return;
+      part.region = region.area() > kWhole ? nullptr : std::make_shared<const Region>(region);
+    }
     add(part, target, i, uv);
     if (part.back < 0) return;
     const auto order = reversed_corners(part);
     Primitive back = before_.primitives[i + 1];
     for (std::size_t k = 0; k < 4; ++k) back.corners[k] = part.corners[order[k]];
     back.smooth_vertices = vertices_of(back);
+    back.region = part.region ? std::make_shared<const Region>(part.region->mirrored()) : nullptr;
     add(back, target, i + 1, mirrored(uv, order));
     join_sides();
   }
@@ -207,7 +216,7 @@ class Rebuilder {
 
 /// Whether a primitive may be divided.
 bool is_divisible(const Primitive& p, const SurfaceMaterial& material, double patch_area, const SmoothEdges& smooth) {
-  if (p.shape != Primitive::Shape::quad || p.region || p.light_group >= 0) return false;
+  if (p.shape != Primitive::Shape::quad || p.light_group >= 0) return false;
   if (material.specular != Color(0.0f) || material.patch_area > 0.0) return false;
   const QuadGrid grid = quad_grid(p, patch_area);
   return (grid.columns > 1 && grid.rows > 1) || !smooth.is_smooth(p);

@@ -197,11 +197,13 @@ void append_patches(const Primitive& primitive, std::int32_t index, const Surfac
   const Patch common = patch_template(index, material);
   if (primitive.shape == Primitive::Shape::sphere) {
     append_sphere(primitive, common, target.area, patches);
-  } else if (primitive.region) {
-    append_region(primitive, common, quad_grid(primitive, target.area), patches);
-  } else {
-    append_quad(primitive, common, target.grid.columns > 0 ? target.grid : quad_grid(primitive, target.area), patches);
+    return;
   }
+  const QuadGrid grid = target.grid.columns > 0 ? target.grid : quad_grid(primitive, target.area);
+  if (primitive.region)
+    append_region(primitive, common, grid, patches);
+  else
+    append_quad(primitive, common, grid, patches);
 }
 
 }  // namespace patchlight

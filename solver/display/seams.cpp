@@ -34,8 +34,7 @@ Seams::Seams(const PatchSet& scene, const Lattices& lattices, const std::vector<
   std::vector<Candidate> candidates;
   std::vector<Imath::Box3d> boxes;
   for (std::int32_t i = 0; i < std::int32_t(scene.primitives.size()); ++i) {
-    const bool is_none = reach[i] < 0 || scene.primitives[i].region;
-    const std::optional<PlaneFrame> frame = is_none ? std::nullopt : PlaneFrame::of(scene.primitives[i]);
+    const std::optional<PlaneFrame> frame = reach[i] < 0 ? std::nullopt : PlaneFrame::of(scene.primitives[i]);
     if (!frame) continue;
     Imath::Box3d& box = boxes.emplace_back(bounds_of({scene.primitives[i]}));
     double largest = 0;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace patchlight {
 
@@ -58,6 +59,36 @@ std::vector<Polygon> RegionShape::inside(const Polygon& polygon) const {
     if (part.size() >= 3 && area_of(part) > 0) parts.push_back(std::move(part));
   }
   return parts;
+}
+
+Region part_of(const Region& region, const Vec2d& low, const Vec2d& high) {
+  const Polygon rectangle{low, {high.x, low.y}, high, {low.x, high.y}};
+  const auto place = [&](const Vec2d& p) {
+    const Vec2d at = (p - low) / (high - low);
+    return Vec2d(std::clamp(at.x, 0.0, 1.0), std::clamp(at.y, 0.0, 1.0));
+  };
+  Region part;
+  for (const auto& c : region.pieces) {
+    const Polygon whole(c.begin(), c[2] == c[3] ? c.end() - 1 : c.end());
+    const Polygon inside = intersection(whole, rectangle);
+    for (std::size_t k = 2; k < inside.size(); k += 2) {  // quads about its first corner, the last maybe a triangle
+      const std::array<Vec2d, 4> piece{place(inside[0]), place(inside[k - 1]), place(inside[k]),
+                                       place(inside[std::min(k + 1, inside.size() - 1)])};
+      if ((piece[2] - piece[0]).cross(piece[3] - piece[1]) > 0) part.pieces.push_back(piece);
+    }
+  }
+  for (auto [from, to] : region.edges) {
+    bool is_inside = true;
+    for (int k = 0; k < 2 && is_inside; ++k)
+      for (const auto& [limit, sign] : {std::pair(low[k], 1.0), {high[k], -1.0}}) {
+        const double a = sign * (from[k] - limit), b = sign * (to[k] - limit);
+        is_inside = is_inside && (a > 0 || b > 0 || (a == 0 && b == 0));
+        if (is_inside && a < 0) from += (to - from) * (a / (a - b));
+        if (is_inside && b < 0) to += (from - to) * (b / (b - a));
+      }
+    if (is_inside && place(from) != place(to)) part.edges.push_back({place(from), place(to)});
+  }
+  return part;
 }
 
 double area_of(const std::vector<Polygon>& polygons) {

@@ -29,6 +29,9 @@ class RegionShape {
   std::vector<std::vector<std::int32_t>> buckets_;  ///< Pieces by what they overlap along y.
 };
 
+/// What of a region lies in a rectangle of (u,v), in the (u,v) of that rectangle. Its outline is where the region's is.
+Region part_of(const Region& region, const Vec2d& low, const Vec2d& high);
+
 double area_of(const std::vector<Polygon>& polygons);
 
 }  // namespace patchlight

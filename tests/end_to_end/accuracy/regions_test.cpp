@@ -123,5 +123,35 @@ TEST(PlanarRegions, CeilingWithHolesIsSmoothAndRight) {
   EXPECT_LT(difference.largest, 0.12);
 }
 
+/// A box on a ground of 60 m: a square, or a disc of 32 corners.
+void build_ground(Place& place, bool round) {
+  place.sky = Color(1.0f);
+  if (round) {
+    Mesh disc;
+    for (int k = 0; k < 32; ++k)
+      disc.positions.emplace_back(Vec3d(30 * std::cos(kPi * k / 16), 0, -30 * std::sin(kPi * k / 16)));
+    for (std::uint32_t k = 2; k < 32; ++k) disc.indices.insert(disc.indices.end(), {0, k - 1, k});
+    place.mesh("ground", disc);
+  } else {
+    place.level("ground", 0, 0, 0, 30);
+  }
+  place.box("box", {-0.5f, 0, -0.5f}, {0.5f, 1, 0.5f});
+}
+
+TEST(PlanarRegions, ARoundGroundIsAsASquareOne) {
+  Place square, disc;
+  build_ground(square, false);
+  build_ground(disc, true);
+  square.solve({{"box", 0.01}}, 1024);
+  disc.solve();
+  Difference difference;
+  for (double distance = 0.52; distance < 10; distance *= 1.1)
+    for (double along = -0.9; along < 1; along += 0.2)
+      difference.add(disc.at("ground", {distance, 0, along * distance}, {0, 1, 0}),
+                     square.at("ground", {distance, 0, along * distance}, {0, 1, 0}));
+  EXPECT_LT(difference.mean(), 0.005);
+  EXPECT_LT(difference.rms(), 0.015);
+}
+
 }  // namespace
 }  // namespace patchlight::test

@@ -156,6 +156,34 @@ TEST(LargeSurfaces, MayBeTriangles) {
   EXPECT_GE(tips, 1);
 }
 
+TEST(LargeSurfaces, MayBeRegions) {
+  PrimitiveList list = ground_with_hut(1'000, 0);
+  Region octagon;
+  std::array<Vec2d, 8> corners;
+  for (std::size_t k = 0; k < 8; ++k)
+    corners[k] = Vec2d(0.5, 0.5) + Vec2d(std::cos(kPi / 4 * double(k)), std::sin(kPi / 4 * double(k))) * 0.5;
+  for (std::size_t k = 0; k < 8; ++k) octagon.edges.push_back({corners[k], corners[(k + 1) % 8]});
+  for (std::size_t k = 1; k < 6; k += 2)
+    octagon.pieces.push_back({corners[0], corners[k], corners[k + 1], corners[k + 2]});
+  list.primitives[0].region = std::make_shared<const Region>(octagon);
+  const double area = primitive_area(list.primitives[0]);
+  const Divided divided(list);
+  EXPECT_GT(divided.list.primitives.size(), 100u);
+  EXPECT_LT(divided.size_at(1.01, 0.3), 0.12);
+  EXPECT_NEAR(divided.area_of_ground() / area, 1, 1e-6);
+  double outline = 0;
+  int whole = 0, partial = 0;
+  for (const Primitive& p : divided.list.primitives) {
+    if (p.corners[2].y != 0) continue;
+    ++(p.region ? partial : whole);
+    for (const auto& [from, to] : p.region ? p.region->edges : octagon.edges)
+      outline += p.region ? (position_at(p.corners, to.x, to.y) - position_at(p.corners, from.x, from.y)).length() : 0;
+  }
+  EXPECT_NEAR(outline, 8 * 1'000 * std::sin(kPi / 8), 1e-3);
+  EXPECT_GT(whole, 10);
+  EXPECT_GT(partial, 4);
+}
+
 TEST(LargeSurfaces, AreCoarserWhereManySmallThingsStand) {
   PrimitiveList list;
   list.primitives.push_back(level_square(10'000, Vec3d(0.0)));
