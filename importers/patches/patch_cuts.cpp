@@ -14,7 +14,7 @@ namespace patchlight {
 namespace {
 
 constexpr double kWhole = 0.25;        // area of primitives that are not cut, over the patch area
-constexpr double kLeastOfPart = 1e-4;  // of a part of a cell that lies in its region
+constexpr double kLeastOfCell = 1e-6;  // of a part of a cell that lies in its region
 constexpr double kSmall = 0.25;        // extent of crossings that do not cut, over the size of a cell
 
 bool has_picture_of_light(const PatchSet& scene, const Primitive& p) {
@@ -44,13 +44,15 @@ void cut_patch(const CellParts& cell, const PlaneFrame& frame, const RegionShape
   whole.cut = std::int32_t(cuts.size());
   std::vector<Patch> parts(cell.parts.size(), whole);
   std::size_t largest = 0;
+  double cell_area = 0;
   for (std::size_t k = 0; k < parts.size(); ++k) {
+    cell_area += area_of(cell.parts[k]);
     set_part(region ? region->inside(cell.parts[k]) : std::vector<Polygon>{cell.parts[k]}, frame, parts[k]);
     if (parts[k].area > parts[largest].area) largest = k;
   }
   std::vector<std::int32_t> sides(parts.size(), Cut::kNothing);
   for (std::size_t k = 0; k < parts.size(); ++k) {
-    if (region && !(parts[k].area > kLeastOfPart * area_of(cell.parts[k]))) continue;
+    if (region && !(parts[k].area > kLeastOfCell * cell_area)) continue;
     sides[k] = ~(k == largest ? index : next++);
     (k == largest ? patch : others.emplace_back()) = std::move(parts[k]);
   }

@@ -16,6 +16,7 @@
 #include "solver/display/fine_detail.h"
 #include "solver/display/leaf_faces.h"
 #include "solver/display/leaf_lattice.h"
+#include "solver/display/region_vertices.h"
 #include "solver/form_factors/harmonic_distance.h"
 
 namespace patchlight {
@@ -52,6 +53,7 @@ class Builder {
     for (std::size_t i = 0; i < mesh_.cells.size(); ++i) level.push_back(std::int32_t(i));
     for (int depth = 0; !level.empty(); ++depth) level = refine(std::move(level), depth, cast);
     add_faces(scene_, lookup_, lattices_, seams_, smooth_, lines_, is_open_, mesh_);
+    move_into_regions(scene_, lookup_, mesh_.vertices);
     add_display_facets(scene_, ray_scene_, lookup_, near_facets_, mesh_, cast);
     return std::move(mesh_);
   }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "pipeline/model/error.h"
 #include "solver/linear/parallel_rows.h"
@@ -24,6 +26,9 @@ double largest_ratio(const Spectrum& square, const Spectrum& reference) {
   return largest;
 }
 
+constexpr double kDiverged = 1e6;     // of a residual, over the least one
+constexpr double kImprovement = 0.5;  // of the least residual, for which a restart is worth while
+
 /// State of one source's iteration. The caller computes the products v = F p and t = F r between the steps. After the
 /// first half step, r is the vector s of the paper.
 class BiCgStab {
@@ -32,16 +37,37 @@ class BiCgStab {
   LinearSolve result;
 
   BiCgStab(const std::vector<double>& areas, const SpectrumField& source, SpectrumField& x)
-      : p(areas.size()), v(p), r(source), t(p), areas_(areas), x_(x) {
+      : p(areas.size()), v(p), r(source), t(p), areas_(areas), source_(source), x_(x) {
     source_square_ = sums_over_rows<1>(areas.size(),
                                        [&](std::size_t i) { return std::array{weighted(source[i], source[i], i)}; })[0];
   }
 
   bool has_initial_guess() const { return !is_black(x_); }
+  bool is_finished(double tolerance, int max_iterations) const {
+    return result.residual <= tolerance || result.iterations >= max_iterations || is_hopeless_;
+  }
+
+  /// If rounding makes the iteration diverge, as it may where hardly any light is lost, returns to the best solution so
+  /// far: with p = x, the caller computes v = F x and begins again, unless that was tried in vain.
+  bool returns_to_best() {
+    if (!(result.residual > kDiverged * least_residual_)) return false;
+    is_hopeless_ = least_residual_ > kImprovement * least_at_restart_;
+    least_at_restart_ = least_residual_;
+    p = x_ = best_;
+    return !is_hopeless_;
+  }
+
+  LinearSolve finish() && {
+    if (result.residual > least_residual_) {
+      x_ = std::move(best_);
+      result.residual = least_residual_;
+    }
+    return std::move(result);
+  }
 
   /// Prepares the first step. With an initial guess, p = x and v = F x.
   void begin(bool with_guess) {
-    if (with_guess) for_each_row(size(), [&](std::size_t i) { r[i] -= x_[i] - v[i]; });
+    if (with_guess) for_each_row(size(), [&](std::size_t i) { r[i] = source_[i] - (x_[i] - v[i]); });
     shadow_ = p = r;
     rho_ = r_square_ = shadow_square_ =
         sums_over_rows<1>(size(), [&](std::size_t i) { return std::array{weighted(r[i], r[i], i)}; })[0];
@@ -100,6 +126,9 @@ class BiCgStab {
   void record(double residual) {
     result.residual = residual;
     result.residuals.push_back(residual);
+    if (!(residual < least_residual_)) return;
+    least_residual_ = residual;
+    best_ = x_;
   }
 
   /// Whether the shadow residual has become orthogonal to the residual, so that the iteration must restart.
@@ -110,7 +139,12 @@ class BiCgStab {
   }
 
   const std::vector<double>& areas_;
+  const SpectrumField& source_;
   SpectrumField& x_;
+  SpectrumField best_;  ///< The solution with the least residual.
+  double least_residual_ = std::numeric_limits<double>::infinity();
+  double least_at_restart_ = std::numeric_limits<double>::infinity();
+  bool is_hopeless_ = false;
   SpectrumField shadow_;
   Spectrum source_square_, rho_, r_square_, shadow_square_, alpha_;
 };
@@ -160,7 +194,7 @@ std::vector<LinearSolve> solve_irradiance(const FormFactorRows& rows, const Spec
     active.clear();
     double residual = 0;
     for (BiCgStab& system : systems)
-      if (system.result.residual > tolerance && system.result.iterations < max_iterations) {
+      if (!system.is_finished(tolerance, max_iterations)) {
         active.push_back(&system);
         residual = std::max(residual, system.result.residual);
       }
@@ -170,9 +204,13 @@ std::vector<LinearSolve> solve_irradiance(const FormFactorRows& rows, const Spec
     std::erase_if(active, [&](BiCgStab* system) { return system->first_half(tolerance); });
     apply(&BiCgStab::r, &BiCgStab::t);
     for (BiCgStab* system : active) system->second_half();
+    std::erase_if(active, [](BiCgStab* system) { return !system->returns_to_best(); });
+    if (active.empty()) continue;
+    apply(&BiCgStab::p, &BiCgStab::v);
+    for (BiCgStab* system : active) system->begin(true);
   }
   std::vector<LinearSolve> results;
-  for (BiCgStab& system : systems) results.push_back(std::move(system.result));
+  for (BiCgStab& system : systems) results.push_back(std::move(system).finish());
   return results;
 }
 

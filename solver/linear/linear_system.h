@@ -18,7 +18,8 @@ std::vector<Color> to_colors(const SpectrumField& field, const std::string& grou
 /// Result of an iterative solve.
 struct LinearSolve {
   int iterations = 0;
-  double residual = 0.0;  ///< Norm of the residual over that of the source, of the worst channel; 0 without a source.
+  double residual = 0.0;          ///< Norm of the residual over that of the source, of the worst channel: the
+                                  ///< least of all iterations; 0 without a source.
   std::vector<double> residuals;  ///< Before each iteration and after the last.
 };
 

@@ -61,6 +61,16 @@ std::vector<Polygon> RegionShape::inside(const Polygon& polygon) const {
   return parts;
 }
 
+bool RegionShape::holds(const Vec2d& point) const {
+  const auto& near = buckets_[std::size_t(bucket(point.y))];
+  return std::any_of(near.begin(), near.end(), [&](std::int32_t k) {
+    const Polygon& outline = pieces_[std::size_t(k)].outline;
+    for (std::size_t i = 0; i < outline.size(); ++i)
+      if (side_of(outline[i], outline[(i + 1) % outline.size()], point) < 0) return false;
+    return true;
+  });
+}
+
 Region part_of(const Region& region, const Vec2d& low, const Vec2d& high) {
   const Polygon rectangle{low, {high.x, low.y}, high, {low.x, high.y}};
   const auto place = [&](const Vec2d& p) {

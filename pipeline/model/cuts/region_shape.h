@@ -16,6 +16,8 @@ class RegionShape {
   /// Convex polygons that tile the part of a convex polygon that is inside of the region.
   std::vector<Polygon> inside(const Polygon& polygon) const;
 
+  bool holds(const Vec2d& point) const;
+
  private:
   struct Piece {
     Polygon outline;

@@ -21,16 +21,19 @@ double half_cross(const std::array<Vec3d, 4>& corners) {
   return 0.5 * ((corners[2] - corners[0]) % (corners[3] - corners[1])).length();
 }
 
-/// A surface that may cross others, or a piece of a region.
+/// A surface that may cross others or stand on them. Of a region, its pieces may cross, and its edges may stand.
 struct Crosser {
+  enum class Part { quad, piece, edge };
+
+  Part part;
   std::array<Vec3d, 4> corners;
   std::array<Vec3d, 4> whole;  ///< Of its primitive.
   double size;                 ///< Root of its primitive's area, m.
   double rounding;             ///< Error of its positions, m.
   Imath::Box3d box;            ///< With a margin of `rounding`.
 
-  Crosser(const Primitive& primitive, const std::array<Vec3d, 4>& of_piece)
-      : corners(of_piece), whole(primitive.corners) {
+  Crosser(Part of, const Primitive& primitive, const std::array<Vec3d, 4>& of_part)
+      : part(of), corners(of_part), whole(primitive.corners) {
     double largest = 0;
     for (const Vec3d& c : corners) {
       box.extendBy(c);
@@ -68,9 +71,10 @@ class Plane {
     relief_ = 0;
     for (const Vec3d& corner : crosser.whole) relief_ = std::max(relief_, frame_.height(corner));
     if (*low < -rounding) {
+      if (crosser.part == Crosser::Part::edge) return;
       add_part({0, 1, 2}, crosser, heights);
       add_part({0, 2, 3}, crosser, heights);
-    } else {
+    } else if (crosser.part != Crosser::Part::piece) {
       const double highest = std::min(reach, kLow * crosser.size) + rounding;
       for (int k = 0; k < 4; ++k) {
         const int next = (k + 1) % 4;
@@ -197,12 +201,15 @@ std::vector<std::vector<Crossing>> find(const std::vector<Primitive>& primitives
     const Primitive& p = primitives[i];
     const bool is_back = p.back >= 0 && p.back < std::int32_t(i);  // in the same place as its front
     if (p.shape != Primitive::Shape::quad || p.mask >= 0 || is_back) continue;
-    if (!p.region) crossers.emplace_back(p, p.corners);
-    for (const auto& piece : p.region ? p.region->pieces : std::vector<std::array<Vec2d, 4>>{}) {
-      std::array<Vec3d, 4> corners;
-      for (int k = 0; k < 4; ++k) corners[k] = position_at(p.corners, piece[k].x, piece[k].y);
-      crossers.emplace_back(p, corners);
+    if (!p.region) {
+      crossers.emplace_back(Crosser::Part::quad, p, p.corners);
+      continue;
     }
+    const auto place = [&](const Vec2d& uv) { return position_at(p.corners, uv.x, uv.y); };
+    for (const auto& [a, b, c, d] : p.region->pieces)
+      crossers.emplace_back(Crosser::Part::piece, p, std::array{place(a), place(b), place(c), place(d)});
+    for (const auto& [from, to] : p.region->edges)
+      crossers.emplace_back(Crosser::Part::edge, p, std::array{place(from), place(to), place(to), place(to)});
   }
   for (const Crosser& crosser : crossers) boxes.push_back(crosser.box);
   const BoxTree tree(boxes);
@@ -243,6 +250,7 @@ std::vector<std::vector<Crossing>> outlines_of_regions(const std::vector<Primiti
     Plane plane(primitives[i], frame, Where::at_edges);
     plane.add_outline();
     result[i] = std::move(plane).crossings();
+    for (Crossing& edge : result[i]) edge.extent = (edge.to - edge.from).length();
   }
   return result;
 }

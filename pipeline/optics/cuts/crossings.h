@@ -26,7 +26,8 @@ std::vector<std::vector<Crossing>> find_crossings(const std::vector<Primitive>& 
 std::vector<std::vector<Crossing>> find_crossings_at_edges(const std::vector<Primitive>& primitives,
                                                            const std::function<double(std::int32_t)>& reach);
 
-/// The outlines of regions, as crossings without a height. Shape: [primitives]; empty where there is no region.
+/// The edges of regions' outlines as crossings without a height, each with an extent of its own. Shape: [primitives];
+/// empty where there is no region.
 std::vector<std::vector<Crossing>> outlines_of_regions(const std::vector<Primitive>& primitives);
 
 }  // namespace patchlight

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -71,6 +72,17 @@ TEST(LinearSystem, IsSolvedForAnyRows) {
     SpectrumField x(kPatches);
     EXPECT_LE(solve(rows, reflectance, source, x).residual, 1e-10);
     EXPECT_LT(residual(rows, reflectance, source, x), 1e-8);
+  }
+}
+
+TEST(LinearSystem, ResultIsTheBestOfAllIterations) {
+  const Transport transport = random_rows(1.0, false);
+  const FormFactorRows rows(transport);
+  const SpectrumField reflectance(kPatches, Spectrum(0.99999)), source = random_field(-5.0f, 5.0f);
+  for (int iterations = 1; iterations < 60; ++iterations) {
+    SpectrumField x(kPatches);
+    const LinearSolve result = solve(rows, reflectance, source, x, 0, iterations);
+    EXPECT_EQ(result.residual, *std::min_element(result.residuals.begin(), result.residuals.end())) << iterations;
   }
 }
 
