@@ -65,12 +65,12 @@ class Plane {
   void add(const Crosser& crosser, double reach) {
     std::array<double, 4> heights;
     for (int k = 0; k < 4; ++k) heights[k] = frame_.height(crosser.corners[k]);
-    const auto [low, high] = std::minmax_element(heights.begin(), heights.end());
+    const double low = *std::min_element(heights.begin(), heights.end());
     const double rounding = crosser.rounding + kPositionRounding * size_;
-    if (*high <= rounding) return;
     relief_ = 0;
     for (const Vec3d& corner : crosser.whole) relief_ = std::max(relief_, frame_.height(corner));
-    if (*low < -rounding) {
+    if (relief_ <= rounding) return;
+    if (low < -rounding) {
       if (crosser.part == Crosser::Part::edge) return;
       add_part({0, 1, 2}, crosser, heights);
       add_part({0, 2, 3}, crosser, heights);

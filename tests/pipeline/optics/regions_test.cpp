@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "pipeline/model/cuts/cut_cells.h"
+#include "pipeline/optics/cuts/crossings.h"
 #include "pipeline/optics/intersect/ray_scene.h"
 #include "pipeline/optics/sampling/patch_lookup.h"
 #include "tests/patch_scene.h"
@@ -76,6 +77,33 @@ TEST(Regions, LookupFindsThePatchOrOneNearTheHole) {
       const Patch& p = scene.patches[found];
       EXPECT_LE(std::abs(8 * p.u0 - float(column)) + std::abs(8 * p.v0 - float(row)), in_hole ? 1.01f : 0.01f);
     }
+}
+
+/// A gable at x = 0, from `low` up to 1 m higher, in two pieces, that faces +X.
+Primitive gable(double low) {
+  Region region;
+  region.pieces = {{{{0, 0}, {1, 0}, {1, 0.5}, {0, 0.5}}}, {{{0, 0.5}, {1, 0.5}, {0.5, 1}, {0.5, 1}}}};
+  region.edges = {
+      {{{0, 0}, {1, 0}}}, {{{1, 0}, {1, 0.5}}}, {{{1, 0.5}, {0.5, 1}}}, {{{0.5, 1}, {0, 0.5}}}, {{{0, 0.5}, {0, 0}}}};
+  Primitive gable;
+  gable.corners = {{{0, low, 0.5}, {0, low, -0.5}, {0, low + 1, -0.5}, {0, low + 1, 0.5}}};
+  gable.region = std::make_shared<const Region>(region);
+  return gable;
+}
+
+TEST(Regions, StandOnOthersByTheirOutlinesAndCrossThemByTheirPieces) {
+  Primitive floor = plate().primitives[0];
+  floor.region.reset();
+  for (const auto& [low, height] : {std::pair(0.0, 0.0), {0.05, 0.05}, {-0.5, 0.0}, {-0.6, 0.0}, {-0.3, 0.0}}) {
+    const auto crossings = find_crossings({floor, gable(low)}, [](std::int32_t i) { return i == 0 ? 0.1 : -1.0; })[0];
+    double length = 0;
+    for (const Crossing& crossing : crossings) {
+      EXPECT_NEAR(crossing.height, height, 1e-9);
+      EXPECT_NEAR(crossing.relief, low + 1, 1e-9);
+      length += (crossing.to - crossing.from).length();
+    }
+    EXPECT_NEAR(length, low < -0.5 ? 0.8 : 1, 1e-6) << low;
+  }
 }
 
 TEST(Regions, PatchesAreSampledWhereTheyAre) {
