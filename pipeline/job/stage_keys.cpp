@@ -7,9 +7,9 @@ namespace patchlight {
 namespace {
 
 // Raised whenever a stage computes different results from the same inputs.
-constexpr int kImportVersion = 9;
-constexpr int kTransportKeyVersion = 35;
-constexpr int kSolveVersion = 35;
+constexpr int kImportVersion = 10;
+constexpr int kTransportKeyVersion = 36;
+constexpr int kSolveVersion = 36;
 constexpr int kTraceVersion = 17;
 
 void add_color(KeyHasher& hasher, const std::optional<Color>& color) {

@@ -18,6 +18,9 @@ namespace {
 constexpr std::array<int, 4> kCornerOf{0, 1, 3, 2};  // corners of a primitive, u first
 constexpr float kNudge = 0.02f;   // in (u,v): distance of vertices from edges, where surfaces may meet
 constexpr float kCovered = 0.5f;  // fraction of lit rays below which a vertex is covered
+// Fractions of rays that go farther than half the facet's length: of an enclosed vertex, and of the middle of its
+// facet.
+constexpr float kEnclosed = 0.1f, kFree = 0.4f;
 
 bool is_one_patch(const PatchLookup& lookup, std::int32_t primitive) {
   return lookup.rows(primitive) == 1 && lookup.row(primitive, 0).cells == 1;
@@ -42,6 +45,17 @@ std::vector<std::int32_t> add_vertices(const PatchSet& scene, const PatchLookup&
   return number;
 }
 
+/// Whether a vertex of a facet lies in another body, double-sided as it may be, of which the facet's middle is free.
+bool is_enclosed(const PatchSet& scene, const RayScene& ray_scene, const DisplayMesh::Vertex& vertex,
+                 const SurfacePoint& point, std::uint64_t random, int& rays) {
+  const std::int32_t i = scene.patches[vertex.patch].primitive;
+  const auto& c = scene.primitives[i].corners;
+  const auto reach = float(0.5 * std::max((c[2] - c[0]).length(), (c[3] - c[1]).length()));
+  if (far_ray_fraction(ray_scene, i, point, reach, random, rays) >= kEnclosed) return false;
+  const SurfacePoint middle = point_at(scene.primitives[i], 0.5, 0.5);
+  return far_ray_fraction(ray_scene, i, middle, reach, random, rays) > kFree;
+}
+
 std::vector<bool> covered(const PatchSet& scene, const RayScene& ray_scene,
                           std::span<const DisplayMesh::Vertex> vertices, std::int64_t& cast) {
   const SmoothNormals normals(scene);
@@ -54,7 +68,8 @@ std::vector<bool> covered(const PatchSet& scene, const RayScene& ray_scene,
     SurfacePoint point = point_at(scene.primitives[primitive], vertex.u, vertex.v);
     point.normal = normals(primitive, vertex.u, vertex.v, point.normal);
     int rays = 0;
-    is_covered[k] = lit_ray_fraction(scene, ray_scene, primitive, point, hash64(k), rays) < kCovered;
+    is_covered[k] = lit_ray_fraction(scene, ray_scene, primitive, point, hash64(k), rays) < kCovered ||
+                    is_enclosed(scene, ray_scene, vertex, point, hash64(k), rays);
     all_rays += rays;
   });
   cast += all_rays;

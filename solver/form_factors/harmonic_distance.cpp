@@ -68,6 +68,26 @@ float lit_ray_fraction(const PatchSet& scene, const RayScene& ray_scene, std::in
   return float(lit) / float(kPackets * RayPacket::kSize);
 }
 
+float far_ray_fraction(const RayScene& ray_scene, std::int32_t primitive, const SurfacePoint& point, float distance,
+                       std::uint64_t random, int& rays) {
+  constexpr int kPackets = 2;
+  int far = 0;
+  for (int k = 0; k < kPackets; ++k, random = hash64(random)) {
+    const auto directions = stratified_directions(random);
+    RayPacket packet;
+    packet.clear();
+    for (int lane = 0; lane < RayPacket::kSize; ++lane)
+      leave_surface(lane, ray_scene, point, ray_scene.offset(primitive), directions[lane], packet);
+    ray_scene.intersect(packet, false);
+    for (int lane = 0; lane < RayPacket::kSize; ++lane) {
+      const SurfaceHit hit = ray_scene.hit(packet, lane);
+      far += hit.primitive < 0 || hit.t >= distance;
+    }
+  }
+  rays += kPackets * RayPacket::kSize;
+  return float(far) / float(kPackets * RayPacket::kSize);
+}
+
 RefinementCriterion refinement_criterion(const PatchSet& scene, const RayScene& ray_scene, const Patch& part,
                                          std::uint64_t random) {
   constexpr int kPackets = 5;

@@ -33,6 +33,43 @@ TEST(DisplayMesh, DividesOnlyPatchesAlongCreases) {
     EXPECT_TRUE(mesh.vertices[k].patch >= 256 || mesh.vertices[k].patch % 16 > 0) << "borders are not at the crease";
 }
 
+/// A smooth rail of two facets, 60 cm long and bent along the middle, whose ends lie in double-sided posts of 10 cm.
+PatchSet rail(const std::vector<double>& posts) {
+  PatchScene builder;
+  const std::array<Vec3d, 3> across{Vec3d(0, 0, 0.02), Vec3d(0, 0.005, 0), Vec3d(0, 0, -0.02)};
+  for (int k = 0; k < 2; ++k) {
+    const Vec3d along(0.3, 0, 0);
+    const int facet =
+        builder.quad({across[k] - along, across[k] + along, across[k + 1] + along, across[k + 1] - along}, 1, 1, {});
+    builder.get().primitives[facet].smooth_vertices = {2 * k, 2 * k + 1, 2 * k + 3, 2 * k + 2};
+  }
+  for (const double x : posts) {
+    PatchScene post;
+    post.room(0.05, 1, {});
+    for (const Primitive& wall : post.get().primitives) {
+      std::array<Vec3d, 4> c = wall.corners;
+      for (Vec3d& corner : c) corner.x += x;
+      const int inside = builder.quad(c, 1, 1, {}), outside = builder.quad({c[1], c[0], c[3], c[2]}, 1, 1, {});
+      builder.get().primitives[inside].back = outside;
+      builder.get().primitives[outside].back = inside;
+    }
+  }
+  return builder.get();
+}
+
+TEST(DisplayMesh, VerticesOfFacetsAreNotInOtherBodies) {
+  const PatchSet scene = rail({-0.3, 0.3}), one_end_free = rail({0.3});
+  EXPECT_EQ(mesh_of(scene).facets.size(), 0u) << "their patches are better";
+  const DisplayMesh mesh = mesh_of(one_end_free);
+  ASSERT_EQ(mesh.facets.size(), 2u);
+  for (const DisplayMesh::Facet& facet : mesh.facets)
+    for (const std::int32_t corner : facet.corners) {
+      const DisplayMesh::Vertex& vertex = mesh.vertices[corner];
+      const auto& corners = one_end_free.primitives[one_end_free.patches[vertex.patch].primitive].corners;
+      EXPECT_LT(position_at(corners, vertex.u, vertex.v).x, -0.25);
+    }
+}
+
 TEST(DisplayMesh, FacesCoverTheirPatches) {
   PatchScene builder = divided_room();
   builder.sphere({0.5, -0.8, 0.3}, 0.2, 8, 12, {});
