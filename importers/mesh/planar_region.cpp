@@ -12,9 +12,8 @@ using Imath::V2d;
 using Edges = std::vector<std::array<Vec3d, 2>>;
 
 /// The edges of a region's outline, without vertices inside of straight lines where these are known.
-Edges edges_of(const MeshTopology& topology, const CoplanarRegion& region) {
+Edges edges_of(const MeshTopology& topology, const CoplanarRegion& region, const RegionOutline& outline) {
   Edges edges;
-  const RegionOutline outline = outline_of(topology, region);
   for (std::size_t i = 0; i < outline.corners.size(); ++i)
     edges.push_back(
         {topology.vertices[outline.corners[i].vertex], topology.vertices[outline.corners[outline.next[i]].vertex]});
@@ -50,9 +49,9 @@ Vec3d main_direction(const Edges& edges, const Vec3d& normal) {
 
 }  // namespace
 
-Facet planar_region(const MeshTopology& topology, const CoplanarRegion& region,
+Facet planar_region(const MeshTopology& topology, const CoplanarRegion& region, const RegionOutline& outline,
                     const std::vector<std::array<Vec3d, 4>>& pieces, std::int32_t& next_smooth) {
-  const Edges edges = edges_of(topology, region);
+  const Edges edges = edges_of(topology, region, outline);
   const auto largest = *std::max_element(
       region.triangles.begin(), region.triangles.end(),
       [&](std::int32_t a, std::int32_t b) { return topology.triangles[a].area < topology.triangles[b].area; });
@@ -78,7 +77,7 @@ Facet planar_region(const MeshTopology& topology, const CoplanarRegion& region,
 
   Region result;
   const auto add_piece = [&](const std::array<Vec3d, 4>& c) {
-    result.pieces.push_back({uv_of(c[0]), uv_of(c[1]), uv_of(c[2]), c[2] == c[3] ? uv_of(c[2]) : uv_of(c[3])});
+    result.pieces.push_back({uv_of(c[0]), uv_of(c[1]), uv_of(c[2]), uv_of(c[3])});
   };
   for (const auto& piece : pieces) add_piece(piece);
   if (pieces.empty())

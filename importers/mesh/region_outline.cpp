@@ -74,7 +74,6 @@ RegionOutline outline_of(const MeshTopology& topology, const CoplanarRegion& reg
       const Vec3d to = topology.vertices[corner.vertex] - origin;
       points.emplace_back(to.dot(x), to.dot(y));
       required.push_back(corner.required ? 1 : 0);
-      outline.has_required_vertices = outline.has_required_vertices || corner.required;
     }
     const std::vector<char> kept = simplify_loop(points, required, region.tolerance);
     const std::size_t first = outline.corners.size();

@@ -8,9 +8,8 @@ namespace patchlight {
 /// A region's boundary loops in 2D, without vertices inside straight edges.
 struct RegionOutline {
   std::vector<CoplanarRegion::Corner> corners;
-  std::vector<Imath::V2d> points;      ///< Positions of the corners in the plane, m.
-  std::vector<std::size_t> next;       ///< Index of the next corner on the loop; the region lies to the left.
-  bool has_required_vertices = false;  ///< A smooth neighbour shares vertices, which stay even on straight edges.
+  std::vector<Imath::V2d> points;  ///< Positions of the corners in the plane, m.
+  std::vector<std::size_t> next;   ///< Index of the next corner on the loop; the region lies to the left.
 };
 
 /// Empty if the region has no loops, or a loop of too many vertices.

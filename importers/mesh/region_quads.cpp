@@ -256,7 +256,7 @@ std::vector<Facet> region_quads(const MeshTopology& topology, const CoplanarRegi
     std::int32_t unused = next_smooth;
     if (found && found->facets.size() <= region.triangles.size())
       for (const Facet& facet : facets_in_space(topology, outline, *found, unused)) pieces.push_back(facet.corners);
-    return {planar_region(topology, region, pieces, next_smooth)};
+    return {planar_region(topology, region, outline, pieces, next_smooth)};
   }
   if (!few || found->has_slivers || 2 * found->facets.size() > max_facets) return {};
   return facets_in_space(topology, outline, *found, next_smooth);

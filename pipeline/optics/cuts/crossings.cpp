@@ -17,10 +17,6 @@ namespace {
 constexpr double kLow = 0.25;  // height of an edge that stands on a plane, over the size of its surface
 constexpr double kPositionRounding = 1.0 / (1 << 22);  // of positions, relative to their coordinates
 
-double half_cross(const std::array<Vec3d, 4>& corners) {
-  return 0.5 * ((corners[2] - corners[0]) % (corners[3] - corners[1])).length();
-}
-
 /// A surface that may cross others or stand on them. Of a region, its pieces may cross, and its edges may stand.
 struct Crosser {
   enum class Part { quad, piece, edge };
@@ -40,7 +36,8 @@ struct Crosser {
       for (int k = 0; k < 3; ++k) largest = std::max(largest, std::abs(c[k]));
     }
     rounding = kPositionRounding * largest;
-    size = std::sqrt(half_cross(whole) * (primitive.region ? primitive.region->area() : 1.0));
+    const double area = 0.5 * ((whole[2] - whole[0]) % (whole[3] - whole[1])).length();
+    size = std::sqrt(area * (primitive.region ? primitive.region->area() : 1.0));
     box.min -= Vec3d(rounding);
     box.max += Vec3d(rounding);
   }
