@@ -14,7 +14,7 @@ struct Region {
   /// The edges of its outline; it lies to their left.
   std::vector<std::array<Vec2d, 2>> edges;
 
-  static constexpr std::int64_t kMostCells = 1 << 26;  ///< Of a grid on its parallelogram.
+  static constexpr std::int64_t kMostCells = 1 << 26;  ///< Of the grids on all regions of a scene.
 
   bool operator==(const Region&) const = default;
 

@@ -217,12 +217,13 @@ std::int64_t cells_along(float low, float high) {
 }
 
 /// Whether patches from `next` on are cells of an even grid on region `index`, in their order. Advances `next` to the
-/// first patch after them.
-bool are_cells_of_region(const PatchSet& scene, std::size_t index, std::size_t& next) {
+/// first patch after them, and takes the grid's cells from `most`.
+bool are_cells_of_region(const PatchSet& scene, std::size_t index, std::size_t& next, std::int64_t& most) {
   if (next == scene.patches.size()) return false;
   const Patch& first = scene.patches[next];
   const std::int64_t columns = cells_along(first.u0, first.u1), rows = cells_along(first.v0, first.v1);
-  if (columns == 0 || rows == 0 || columns * rows > Region::kMostCells) return false;
+  most -= columns * rows;
+  if (columns == 0 || rows == 0 || most < 0) return false;
   for (std::int64_t last = -1; next < scene.patches.size(); ++next) {
     const Patch& patch = scene.patches[next];
     if (patch.primitive != std::int32_t(index)) break;
@@ -243,10 +244,12 @@ bool are_cells_of_region(const PatchSet& scene, std::size_t index, std::size_t& 
 /// Checks that the patches of each primitive are rows that tile the unit square evenly.
 PatchFault order_fault(const PatchSet& scene) {
   std::size_t next = 0;
+  std::int64_t region_cells = Region::kMostCells;
   for (std::size_t i = 0; i < scene.primitives.size(); ++i) {
     const std::size_t first = next;
     if (scene.primitives[i].region) {
-      if (!are_cells_of_region(scene, i, next)) return {"patches that are not cells of their region", "/patches/uv"};
+      if (!are_cells_of_region(scene, i, next, region_cells))
+        return {"patches that are not cells of their region", "/patches/uv"};
       skip_further_parts(scene, i, next);
       continue;
     }

@@ -8,6 +8,7 @@ namespace patchlight {
 namespace {
 
 constexpr double kRounding = 1e-9;       // of (u,v)
+constexpr double kBend = 1e-15;          // of a corner that may turn inwards by rounding: the area it leaves out, twice
 constexpr double kParallelogram = 1e-6;  // distance of a corner from that of a parallelogram, over its diagonal
 
 bool in_box(const Vec2d& p) {
@@ -18,7 +19,7 @@ bool is_convex(const std::array<Vec2d, 4>& c) {
   const int corners = c[2] == c[3] ? 3 : 4;
   for (int k = 0; k < corners; ++k) {
     const Vec2d &a = c[k], &b = c[(k + 1) % corners];
-    if (!((b - a).cross(c[(k + 2) % corners] - b) >= 0)) return false;
+    if (!((b - a).cross(c[(k + 2) % corners] - b) >= -kBend)) return false;
   }
   return (c[2] - c[0]).cross(c[3] - c[1]) > 0;
 }
