@@ -8,8 +8,8 @@ namespace {
 
 // Raised whenever a stage computes different results from the same inputs.
 constexpr int kImportVersion = 10;
-constexpr int kTransportKeyVersion = 36;
-constexpr int kSolveVersion = 36;
+constexpr int kTransportKeyVersion = 37;
+constexpr int kSolveVersion = 37;
 constexpr int kTraceVersion = 17;
 
 void add_color(KeyHasher& hasher, const std::optional<Color>& color) {
