@@ -19,7 +19,7 @@ namespace {
 
 constexpr int kPatchRaysPerVertexRay = 2;     // vertices are dense where irradiance varies
 constexpr int kMinVertexRays = 128;           // with fewer rays vertices show as blotches
-constexpr double kLargeFace = 1.0 / 16;       // area of a large face over the median of patches, weighted by area
+constexpr double kLargeFace = 1.0 / 64;       // area of a large face over the median of patches, weighted by area
 constexpr std::uint8_t kLargeFaceFactor = 4;  // of rays
 constexpr int kVertexRaysPerShadowRay = 8;    // rays of a vertex over the sample budget of an element's direct light
 
