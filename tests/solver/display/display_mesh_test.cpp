@@ -57,17 +57,41 @@ PatchSet rail(const std::vector<double>& posts) {
   return builder.get();
 }
 
-TEST(DisplayMesh, VerticesOfFacetsAreNotInOtherBodies) {
-  const PatchSet scene = rail({-0.3, 0.3}), one_end_free = rail({0.3});
-  EXPECT_EQ(mesh_of(scene).facets.size(), 0u) << "their patches are better";
-  const DisplayMesh mesh = mesh_of(one_end_free);
-  ASSERT_EQ(mesh.facets.size(), 2u);
-  for (const DisplayMesh::Facet& facet : mesh.facets)
+/// Where the corners of the facets on a scene's first two primitives gather, m along the rail.
+std::vector<double> places_along_rail(const PatchSet& scene) {
+  const DisplayMesh mesh = mesh_of(scene);
+  std::vector<double> places;
+  for (const DisplayMesh::Facet& facet : mesh.facets) {
+    if (scene.patches[facet.patch].primitive > 1) continue;
     for (const std::int32_t corner : facet.corners) {
       const DisplayMesh::Vertex& vertex = mesh.vertices[corner];
-      const auto& corners = one_end_free.primitives[one_end_free.patches[vertex.patch].primitive].corners;
-      EXPECT_LT(position_at(corners, vertex.u, vertex.v).x, -0.25);
+      const auto& corners = scene.primitives[scene.patches[vertex.patch].primitive].corners;
+      places.push_back(position_at(corners, vertex.u, vertex.v).x);
     }
+  }
+  return places;
+}
+
+TEST(DisplayMesh, VerticesOfFacetsAreNotInOtherBodies) {
+  const std::vector<double> places = places_along_rail(rail({-0.3, 0.3})),
+                            one_end_free = places_along_rail(rail({0.3}));
+  ASSERT_EQ(places.size(), 8u);
+  ASSERT_EQ(one_end_free.size(), 8u);
+  for (const double x : places) EXPECT_LT(std::abs(x), 0.25);
+  for (const double x : one_end_free)
+    EXPECT_TRUE(x < -0.28 || (x > 0.2 && x < 0.25)) << x << ": corners stay where free";
+}
+
+TEST(DisplayMesh, VerticesOfFacetsAreWhereTheLargestFacetIsOpen) {
+  PatchScene builder;  // a facet of 1 mm at the end of the rail, all of it in the post
+  const int small =
+      builder.quad({{{-0.301, 0, 0.02}, {-0.3, 0, 0.02}, {-0.3, 0, 0.021}, {-0.301, 0, 0.021}}}, 1, 1, {});
+  builder.get().primitives[small].smooth_vertices = {6, 0, 7, 8};
+  PatchSet scene = rail({-0.3, 0.3});
+  scene.primitives.push_back(builder.get().primitives[small]);
+  scene.patches.push_back(builder.get().patches[0]);
+  scene.patches.back().primitive = std::int32_t(scene.primitives.size()) - 1;
+  for (const double x : places_along_rail(scene)) EXPECT_LT(std::abs(x), 0.25);
 }
 
 TEST(DisplayMesh, FacesCoverTheirPatches) {
