@@ -35,6 +35,9 @@ PrimitiveList build_primitives(const GltfScene& scene, const Job& job, Progress&
   }
   if (list.degenerate_triangles > 0)
     progress.warning(fmt::format("{} triangles without area are skipped", list.degenerate_triangles));
+  if (list.invalid_normals > 0)
+    progress.warning(fmt::format(
+        "{} corners of triangles have a normal that is not a unit vector: they are shaded flat", list.invalid_normals));
   if (!list.texcoords.empty()) list.texcoords.resize(list.primitives.size(), kIdentityTexcoords);
   for (auto* texcoords : {&list.emission_texcoords, &list.metallic_roughness_texcoords}) {
     if (texcoords->empty()) continue;
@@ -44,6 +47,7 @@ PrimitiveList build_primitives(const GltfScene& scene, const Job& job, Progress&
         (*texcoords)[i] = list.texcoords.empty() ? kIdentityTexcoords : list.texcoords[i];
   }
   if (!list.colors.empty()) list.colors.resize(list.primitives.size(), kWhiteVertices);
+  if (!list.normals.empty()) list.normals.resize(list.primitives.size(), kFlatNormals);
   if (list.primitives.empty()) {
     throw Error(ExitCode::bad_data, "the scene has no surface with an area", job.scene.filename().string(),
                 "add a mesh to its default scene");
@@ -104,6 +108,7 @@ PatchSet import_scene(const Job& job, Progress& progress) {
   set.emission_texcoords = std::move(list.emission_texcoords);
   set.metallic_roughness_texcoords = std::move(list.metallic_roughness_texcoords);
   set.colors = std::move(list.colors);
+  set.normals = std::move(list.normals);
   set.shaders = scene.shaders;
   const std::size_t whole = set.patches.size();
   cut_patches(targets, set);

@@ -14,6 +14,7 @@ constexpr double kCoplanarSine = 1e-3;       // of the angle between neighbourin
 constexpr double kTexcoordTolerance = 2e-5;  // relative to the distance from the seed triangle's coordinates
 constexpr double kFloatRounding = 1e-7;
 constexpr double kColorStep = 1.0 / 256;
+constexpr double kNormalStep = 0.02;  // between the file's normals
 constexpr std::int32_t kNone = -1;
 
 using Triangle = MeshTopology::Triangle;
@@ -54,9 +55,10 @@ class Seed {
   double tolerance = 0.0;  ///< Distance from the plane near the seed triangle, m.
 
  private:
-  /// Whether colour and texture coordinates of a corner at origin + a edge1 + b edge2 equal the affine extrapolation
-  /// from the seed triangle.
+  /// Whether normal, colour and texture coordinates of a corner at origin + a edge1 + b edge2 equal the affine
+  /// extrapolation from the seed triangle.
   bool matches_maps(double a, double b, std::size_t corner) const {
+    if (!matches_normals(a, b, corner)) return false;
     if (!topology_.colors.empty()) {
       using Imath::V4d;
       const Vec4f* c = &topology_.colors[first_corner_];
@@ -65,6 +67,15 @@ class Seed {
     }
     return std::all_of(topology_.texcoords.begin(), topology_.texcoords.end(),
                        [&](const auto& texcoords) { return matches_map(texcoords, a, b, corner); });
+  }
+
+  /// Normals that are the same up to rounding count as constant: their extrapolation would magnify the rounding.
+  bool matches_normals(double a, double b, std::size_t corner) const {
+    const Vec3f* n = &topology_.normals[first_corner_];
+    const Vec3d first(n[0]), along(n[1] - n[0]), across(n[2] - n[0]);
+    const bool constant = std::max(along.length(), across.length()) <= kNormalStep;
+    const Vec3d expected = constant ? first : first + along * a + across * b;
+    return (Vec3d(topology_.normals[corner]) - expected).length() <= kNormalStep;
   }
 
   bool matches_map(const std::vector<Vec2f>& texcoords, double a, double b, std::size_t corner) const {

@@ -6,7 +6,7 @@
 
 namespace patchlight {
 
-/// Connected triangles in one plane whose texture coordinates and colours are affine functions of position.
+/// Connected triangles in one plane whose normals, texture coordinates and colours are affine functions of position.
 struct CoplanarRegion {
   /// A boundary vertex, as a corner of one of the region's triangles.
   struct Corner {

@@ -117,7 +117,18 @@ std::vector<Value> reordered_by_corner(const std::vector<Value>& values, const T
   return result;
 }
 
-void number_smooth_vertices(MeshTopology& topology, const std::vector<Vec3f>& normals) {
+/// Omits the file's normals of triangles of which one points below the triangle: they are of no use for shading.
+void omit_normals_of_other_side(MeshTopology& topology) {
+  for (std::size_t t = 0; t < topology.triangles.size(); ++t) {
+    const auto corners = topology.normals.begin() + static_cast<std::ptrdiff_t>(3 * t);
+    const Vec3f normal(topology.triangles[t].normal);
+    if (std::any_of(corners, corners + 3, [&](const Vec3f& n) { return n.dot(normal) <= 0.0f; }))
+      std::fill(corners, corners + 3, Vec3f(0.0f));
+  }
+}
+
+void number_smooth_vertices(MeshTopology& topology) {
+  const std::vector<Vec3f>& normals = topology.normals;
   DisjointSets sets(topology.triangles.size() * 3);
   for (std::size_t t = 0; t < topology.triangles.size(); ++t) {
     const MeshTopology::Triangle& a = topology.triangles[t];
@@ -167,7 +178,7 @@ void find_components(MeshTopology& topology) {
 }  // namespace
 
 bool flat_by_normals(const MeshTopology& topology, std::int32_t a, std::int32_t b) {
-  if (topology.normals.empty()) return true;
+  if (!topology.quantized) return true;
   const Vec3f first = topology.normals[3 * static_cast<std::size_t>(a)];
   if (first == Vec3f(0.0f))
     return topology.triangles[a].normal.cross(topology.triangles[b].normal).length() <= kMaxFoldSine;
@@ -183,6 +194,7 @@ MeshTopology build_topology(const TriangleSoup& soup) {
   MeshTopology topology;
   topology.rounding = soup.rounding;
   topology.texcoord_rounding = soup.texcoord_rounding;
+  topology.quantized = soup.quantized;
   std::vector<std::int32_t> triangles;
   for (std::size_t i = 0; i + 2 < soup.positions.size(); i += 3) {
     if (has_area(soup.positions[i], soup.positions[i + 1], soup.positions[i + 2])) {
@@ -195,9 +207,9 @@ MeshTopology build_topology(const TriangleSoup& soup) {
   Connectivity connected = connect(soup, vertices, std::move(triangles));
   topology.vertices = std::move(connected.positions);
   fill_triangles(connected, topology);
-  std::vector<Vec3f> normals = reordered_by_corner(soup.normals, soup, connected, topology);
-  number_smooth_vertices(topology, normals);
-  if (soup.quantized) topology.normals = std::move(normals);
+  topology.normals = reordered_by_corner(soup.normals, soup, connected, topology);
+  omit_normals_of_other_side(topology);
+  number_smooth_vertices(topology);
   for (const auto& texcoords : soup.texcoords)
     topology.texcoords.push_back(reordered_by_corner(texcoords, soup, connected, topology));
   if (!soup.colors.empty()) topology.colors = reordered_by_corner(soup.colors, soup, connected, topology);

@@ -14,7 +14,7 @@ struct MeshTopology {
     std::array<std::int32_t, 3> vertices{};
     std::array<std::int32_t, 3> neighbors{-1, -1, -1};  ///< Across the edge from corner i to i + 1; -1: boundary.
     std::array<std::int32_t, 3>
-        smooth_vertices{};  ///< Corners with equal numbers share a shading normal; a crease separates others.
+        smooth_vertices{};  ///< Corners with equal numbers share irradiance; a crease separates others.
     Vec3d normal{0.0};      ///< Unit.
     double area = 0.0;      ///< m2
   };
@@ -30,8 +30,10 @@ struct MeshTopology {
   std::vector<std::vector<Vec2f>> texcoords;  ///< By mapping and corner, 3 per triangle; empty where the soup has none.
   std::vector<Vec4f> colors;                  ///< By corner, 3 per triangle; empty where the soup has none.
   std::vector<Component> components;
-  std::vector<Vec3f> normals;  ///< The file's, by corner; only for quantized positions, where they are more accurate.
-  double rounding = 0.0;       ///< m; as in TriangleSoup.
+  std::vector<Vec3f>
+      normals;             ///< The file's, by corner, 3 per triangle; zeros where it has none that fit the triangle.
+  double rounding = 0.0;   ///< m; as in TriangleSoup.
+  bool quantized = false;  ///< As in TriangleSoup.
   double texcoord_rounding = 0.0;        ///< As in TriangleSoup.
   std::size_t degenerate_triangles = 0;  ///< Omitted.
 };

@@ -17,7 +17,8 @@ constexpr double kPlaneTolerance = 1e-4;     // distance of a corner from the ot
 constexpr double kMaxSliverFoldSine = 1e-2;  // needed for slivers, whose corners lie near every plane through them
 constexpr double kQuantizedFoldSine = 2e-2;  // where rounding of positions exceeds kPlaneTolerance
 constexpr double kMinCornerSine = 1e-3;
-constexpr double kScoreStep = 1e-5;  // rectangles score equally in spite of rounding
+constexpr float kNormalStep = 0.02f;  // between the file's normals of two triangles where they meet
+constexpr double kScoreStep = 1e-5;   // rectangles score equally in spite of rounding
 
 constexpr std::int32_t kNone = -1;
 
@@ -137,6 +138,8 @@ std::optional<TrianglePair> merged_pair(const MeshTopology& topology, std::int32
     return is_affine(pair.quad.corners, std::array{s[0](values), s[1](values), s[2](values), s[3](values)},
                      first_end(values), second_end(values), tolerance);
   };
+  for (const auto& [a_end, b_end] : {std::pair(pair.quad.sources[0], first_end), {pair.quad.sources[2], second_end}})
+    if ((a_end(topology.normals) - b_end(topology.normals)).length() > kNormalStep) return std::nullopt;
   const AffineTolerance tolerance{1e-5, 1e-6, 2.0 * topology.texcoord_rounding};
   for (const auto& texcoords : topology.texcoords)
     if (!agree(texcoords, tolerance)) return std::nullopt;

@@ -18,7 +18,8 @@ struct RecognizedFacets {
 /// remaining coplanar neighbours into convex quads, the most rectangular first. Every other triangle becomes a facet
 /// that repeats its last corner; its shortest edge runs from corner 0 to 1. Triangles with texture coordinates or
 /// colours are merged only if these are affine over the quad, so that bilinear interpolation between its corners
-/// reproduces them. Triangles t with `excluded[t]` are omitted. Facets are in the order of their first triangle.
+/// reproduces them, and only if the file's normals agree where they meet. Triangles t with `excluded[t]` are omitted.
+/// Facets are in the order of their first triangle.
 RecognizedFacets recognize_quads(const MeshTopology& topology, std::vector<char> excluded, bool as_regions);
 
 }  // namespace patchlight

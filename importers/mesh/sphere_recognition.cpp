@@ -10,6 +10,7 @@ namespace {
 constexpr double kVertexTolerance = 1e-4;  // distance from the sphere / radius
 constexpr double kMinCoverage = 0.7;       // area of the facets / area of the sphere
 constexpr double kMaxCoverage = 1.01;
+constexpr double kRadialCosine = 0.9877;  // of shading normals to the radius
 
 std::vector<Vec3d> distinct_vertices(const MeshTopology& topology, const MeshTopology::Component& component) {
   std::vector<std::int32_t> numbers;
@@ -74,6 +75,12 @@ std::optional<Sphere> recognize_sphere(const MeshTopology& topology, const MeshT
     if (!(std::abs(height) >= (1.0 - kMaxSagitta) * radius)) return std::nullopt;
     if (height > 0.0) ++outward;
     area += triangle.area;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vec3d radial = (topology.vertices[triangle.vertices[i]] - sphere->center).normalized();
+      const Vec3d of_file(topology.normals[3 * static_cast<std::size_t>(number) + i]);
+      const Vec3d& normal = of_file == Vec3d(0.0) ? triangle.normal : of_file;
+      if (!(std::abs(normal.dot(radial)) >= kRadialCosine)) return std::nullopt;
+    }
   }
   if (outward != 0 && outward != component.triangles.size()) return std::nullopt;
   const double coverage = area / (4.0 * kPi * radius * radius);

@@ -11,7 +11,8 @@ namespace patchlight {
 constexpr double kMaxSagitta = 0.08;
 
 /// The sphere that a closed mesh approximates: all vertices lie on it within 1e-4 radii, all facets within kMaxSagitta,
-/// and they cover it once. The radius is negative if the facets face inward. Nothing for any other mesh.
+/// they cover it once, and shading normals are the sphere's within 9 degrees. So flat-shaded balls are spheres from
+/// about 32 x 16 facets on. The radius is negative if the facets face inward. Nothing for any other mesh.
 std::optional<Sphere> recognize_sphere(const MeshTopology& topology, const MeshTopology::Component& component);
 
 }  // namespace patchlight

@@ -76,8 +76,9 @@ struct SurfaceMaterial {
 
 /// Unconnected triangles in world space, three corners each, counter-clockwise seen from the front.
 struct TriangleSoup {
-  std::vector<Vec3d> positions;  ///< m. Shape: [3 triangles].
-  std::vector<Vec3f> normals;    ///< Unit, from the file. Shape: [3 triangles]; zero where the file has none.
+  std::vector<Vec3d> positions;      ///< m. Shape: [3 triangles].
+  std::vector<Vec3f> normals;        ///< Unit, from the file. Shape: [3 triangles]; zero where the file has none.
+  std::int64_t invalid_normals = 0;  ///< Of the file, far from unit length; zero in `normals`.
   /// By mapping. Shape: [3 triangles] each, NaN where the file has none. Empty if none are requested.
   std::vector<std::vector<Vec2f>> texcoords;
   double rounding = 0.0;           ///< m; error of positions due to their number format in the file.

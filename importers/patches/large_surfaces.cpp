@@ -175,6 +175,7 @@ class Rebuilder {
     list.emission_texcoords = std::move(list_.emission_texcoords);
     list.metallic_roughness_texcoords = std::move(list_.metallic_roughness_texcoords);
     list.colors = std::move(list_.colors);
+    list.normals = std::move(list_.normals);
     list.smooth_vertices += new_vertices_;
     return std::move(targets_);
   }
@@ -194,6 +195,9 @@ class Rebuilder {
     interpolate(before_.emission_texcoords, list_.emission_texcoords);
     interpolate(before_.metallic_roughness_texcoords, list_.metallic_roughness_texcoords);
     interpolate(before_.colors, list_.colors);
+    interpolate(before_.normals, list_.normals);
+    if (!list_.normals.empty())
+      for (Vec3f& normal : list_.normals.back()) normal.normalize();  // zeros stay
     list_.primitives.push_back(primitive);
     targets_.push_back(target);
   }

@@ -6,11 +6,13 @@
 #include "importers/mesh/mesh_topology.h"
 #include "importers/mesh/quad_recognition.h"
 #include "importers/mesh/sphere_recognition.h"
+#include "pipeline/optics/sampling/patch_sampling.h"
 
 namespace patchlight {
 namespace {
 
 constexpr float kSameColor = 1.0f / 512;
+constexpr float kSameNormal = 0.999999f;  // cosine above which two normals are the same
 
 Primitive primitive_template(const Surface& surface) {
   Primitive primitive;
@@ -56,6 +58,23 @@ void append_corners(const std::array<Value, 4>& front, const std::array<Value, 4
   if (!double_sided) return;
   const std::array<std::size_t, 4> order = reversed_corners(list.primitives[last.back]);
   corners.push_back({front[order[0]], front[order[1]], front[order[2]], front[order[3]]});
+}
+
+/// Sets the shading normals of the primitive appended last, and of its back, if they are not the surface's own.
+void append_normals(std::array<Vec3f, 4> normals, PrimitiveList& list) {
+  const Primitive& last = list.primitives.back();
+  const bool double_sided = last.back >= 0;
+  const Primitive& front = double_sided ? list.primitives[last.back] : last;
+  const Vec3f flat = point_at(front, 0.5, 0.5).normal;
+  bool curved = false;
+  for (Vec3f& n : normals) {
+    if (!(n.normalize().dot(flat) > 0.0f)) return;
+    curved = curved || n.dot(flat) < kSameNormal;
+  }
+  if (!curved) return;
+  append_corners(normals, kFlatNormals, list, list.normals);
+  if (double_sided)
+    for (Vec3f& n : list.normals.back()) n = -n;
 }
 
 bool has_texcoords(const MeshTopology& topology, const MeshTopology::Component& component) {
@@ -126,6 +145,7 @@ void append_primitives(const Surface& surface, const SurfaceMaterial& material, 
                        PrimitiveList& list) {
   const MeshTopology topology = build_topology(soup);
   list.degenerate_triangles += static_cast<std::int64_t>(topology.degenerate_triangles);
+  list.invalid_normals += soup.invalid_normals;
   std::vector<char> in_sphere = append_spheres(surface, material, topology, list);
   // Lamps and mirrors are sampled by their corners, and masks have their own texture coordinates.
   const bool as_regions = surface.light_group < 0 && material.specular == Color(0.0f) &&
@@ -161,6 +181,7 @@ void append_primitives(const Surface& surface, const SurfaceMaterial& material, 
       if (mapping > 0 && has_mapping(mapping))
         append_corners(at_corners(topology.texcoords[mapping]), kNoTexcoords, list, *corners);
     if (!topology.colors.empty()) append_corners(at_corners(topology.colors), kWhiteVertices, list, list.colors);
+    append_normals(at_corners(topology.normals), list);
     ++(primitive.region ? list.regions : primitive.is_triangle() ? list.triangles : list.quads);
   }
   list.smooth_vertices += material.double_sided ? 2 * smooth_count : smooth_count;

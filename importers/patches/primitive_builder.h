@@ -25,6 +25,7 @@ struct PrimitiveList {
   std::vector<Texcoords> emission_texcoords{};
   std::vector<Texcoords> metallic_roughness_texcoords{};  ///< The same for metallic-roughness textures.
   std::vector<CornerColors> colors;                       ///< By primitive, up to the last one with vertex colours.
+  std::vector<CornerNormals> normals{};                   ///< By primitive, up to the last curved one.
   std::int32_t smooth_vertices = 0;                       ///< Number of smooth vertices.
   std::int64_t quads = 0;
   std::int64_t triangles = 0;
@@ -33,6 +34,7 @@ struct PrimitiveList {
   std::int64_t merged_triangles = 0;      ///< Triangles of merged coplanar regions,
   std::int64_t merged_facets = 0;         ///< and the facets that replace them.
   std::int64_t degenerate_triangles = 0;  ///< Skipped.
+  std::int64_t invalid_normals = 0;       ///< As in TriangleSoup.
 };
 
 /// Indices of a quad's corners in the order of its back's, which reverses the winding and mirrors u.

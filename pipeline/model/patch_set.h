@@ -43,7 +43,7 @@ struct Primitive {
   std::int32_t material = 0;      ///< Index into PatchSet::materials.
   std::int32_t light_group = -1;  ///< Index into PatchSet::light_groups; -1: does not emit.
   std::int32_t back = -1;         ///< The primitive of the other side of this surface, with u mirrored; -1: none.
-  /// Ids of the corners' smooth vertices: corners with the same id share one normal. -1 for spheres.
+  /// Ids of the corners' smooth vertices: corners with the same id meet without a crease. -1 for spheres.
   std::array<std::int32_t, 4> smooth_vertices{-1, -1, -1, -1};
   std::shared_ptr<const Region> region{};  ///< What there is of the quad, a parallelogram; null: all of it.
 
@@ -70,6 +70,11 @@ inline const Texcoords kIdentityTexcoords{Vec2f(0, 0), Vec2f(1, 0), Vec2f(1, 1),
 /// Linear vertex colours and alpha at corners 0 to 3 of a primitive, bilinear between them.
 using CornerColors = std::array<Vec4f, 4>;
 inline const CornerColors kWhiteVertices{Vec4f(1.0f), Vec4f(1.0f), Vec4f(1.0f), Vec4f(1.0f)};
+
+/// Shading normals at corners 0 to 3 of a primitive, bilinear between them: unit vectors, or zeros where the surface's
+/// own normal counts.
+using CornerNormals = std::array<Vec3f, 4>;
+inline const CornerNormals kFlatNormals{Vec3f(0.0f), Vec3f(0.0f), Vec3f(0.0f), Vec3f(0.0f)};
 
 /// A piece of a primitive on which the solution is constant.
 struct Patch {
@@ -129,6 +134,7 @@ struct PatchSet {
   std::vector<Texcoords> emission_texcoords{};  ///< For emission textures; empty: `texcoords`.
   std::vector<Texcoords> metallic_roughness_texcoords{};  ///< For these textures; empty: `texcoords`.
   std::vector<CornerColors> colors;                       ///< [primitives] Vertex colours; empty: none.
+  std::vector<CornerNormals> normals{};                   ///< [primitives]; empty: all are flat.
 
   std::string inputs_key;    ///< Hash of the scene files and import settings.
   std::string key;           ///< Hash of the input of the solver. Set by the file layer.

@@ -54,6 +54,33 @@ TEST(Import, FrontAndBackShareNoSmoothVertices) {
   for (const int id : fronts) EXPECT_FALSE(backs.contains(id));
 }
 
+TEST(Import, NormalsAreTheFiles) {
+  Importer importer;
+  Mesh sheet = grid(1);
+  for (const Vec3f& p : sheet.positions) sheet.normals.push_back(Vec3f(p.x - 0.5f, 0, 2).normalized());
+  GltfBuilder gltf = single_mesh(sheet, kSheet);
+  gltf.node({{"mesh", gltf.mesh(grid(1), 0)}, {"translation", {5, 0, 0}}});
+  const PatchSet scene = importer.import(gltf);
+  ASSERT_EQ(scene.normals.size(), 4u);
+  for (std::size_t i = 0; i < 2; ++i)
+    for (std::size_t k = 0; k < 4; ++k) {
+      const float side = i == 0 ? 1.0f : -1.0f;
+      const Vec3f expected = Vec3f(float(scene.primitives[i].corners[k].x) - 0.5f, 0, 2).normalized() * side;
+      EXPECT_NEAR((scene.normals[i][k] - expected).length(), 0.0f, 1e-6f);
+    }
+  EXPECT_EQ(scene.normals[2], kFlatNormals) << "the file has none";
+  GltfBuilder broken = single_mesh(sheet, kSheet);
+  broken.json["nodes"][0]["mesh"] = [&] {
+    Mesh mesh = sheet;
+    mesh.normals[0] = Vec3f(1e30f, 0, 0);
+    return broken.mesh(mesh, 0);
+  }();
+  EXPECT_TRUE(importer.import(broken).normals.empty()) << "one normal is none: flat";
+  for (Vec3f& n : sheet.normals) n = {0, 0, -1};
+  GltfBuilder wrong = single_mesh(sheet, kSheet);
+  EXPECT_TRUE(importer.import(wrong).normals.empty()) << "normals of the other side say nothing";
+}
+
 TEST(Import, NodesShareNoSmoothVertices) {
   Importer importer;
   GltfBuilder gltf;
@@ -83,7 +110,8 @@ TEST(Import, DoubleSidedTriangleAndSphereHaveBacks) {
 
 TEST(Import, MirroredInwardSphereStaysInward) {
   Importer importer;
-  GltfBuilder gltf = single_mesh(inverted(icosphere(2)), nullptr, {{"scale", {-2, 2, 2}}, {"translation", {1, 2, 3}}});
+  GltfBuilder gltf =
+      single_mesh(inverted(uv_sphere(32, 16)), nullptr, {{"scale", {-2, 2, 2}}, {"translation", {1, 2, 3}}});
   const PatchSet scene = importer.import(gltf);
   ASSERT_EQ(scene.primitives.size(), 1u);
   EXPECT_NEAR(scene.primitives[0].sphere_radius, -2.0, 1e-6);

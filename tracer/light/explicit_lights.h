@@ -16,7 +16,8 @@ struct ShadingPoint {
   PathKind path_kind = PathKind::direct;
   Vec3d position{0.0};  ///< Origin of shadow rays, offset from the surface.
   Vec3f normal{0.0f};
-  Color weight{0.0f};  ///< Radiance of the pixel for unit irradiance at the point, 1/sr.
+  Color weight{0.0f};       ///< Radiance of the pixel for unit irradiance at the point, 1/sr.
+  Vec3f before_turn{0.0f};  ///< The shading normal if `normal` was turned to be valid for the viewer; otherwise zero.
 };
 
 /// The explicitly sampled emitters of a scene, under the lights' settings. Sampling depends on the scene's own strength

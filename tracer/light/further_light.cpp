@@ -148,18 +148,19 @@ void FurtherLight::cast(const ShadingCluster& cluster, std::span<const Chosen> c
     if (lamp.primitive == cluster.primitive) continue;
     const DirectLight& light = lights_.light(one.emitter);
     Samples::Sums& sums = samples.by_group_[lamp.group];
+    const float weight = one.weight * float(cluster.terminator(light));
     // The weight of a single ray to a far emitter is hardly less exact.
     const bool closed = lamp.uniform && (one.rays > 1 || light.distance(cluster.center) < kFar * light.radius());
     if (closed) {
       const double factor = cluster.form_factor(light, lights_.emitters()[one.emitter]);
-      sums.whole += lamp.exitance * (float(factor) * one.weight * float(one.rays));
+      sums.whole += lamp.exitance * (float(factor) * weight * float(one.rays));
     }
     for (int k = 0; k < one.rays; ++k) {
       const auto [at, to] = pairs(pair++);
       const ShadingPoint& point = cluster.points[std::size_t(at.x * float(cluster.points.size()))];
       const DirectLight::Sample ray = light.view(point.position, point.normal, kFarLamp).sample(to.x, to.y);
       if (ray.weight <= 0) continue;
-      const Color part = exitance(one.emitter, point.position, ray) * (ray.weight * one.weight);
+      const Color part = exitance(one.emitter, point.position, ray) * (ray.weight * weight);
       if (part == Color(0.0f)) continue;
       if (!closed) sums.whole += part;
       packet.set_shadow(lane, ray_scene_.to_local(point.position), ray.direction, ray.distance);

@@ -54,6 +54,7 @@ void PathTracer::trace(RayPacket& packet, std::array<Path, RayPacket::kSize>& pa
       packet.valid[lane] = 0;
       if (!sums.details.empty()) sums.details[paths[lane].pixel].add(paths[lane].features);
     }
+    if (sums.lifted && sums.lifted->pending) move_lifted_points(sums);
     if (sums.glossy_rays && sums.glossy_rays->pending) add_glossy_light(paths, sums);
   }
 }
@@ -82,7 +83,8 @@ bool PathTracer::shade(RayPacket& packet, int lane, Path& path, const CameraRays
     return false;
   }
   SolvedSurfaces::Colors colors = surfaces_.colors(hit);
-  features.normal = normals_(hit.primitive, hit.u, hit.v, point.normal);
+  const Vec3f smooth = normals_(hit.primitive, hit.u, hit.v, point.normal);
+  features.normal = valid_for_viewer(smooth, point.normal, -direction);
   if (in_layers)
     layers->add_surface(
         path.pixel, {features.depth, point.position, features.normal, colors.reflectance, std::uint32_t(colors.patch)},
@@ -104,8 +106,10 @@ bool PathTracer::shade(RayPacket& packet, int lane, Path& path, const CameraRays
   const Vec3d ray_origin = point.position + Vec3d(point.normal) * double(ray_scene_.offset(hit.primitive));
   if (direct_ && max_component(colors.reflectance) > 0) {
     sums.points.push_back({path.pixel, surface, hit.primitive, path.kind(), ray_origin, features.normal,
-                           path.throughput * colors.reflectance / float(kPi)});
+                           path.throughput * colors.reflectance / float(kPi),
+                           features.normal == smooth ? Vec3f(0.0f) : smooth});
     if (gather_) sums.gather.push_back({sums.points.back(), point.normal, path.sample, std::uint32_t(path.bounces)});
+    if (!normals_.is_flat(hit.primitive)) lift_point(hit, lane, sums);
   }
   if (scene_.materials[scene_.primitives[hit.primitive].material].specular == Color(0.0f)) return false;
   const MetalProperties metal = metal_properties_at(scene_, hit.primitive, hit.u, hit.v);
@@ -186,6 +190,30 @@ void PathTracer::add_glossy_light(std::array<Path, RayPacket::kSize>& paths, Pat
     if (sums.layers->has_groups()) sums.layers->add_to_group(std::size_t(sample.group), pixel, unscaled);
   }
   rays.pending = false;
+}
+
+/// Prepares the last shading point to be moved.
+void PathTracer::lift_point(const SurfaceHit& hit, int lane, PathSums& sums) const {
+  const Vec3d& from = sums.points.back().position;
+  const Vec3d to = normals_.on_smooth_surface(hit.primitive, hit.u, hit.v, from);
+  const auto distance = float((to - from).length());
+  if (distance <= ray_scene_.offset(hit.primitive)) return;
+  LiftedPoints& lifted = sums.lifted ? *sums.lifted : sums.lifted.emplace();
+  lifted.pending = true;
+  lifted.points[lane] = sums.points.size() - 1;
+  lifted.positions[lane] = to;
+  lifted.packet.set_shadow(lane, ray_scene_.to_local(from), Vec3f(to - from) / distance, distance);
+}
+
+void PathTracer::move_lifted_points(PathSums& sums) const {
+  LiftedPoints& lifted = *sums.lifted;
+  const std::uint32_t blocked = ray_scene_.occluded(lifted.packet);
+  for (int lane = 0; lane < RayPacket::kSize; ++lane) {
+    if (lifted.packet.valid[lane] == 0) continue;
+    lifted.packet.valid[lane] = 0;
+    if (!(blocked >> lane & 1u)) sums.points[lifted.points[lane]].position = lifted.positions[lane];
+  }
+  lifted.pending = false;
 }
 
 void PathTracer::add_layers(const SurfaceHit& hit, const SolvedSurfaces::Colors& colors,

@@ -24,6 +24,17 @@ struct GlossyShadowRays {
   GlossyShadowRays() { packet.clear(); }
 };
 
+/// Shading points of a packet that are to be moved to the smooth surface that normals describe, unless another surface
+/// is in between.
+struct LiftedPoints {
+  RayPacket packet;                                    ///< Rays from the points to their new places.
+  std::array<std::size_t, RayPacket::kSize> points{};  ///< Indices into PathSums::points.
+  std::array<Vec3d, RayPacket::kSize> positions{};     ///< Of the new places.
+  bool pending = false;                                ///< Some lanes wait to be cast.
+
+  LiftedPoints() { packet.clear(); }
+};
+
 /// Sums over the paths of some pixels.
 struct PathSums {
   std::vector<Color> pixels;                      ///< Sums of radiance, without light that is added at the pixel.
@@ -33,6 +44,7 @@ struct PathSums {
   LayerSums* layers = nullptr;                    ///< Null: not asked for.
   const TileWindow* window = nullptr;             ///< Of the pixels.
   std::optional<GlossyShadowRays> glossy_rays{};  ///< Once a path has hit a rough metal.
+  std::optional<LiftedPoints> lifted{};           ///< Once a path has hit a curved mesh.
 };
 
 /// Traces camera paths to the solved surfaces. Each surface adds E / pi + rho H / pi and, if it is a metal, its
@@ -83,6 +95,8 @@ class PathTracer {
   void sample_glossy_light(const MetalProperties& metal, std::uint64_t seed, int lane, const Path& path,
                            GlossyShadowRays& rays) const;
   void add_glossy_light(std::array<Path, RayPacket::kSize>& paths, PathSums& sums) const;
+  void lift_point(const SurfaceHit& hit, int lane, PathSums& sums) const;
+  void move_lifted_points(PathSums& sums) const;
   SurfacePoint surface_point(const SurfaceHit& hit) const;
 
   const PatchSet& scene_;

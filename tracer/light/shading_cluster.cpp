@@ -60,6 +60,16 @@ double ShadingCluster::form_factor(const DirectLight& light, const Emitter& emit
   return sum / count;
 }
 
+double ShadingCluster::terminator(const DirectLight& light) const {
+  const ShadingPoint& first = points[0];
+  if (first.before_turn == Vec3f(0.0f)) return 1.0;
+  const double turned = light.form_factor(center, first.normal) * double(first.normal ^ first.before_turn);
+  const double own = light.form_factor(center, first.before_turn);
+  if (own >= turned) return 1.0;
+  const double g = own / turned;
+  return g * (1 + g * (1 - g));
+}
+
 std::vector<ShadingCluster> shading_clusters(std::vector<ShadingPoint>& points) {
   const auto by_surface = [](const ShadingPoint& a, const ShadingPoint& b) { return a.surface < b.surface; };
   sort_by_pixel(points);

@@ -25,6 +25,10 @@ struct ShadingCluster {
   /// Form factor to a whole unoccluded emitter, the mean over the points; of the centre alone if the cluster is small
   /// for its distance from the emitter.
   double form_factor(const DirectLight& light, const Emitter& emitter) const;
+
+  /// Factor of a light where normals are turned to be valid for the viewer: its own shading normal darkens a surface
+  /// smoothly towards the terminator (Chiang, Li and Burley, "Taming the Shadow Terminator", SIGGRAPH Talks 2019).
+  double terminator(const DirectLight& light) const;
 };
 
 /// Sorts points and groups them into clusters, by growing pixel.

@@ -139,8 +139,9 @@ void TileLight::add_lamp(std::size_t l, const Factors& factors, const std::vecto
   if (!dim.empty()) add_guided(l, probes, dim, values, residuals);
   spread(residuals, takes_part, values);
   for (std::size_t s = 0; s < clusters_.size(); ++s) {
-    if (!takes_part(s)) continue;
-    add_light(s, std::size_t(lamp.group), lamp.unscaled * values[s], lamp.exitance * values[s]);
+    if (!takes_part(s) || values[s] == 0) continue;
+    const float factor = values[s] * float(clusters_[s].terminator(lamp.light));
+    add_light(s, std::size_t(lamp.group), lamp.unscaled * factor, lamp.exitance * factor);
   }
 }
 
@@ -259,8 +260,9 @@ void TileLight::add(std::vector<ShadingPoint>& points, std::span<Color> pixels) 
       if (factors.of(l, s) <= 0) continue;
       const ShadingCluster& cluster = clusters[s];
       if (visibility[s].partial()) own[s].add(visibility[s]);
-      const float factor = samples[s].count > 0 ? visible_factor(factors.of(l, s), samples[s], visibility[s])
-                                                : factors.of(l, s) * own[s].visible_fraction();
+      const float visible = samples[s].count > 0 ? visible_factor(factors.of(l, s), samples[s], visibility[s])
+                                                 : factors.of(l, s) * own[s].visible_fraction();
+      const float factor = visible * float(cluster.terminator(lamps[l].light));
       add_light(cluster, std::size_t(lamps[l].group), lamps[l].unscaled * factor, lamps[l].exitance * factor, pixels);
     }
   }

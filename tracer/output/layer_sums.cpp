@@ -50,7 +50,7 @@ void LayerSums::resolve(std::uint32_t pixel, int samples, std::size_t at, std::v
     if (name == "specular") resolve_mean(specular_);
     if (name == "emission") resolve_mean(emission_);
     if (name == "albedo") resolve_mean(albedo_);
-    if (name == "normal") std::get<std::vector<Color>>((layer++)->values)[at] = normal_[pixel].normalized();
+    if (name == "normal") resolve_mean(normal_);
     if (name == "position") std::get<std::vector<Color>>((layer++)->values)[at] = nearest_[pixel].position;
     if (name == "depth") std::get<std::vector<float>>((layer++)->values)[at] = nearest_[pixel].depth;
     if (name == "patch") std::get<std::vector<std::uint32_t>>((layer++)->values)[at] = nearest_[pixel].patch;

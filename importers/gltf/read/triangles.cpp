@@ -157,12 +157,21 @@ class TriangleReader {
       if (std::abs(position[axis]) > kMaxDistance) refuse(fmt::format("a position is beyond {} m", kMaxDistance));
     }
     soup_.positions.push_back(position);
-    const std::optional<AccessorReader>& normals = accessors_.normals;
-    soup_.normals.push_back(normals && normals->data
-                                ? placement.normal(pose_.morphed_normal(vertex, normals->vector3(vertex)))
-                                : Vec3f(0.0f));
+    append_normal(vertex, placement);
     if (requested_.colors || requested_.alphas) append_color(vertex);
     append_texcoords(vertex);
+  }
+
+  void append_normal(std::size_t vertex, const Placement& placement) {
+    constexpr float kMinLength = 0.5f, kMaxLength = 2.0f;
+    Vec3f& result = soup_.normals.emplace_back(0.0f);
+    const std::optional<AccessorReader>& normals = accessors_.normals;
+    if (!normals || !normals->data) return;
+    const Vec3f local = normals->vector3(vertex);
+    if (local.length() >= kMinLength && local.length() <= kMaxLength)
+      result = placement.normal(pose_.morphed_normal(vertex, local));
+    else
+      ++soup_.invalid_normals;
   }
 
   void append_color(std::size_t vertex) {

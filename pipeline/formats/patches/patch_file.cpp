@@ -237,18 +237,18 @@ void write_patches(const std::filesystem::path& file, PatchSet& scene) {
     names.insert(names.end(), textures.begin(), textures.end());
     return KeyHasher().add(writer.key_of(names)).add(metallic_roughness).hex();
   };
-  scene.key =
-      key_of({"/patches/", "/cuts/", "/regions/", "/primitives/type", "/primitives/corners", "/primitives/sphere",
-              "/primitives/back", "/primitives/light_group", "/light_groups/", "/lights/kind", "/lights/light_group",
-              "/lights/strength", "/lights/shape", "/environment/cells", "/environment/light_group"});
-  scene.geometry_key =
-      key_of({"/patches/center", "/patches/primitive", "/patches/uv", "/cuts/", "/regions/", "/primitives/type",
-              "/primitives/corners", "/primitives/sphere", "/primitives/back", "/environment/rows"});
-  scene.frames_key = writer.key_of(
-      {"/primitives/smooth_vertices", "/primitives/material", "/shaders/", "/primitives/shader", "/primitives/texcoord",
-       "/textures/", "/primitives/texture", "/materials/tint", "/primitives/color", "/primitives/emission_tex",
-       "/primitives/finish_tex", "/materials/metal", "/materials/finish_roughness", "/materials/emission_tint",
-       "/environment/size", "/environment/texels", "/environment/view"});
+  scene.key = key_of({"/patches/", "/cuts/", "/regions/", "/primitives/type", "/primitives/corners",
+                      "/primitives/sphere", "/primitives/back", "/primitives/smooth_vertices", "/primitives/normals",
+                      "/primitives/light_group", "/light_groups/", "/lights/kind", "/lights/light_group",
+                      "/lights/strength", "/lights/shape", "/environment/cells", "/environment/light_group"});
+  scene.geometry_key = key_of({"/patches/center", "/patches/primitive", "/patches/uv", "/cuts/", "/regions/",
+                               "/primitives/type", "/primitives/corners", "/primitives/sphere", "/primitives/back",
+                               "/primitives/smooth_vertices", "/primitives/normals", "/environment/rows"});
+  scene.frames_key =
+      writer.key_of({"/primitives/material", "/shaders/", "/primitives/shader", "/primitives/texcoord", "/textures/",
+                     "/primitives/texture", "/materials/tint", "/primitives/color", "/primitives/emission_tex",
+                     "/primitives/finish_tex", "/materials/metal", "/materials/finish_roughness",
+                     "/materials/emission_tint", "/environment/size", "/environment/texels", "/environment/view"});
   writer.attribute("format", kPatchFormat);
   writer.attribute("version", std::int64_t(kPatchVersion));
   writer.attribute("key", scene.key);

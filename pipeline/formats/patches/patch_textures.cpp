@@ -158,6 +158,28 @@ void read_colors(const H5Reader& reader, PatchSet& scene) {
   }
 }
 
+void write_normals(H5Writer& writer, const PatchSet& scene) {
+  std::vector<float> normals;
+  for (const CornerNormals& corners : scene.normals)
+    for (const Vec3f& n : corners) normals.insert(normals.end(), {n.x, n.y, n.z});
+  writer.dataset<float>("/primitives/normals", normals, 3, 4);
+}
+
+void read_normals(const H5Reader& reader, PatchSet& scene) {
+  const auto normals = reader.dataset<float>("/primitives/normals", std::int64_t(scene.primitives.size()), 3, 4);
+  for (std::size_t i = 0; i < normals.size(); i += 12) {
+    CornerNormals& corners = scene.normals.emplace_back();
+    for (std::size_t k = 0; k < 4; ++k) {
+      const float* n = &normals[i + 3 * k];
+      corners[k] = Vec3f(n[0], n[1], n[2]);
+    }
+    if (corners == kFlatNormals) continue;
+    for (const Vec3f& n : corners)
+      if (!(std::abs(n.length() - 1.0f) <= 1e-3f))
+        reader.refuse("a vector that is not of unit length", "/primitives/normals");
+  }
+}
+
 }  // namespace
 
 void write_texture_datasets(H5Writer& writer, const PatchSet& scene) {
@@ -173,6 +195,7 @@ void write_texture_datasets(H5Writer& writer, const PatchSet& scene) {
   }
   if (!scene.masks.empty()) write_masks(writer, scene);
   if (!scene.colors.empty()) write_colors(writer, scene);
+  if (!scene.normals.empty()) write_normals(writer, scene);
   write_texcoords(writer, "/primitives/texcoord", scene.texcoords);
   write_texcoords(writer, "/primitives/emission_texcoord", scene.emission_texcoords);
   write_texcoords(writer, "/primitives/finish_texcoord", scene.metallic_roughness_texcoords);
@@ -200,6 +223,7 @@ void read_texture_datasets(const H5Reader& reader, PatchSet& scene) {
   }
   if (reader.has("/masks/shape")) read_masks(reader, scene);
   if (reader.has("/primitives/color")) read_colors(reader, scene);
+  if (reader.has("/primitives/normals")) read_normals(reader, scene);
   const std::size_t count = scene.primitives.size();
   read_texcoords(reader, "/primitives/texcoord", count, scene.texcoords);
   read_texcoords(reader, "/primitives/emission_texcoord", count, scene.emission_texcoords);

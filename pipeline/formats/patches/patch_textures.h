@@ -4,8 +4,8 @@
 
 namespace patchlight {
 
-/// Writes textures, masks, vertex colours and texture coordinates, and the primitives' indices of these. Datasets are
-/// omitted if the scene has none.
+/// Writes textures, masks, vertex colours, normals and texture coordinates, and the primitives' indices of these.
+/// Datasets are omitted if the scene has none.
 void write_texture_datasets(H5Writer& writer, const PatchSet& scene);
 
 /// Name prefixes of the datasets of alpha masks and metallic-roughness textures, on which transport depends; empty for

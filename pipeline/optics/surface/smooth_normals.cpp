@@ -3,56 +3,48 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pipeline/optics/sampling/patch_sampling.h"
-
 namespace patchlight {
 
 namespace {
 
-constexpr float kSameNormal = 0.999999f;  // cosine above which two normals are the same
-
-/// Interior angle at a corner.
-double corner_angle(const Primitive& p, int k) {
-  const int count = p.is_triangle() ? 3 : 4;
-  const Vec3d a = p.corners[(k + 1) % count] - p.corners[k], b = p.corners[(k + count - 1) % count] - p.corners[k];
-  return std::atan2((a % b).length(), a ^ b);
+/// Bilinear weights of the corners at (u,v).
+template <class Number>
+std::array<Number, 4> corner_weights(Number u, Number v) {
+  return {(1 - u) * (1 - v), u * (1 - v), u * v, (1 - u) * v};
 }
 
 }  // namespace
 
-SmoothNormals::SmoothNormals(const PatchSet& scene) : corner_index_(scene.primitives.size(), -1) {
-  std::int32_t vertices = 0;
-  for (const Primitive& p : scene.primitives)
-    vertices = std::max(vertices, *std::max_element(p.smooth_vertices.begin(), p.smooth_vertices.end()) + 1);
-  std::vector<Vec3d> sums(std::size_t(vertices), Vec3d(0.0));
-  for (const Primitive& p : scene.primitives) {
-    if (p.smooth_vertices[0] < 0) continue;
-    const Vec3d normal(point_at(p, 0.5, 0.5).normal);
-    for (int k = 0; k < (p.is_triangle() ? 3 : 4); ++k) sums[p.smooth_vertices[k]] += normal * corner_angle(p, k);
-  }
-  for (std::size_t i = 0; i < corner_index_.size(); ++i) {
-    const Primitive& p = scene.primitives[i];
-    if (p.smooth_vertices[0] < 0) continue;
-    const Vec3f flat = point_at(p, 0.5, 0.5).normal;
-    std::array<Vec3f, 4> corners;
-    bool curved = false;
-    for (int k = 0; k < 4; ++k) {
-      const Vec3d& sum = sums[p.smooth_vertices[k]];
-      corners[k] = sum.length() > 0 ? Vec3f(sum.normalized()) : flat;
-      curved = curved || (corners[k] ^ flat) < kSameNormal;
-    }
-    if (!curved) continue;
-    corner_index_[i] = std::int32_t(corners_.size());
-    corners_.push_back(corners);
-  }
-}
-
-Vec3f SmoothNormals::operator()(std::int32_t i, float u, float v, const Vec3f& flat) const {
-  if (corner_index_[i] < 0) return flat;
-  const auto& c = corners_[corner_index_[i]];
-  const Vec3f normal = (c[0] * (1 - u) + c[1] * u) * (1 - v) + (c[3] * (1 - u) + c[2] * u) * v;
+Vec3f SmoothNormals::interpolated(std::int32_t i, float u, float v, const Vec3f& flat) const {
+  const std::array<float, 4> weights = corner_weights(u, v);
+  Vec3f normal(0.0f);
+  for (int k = 0; k < 4; ++k) normal += scene_.normals[i][k] * weights[k];
   const float length = normal.length();
   return length > 0 ? normal / length : flat;
+}
+
+Vec3d SmoothNormals::lifted(std::int32_t i, float u, float v, const Vec3d& point) const {
+  const std::array<double, 4> weights = corner_weights(double(u), double(v));
+  Vec3d result = point;
+  for (int k = 0; k < 4; ++k) {
+    const Vec3d normal(scene_.normals[i][k]);
+    const double height = (point - scene_.primitives[i].corners[k]) ^ normal;  // above the corner's tangent plane
+    result -= normal * (weights[k] * std::min(0.0, height));
+  }
+  return result;
+}
+
+/// At an angle x of the normal to `flat`, in the plane of both, the mirror image has the height a sin(2x) + b cos(2x),
+/// where a and b are the direction's components along and out of the surface.
+Vec3f valid_for_viewer(const Vec3f& normal, const Vec3f& flat, const Vec3f& to_viewer) {
+  constexpr float kLeastHeight = 0.01f, kOfViewer = 0.9f;  // of the mirror image
+  const float b = to_viewer ^ flat;
+  const float height = std::min(kLeastHeight, kOfViewer * b);
+  if (2 * (normal ^ to_viewer) * (normal ^ flat) - b >= height || b <= 0) return normal;
+  const Vec3f along = (normal - flat * (normal ^ flat)).normalized();
+  const float a = to_viewer ^ along;
+  const float x = 0.5f * (std::atan2(a, b) + std::acos(std::min(1.0f, height / std::hypot(a, b))));
+  return along * std::sin(x) + flat * std::cos(x);
 }
 
 }  // namespace patchlight

@@ -41,6 +41,17 @@ Mesh arch(std::uint32_t n) {
   return mesh;
 }
 
+TEST(QuadRecognition, FlatSurfacesWhoseNormalsVaryStayInPieces) {
+  Mesh mesh = grid(4);  // a pillow by its normals: plane, with normals that lean outwards
+  for (const Vec3f& p : mesh.positions)
+    mesh.normals.push_back(Vec3f(0.2f * (p.x - 2) * std::abs(p.x - 2), 0, 1).normalized());
+  EXPECT_EQ(facets_of(mesh).size(), 4u) << "a strip for each column";
+  for (Vec3f& n : mesh.normals) n = {0, 0, 1};
+  EXPECT_EQ(facets_of(mesh).size(), 1u);
+  for (std::size_t k = 0; k < mesh.normals.size(); ++k) mesh.normals[k] = Vec3f(0.1f * mesh.positions[k].x, 0, 1);
+  EXPECT_EQ(facets_of(mesh).size(), 1u) << "affine: those at the corners tell all";
+}
+
 /// The cells of an n x n grid for which `inside(x, y)`.
 template <class Inside>
 Mesh cells(std::uint32_t n, const Inside& inside) {

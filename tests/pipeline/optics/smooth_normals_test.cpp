@@ -16,10 +16,9 @@ PatchScene prism(bool smooth) {
   PatchScene builder;
   const auto corner = [](int k, double y) { return Vec3d(std::cos(k * kPi / 4), y, std::sin(k * kPi / 4)); };
   for (int k = 0; k < 8; ++k) {
-    const int index = builder.quad({{corner(k + 1, 0), corner(k, 0), corner(k, 1), corner(k + 1, 1)}}, 1, 1, {});
-    const int left = (k + 1) % 8;
-    builder.get().primitives[index].smooth_vertices = smooth ? std::array{2 * left, 2 * k, 2 * k + 1, 2 * left + 1}
-                                                             : std::array{4 * k, 4 * k + 1, 4 * k + 2, 4 * k + 3};
+    builder.quad({{corner(k + 1, 0), corner(k, 0), corner(k, 1), corner(k + 1, 1)}}, 1, 1, {});
+    const Vec3f left(corner(k + 1, 0)), right(corner(k, 0));
+    if (smooth) builder.get().normals.push_back({left, right, right, left});
   }
   return builder;
 }
@@ -45,6 +44,46 @@ TEST(SmoothNormals, StayFlatAtCreasesAndOnPlanes) {
     const Vec3f flat = point_at(scene.primitives[i], 0.1, 0.1).normal;
     EXPECT_EQ(normals(i, 0.1f, 0.1f, flat), flat);
   }
+}
+
+TEST(SmoothNormals, LiftPointsOntoTheCylinderTheyDescribe) {
+  PatchScene builder = prism(true);
+  const PatchSet& scene = builder.get();
+  const SmoothNormals normals(scene);
+  for (const float u : {0.0f, 0.2f, 0.5f, 1.0f}) {
+    const Vec3d point = point_at(scene.primitives[0], u, 0.7).position;
+    const Vec3d lifted = normals.on_smooth_surface(0, u, 0.7f, point);
+    EXPECT_NEAR(std::hypot(lifted.x, lifted.z), 1.0, 0.076) << "the facet's sagitta";
+    EXPECT_GE(std::hypot(lifted.x, lifted.z), std::hypot(point.x, point.z) - 1e-12);
+  }
+  PatchScene inward = prism(true);  // a tube lit inside: its smooth surface lies behind the facets
+  for (std::size_t i = 0; i < 8; ++i) {
+    std::swap(inward.get().primitives[i].corners[0], inward.get().primitives[i].corners[1]);
+    std::swap(inward.get().primitives[i].corners[2], inward.get().primitives[i].corners[3]);
+    CornerNormals& n = inward.get().normals[i];
+    n = {-n[1], -n[0], -n[3], -n[2]};
+  }
+  const Vec3d point = point_at(inward.get().primitives[0], 0.5, 0.5).position;
+  EXPECT_EQ(SmoothNormals(inward.get()).on_smooth_surface(0, 0.5f, 0.5f, point), point);
+}
+
+TEST(SmoothNormals, AreValidForViewersOfWhichTheSurfaceHasAMirrorImage) {
+  const Vec3f flat(0, 0, 1);
+  for (const float tilt : {0.1f, 0.5f, 1.0f, 1.4f})
+    for (const float angle : {-1.5f, -1.2f, -0.5f, 0.0f, 0.7f, 1.3f, 1.55f}) {
+      const Vec3f normal(std::sin(tilt), 0, std::cos(tilt)),
+          viewer(std::sin(angle) * 0.8f, std::sin(angle) * 0.6f, std::cos(angle));
+      const Vec3f valid = valid_for_viewer(normal, flat, viewer);
+      const float height = (valid * (2 * (valid ^ viewer)) - viewer).z;
+      const float least = std::min(0.01f, 0.9f * viewer.z);
+      EXPECT_NEAR(valid.length(), 1.0f, 1e-5f);
+      EXPECT_GE(height, least - 1e-4f) << tilt << " " << angle;
+      EXPECT_NEAR(valid.y, 0.0f, 1e-6f) << "it is turned towards the surface's own normal";
+      if ((normal * (2 * (normal ^ viewer)) - viewer).z > least)
+        EXPECT_EQ(valid, normal) << "it was valid";
+      else
+        EXPECT_NEAR(height, least, 1e-4f) << "and no farther than needed";
+    }
 }
 
 }  // namespace

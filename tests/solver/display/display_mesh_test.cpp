@@ -33,67 +33,6 @@ TEST(DisplayMesh, DividesOnlyPatchesAlongCreases) {
     EXPECT_TRUE(mesh.vertices[k].patch >= 256 || mesh.vertices[k].patch % 16 > 0) << "borders are not at the crease";
 }
 
-/// A smooth rail of two facets, 60 cm long and bent along the middle, whose ends lie in double-sided posts of 10 cm.
-PatchSet rail(const std::vector<double>& posts) {
-  PatchScene builder;
-  const std::array<Vec3d, 3> across{Vec3d(0, 0, 0.02), Vec3d(0, 0.005, 0), Vec3d(0, 0, -0.02)};
-  for (int k = 0; k < 2; ++k) {
-    const Vec3d along(0.3, 0, 0);
-    const int facet =
-        builder.quad({across[k] - along, across[k] + along, across[k + 1] + along, across[k + 1] - along}, 1, 1, {});
-    builder.get().primitives[facet].smooth_vertices = {2 * k, 2 * k + 1, 2 * k + 3, 2 * k + 2};
-  }
-  for (const double x : posts) {
-    PatchScene post;
-    post.room(0.05, 1, {});
-    for (const Primitive& wall : post.get().primitives) {
-      std::array<Vec3d, 4> c = wall.corners;
-      for (Vec3d& corner : c) corner.x += x;
-      const int inside = builder.quad(c, 1, 1, {}), outside = builder.quad({c[1], c[0], c[3], c[2]}, 1, 1, {});
-      builder.get().primitives[inside].back = outside;
-      builder.get().primitives[outside].back = inside;
-    }
-  }
-  return builder.get();
-}
-
-/// Where the corners of the facets on a scene's first two primitives gather, m along the rail.
-std::vector<double> places_along_rail(const PatchSet& scene) {
-  const DisplayMesh mesh = mesh_of(scene);
-  std::vector<double> places;
-  for (const DisplayMesh::Facet& facet : mesh.facets) {
-    if (scene.patches[facet.patch].primitive > 1) continue;
-    for (const std::int32_t corner : facet.corners) {
-      const DisplayMesh::Vertex& vertex = mesh.vertices[corner];
-      const auto& corners = scene.primitives[scene.patches[vertex.patch].primitive].corners;
-      places.push_back(position_at(corners, vertex.u, vertex.v).x);
-    }
-  }
-  return places;
-}
-
-TEST(DisplayMesh, VerticesOfFacetsAreNotInOtherBodies) {
-  const std::vector<double> places = places_along_rail(rail({-0.3, 0.3})),
-                            one_end_free = places_along_rail(rail({0.3}));
-  ASSERT_EQ(places.size(), 8u);
-  ASSERT_EQ(one_end_free.size(), 8u);
-  for (const double x : places) EXPECT_LT(std::abs(x), 0.25);
-  for (const double x : one_end_free)
-    EXPECT_TRUE(x < -0.28 || (x > 0.2 && x < 0.25)) << x << ": corners stay where free";
-}
-
-TEST(DisplayMesh, VerticesOfFacetsAreWhereTheLargestFacetIsOpen) {
-  PatchScene builder;  // a facet of 1 mm at the end of the rail, all of it in the post
-  const int small =
-      builder.quad({{{-0.301, 0, 0.02}, {-0.3, 0, 0.02}, {-0.3, 0, 0.021}, {-0.301, 0, 0.021}}}, 1, 1, {});
-  builder.get().primitives[small].smooth_vertices = {6, 0, 7, 8};
-  PatchSet scene = rail({-0.3, 0.3});
-  scene.primitives.push_back(builder.get().primitives[small]);
-  scene.patches.push_back(builder.get().patches[0]);
-  scene.patches.back().primitive = std::int32_t(scene.primitives.size()) - 1;
-  for (const double x : places_along_rail(scene)) EXPECT_LT(std::abs(x), 0.25);
-}
-
 TEST(DisplayMesh, FacesCoverTheirPatches) {
   PatchScene builder = divided_room();
   builder.sphere({0.5, -0.8, 0.3}, 0.2, 8, 12, {});

@@ -40,6 +40,9 @@ inline PatchScene drum_above_a_floor(double low, int rings, int floor_cells = 32
     for (int k = 0; k < kAround; ++k) {
       const int facet = builder.quad({{at(k, y0), at(k + 1, y0), at(k + 1, y1), at(k, y1)}}, 1, 1, {0.5f, 0.0f});
       const int next = (k + 1) % kAround;
+      const Vec3f left(at(k, 0)), right(at(k + 1, 0));
+      builder.get().normals.resize(std::size_t(facet), kFlatNormals);
+      builder.get().normals.push_back({left, right, right, left});
       builder.get().primitives[facet].smooth_vertices = {kAround * j + k, kAround * j + next, kAround * (j + 1) + next,
                                                          kAround * (j + 1) + k};
     }

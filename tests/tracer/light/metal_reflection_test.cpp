@@ -126,8 +126,8 @@ TEST(MetalReflection, MirrorsOnCurvedMeshesReflectSmoothly) {
   builder.get().materials.push_back({"mirror", Color(1.0f), 0.0f});
   builder.quad({{{-1, -1, -1.1}, {0, -1, -1}, {0, 1, -1}, {-1, 1, -1.1}}}, 1, 1, {0.0f, 0.0f, 0, 1});
   builder.quad({{{0, -1, -1}, {1, -1, -1.1}, {1, 1, -1.1}, {0, 1, -1}}}, 1, 1, {0.0f, 0.0f, 0, 1});
-  builder.get().primitives[0].smooth_vertices = {0, 1, 2, 3};
-  builder.get().primitives[1].smooth_vertices = {1, 4, 5, 2};
+  const Vec3f left(-0.0995f, 0, 0.99504f), middle(0, 0, 1), right(0.0995f, 0, 0.99504f);
+  builder.get().normals = {{left, middle, middle, left}, {middle, right, right, middle}, kFlatNormals};
   builder.quad({{{-9, -9, 1}, {-9, 9, 1}, {9, 9, 1}, {9, -9, 1}}}, 1, 1, {0.0f, 1.0f});
   builder.get().shaders = {{"ramp", {}, {"2 + x", "1", "1"}}};
   builder.get().primitives[2].shader = 0;
