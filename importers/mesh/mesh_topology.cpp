@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "importers/mesh/open_edges.h"
 #include "importers/mesh/vertex_welding.h"
 
 namespace patchlight {
@@ -55,19 +56,19 @@ struct VertexLayer {
   }
 };
 
-Connectivity connect(const TriangleSoup& soup, const std::vector<std::int32_t>& weld,
+Connectivity connect(const std::vector<Vec3d>& positions, const std::vector<std::int32_t>& weld,
                      std::vector<std::int32_t> triangles) {
   Connectivity connected;
   omerr().disable();  // it reports each triangle that cannot be added
   for (int layer = 0; !triangles.empty(); ++layer) {
     const bool separate = layer >= kMaxLayers;
-    VertexLayer vertices(soup.positions.size());
+    VertexLayer vertices(positions.size());
     std::vector<std::int32_t> refused;
     for (const std::int32_t triangle : triangles) {
       std::array<OpenMesh::VertexHandle, 3> corners;
       for (int i = 0; i < 3; ++i) {
         const std::int32_t corner = 3 * triangle + i;
-        corners[i] = vertices.vertex_for(connected, separate ? corner : weld[corner], soup.positions[corner]);
+        corners[i] = vertices.vertex_for(connected, separate ? corner : weld[corner], positions[corner]);
       }
       if (connected.mesh.add_face(corners[0], corners[1], corners[2]).is_valid()) {
         connected.soup_triangle.push_back(triangle);
@@ -102,7 +103,7 @@ int corner_index(const MeshTopology::Triangle& triangle, std::int32_t vertex) {
 
 /// The soup's values by corner, in the order of the connected triangles' corners.
 template <class Value>
-std::vector<Value> reordered_by_corner(const std::vector<Value>& values, const TriangleSoup& soup,
+std::vector<Value> reordered_by_corner(const std::vector<Value>& values, const std::vector<Vec3d>& positions,
                                        const Connectivity& connected, const MeshTopology& topology) {
   std::vector<Value> result(topology.triangles.size() * 3);
   for (std::size_t t = 0; t < topology.triangles.size(); ++t) {
@@ -110,7 +111,7 @@ std::vector<Value> reordered_by_corner(const std::vector<Value>& values, const T
       const std::size_t corner = 3 * static_cast<std::size_t>(connected.soup_triangle[t]) + i;
       for (std::size_t k = 0; k < 3; ++k) {
         const Vec3d& position = topology.vertices[topology.triangles[t].vertices[k]];
-        if (position == soup.positions[corner]) result[3 * t + k] = values[corner];
+        if (position == positions[corner]) result[3 * t + k] = values[corner];
       }
     }
   }
@@ -195,24 +196,25 @@ MeshTopology build_topology(const TriangleSoup& soup) {
   topology.rounding = soup.rounding;
   topology.texcoord_rounding = soup.texcoord_rounding;
   topology.quantized = soup.quantized;
+  const std::vector<Vec3d> positions = with_closed_seams(soup);
   std::vector<std::int32_t> triangles;
-  for (std::size_t i = 0; i + 2 < soup.positions.size(); i += 3) {
-    if (has_area(soup.positions[i], soup.positions[i + 1], soup.positions[i + 2])) {
+  for (std::size_t i = 0; i + 2 < positions.size(); i += 3) {
+    if (has_area(positions[i], positions[i + 1], positions[i + 2])) {
       triangles.push_back(static_cast<std::int32_t>(i / 3));
     } else {
       ++topology.degenerate_triangles;
     }
   }
-  const std::vector<std::int32_t> vertices = split_non_manifold_vertices(weld_corners(soup.positions), triangles);
-  Connectivity connected = connect(soup, vertices, std::move(triangles));
+  const std::vector<std::int32_t> vertices = split_non_manifold_vertices(weld_corners(positions), triangles);
+  Connectivity connected = connect(positions, vertices, std::move(triangles));
   topology.vertices = std::move(connected.positions);
   fill_triangles(connected, topology);
-  topology.normals = reordered_by_corner(soup.normals, soup, connected, topology);
+  topology.normals = reordered_by_corner(soup.normals, positions, connected, topology);
   omit_normals_of_other_side(topology);
   number_smooth_vertices(topology);
   for (const auto& texcoords : soup.texcoords)
-    topology.texcoords.push_back(reordered_by_corner(texcoords, soup, connected, topology));
-  if (!soup.colors.empty()) topology.colors = reordered_by_corner(soup.colors, soup, connected, topology);
+    topology.texcoords.push_back(reordered_by_corner(texcoords, positions, connected, topology));
+  if (!soup.colors.empty()) topology.colors = reordered_by_corner(soup.colors, positions, connected, topology);
   find_components(topology);
   return topology;
 }

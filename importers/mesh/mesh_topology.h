@@ -42,7 +42,8 @@ struct MeshTopology {
 /// corners agree, or, without normals in the file, their geometric normals nearly do. True for other meshes.
 bool flat_by_normals(const MeshTopology& topology, std::int32_t a, std::int32_t b);
 
-/// Welds corners at exactly equal positions and connects the triangles by OpenMesh's half-edges.
+/// Welds corners at equal positions, at open edges those that are equal within the file's precision
+/// (with_closed_seams), and connects the triangles by OpenMesh's half-edges.
 ///
 /// Triangles whose height is below 1e-7 of their longest edge are degenerate. Surfaces that touch in a non-manifold
 /// edge or in a single vertex are not connected. An edge is smooth if its triangles are coplanar (within 1e-3 rad), or
