@@ -104,6 +104,7 @@ PatchSet import_scene(const Job& job, Progress& progress) {
   const std::vector<PatchTarget> targets = divide_large_surfaces(scene.materials, patch_areas, job.import, list);
   set.patches = build_patches(list.primitives, scene.materials, targets);
   set.primitives = std::move(list.primitives);
+  for (std::size_t i = 0; i < targets.size(); ++i) set.primitives[i].patch_area = targets[i].area;
   set.texcoords = std::move(list.texcoords);
   set.emission_texcoords = std::move(list.emission_texcoords);
   set.metallic_roughness_texcoords = std::move(list.metallic_roughness_texcoords);

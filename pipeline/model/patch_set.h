@@ -46,6 +46,7 @@ struct Primitive {
   /// Ids of the corners' smooth vertices: corners with the same id meet without a crease. -1 for spheres.
   std::array<std::int32_t, 4> smooth_vertices{-1, -1, -1, -1};
   std::shared_ptr<const Region> region{};  ///< What there is of the quad, a parallelogram; null: all of it.
+  double patch_area = 0.0;  ///< m2; the import's target for patches of its scale, however small the primitive is.
 
   bool is_triangle() const { return shape == Shape::quad && corners[2] == corners[3]; }
 };

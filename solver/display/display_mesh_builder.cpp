@@ -25,10 +25,11 @@ namespace {
 
 // Measured: smaller values cost more vertices than they are worth.
 // Thresholds of the size of a patch or cell over the harmonic mean distance.
-constexpr float kNear = 0.25f;    // for vertices of its own
-constexpr float kSplit = 0.25f;   // for refinement
-constexpr float kContact = 4.0f;  // for refinement to the last of kLevels, at contacts and small gaps
-constexpr int kLevels = 3;        // of refinement by distances
+constexpr float kNear = 0.25f;       // for vertices of its own
+constexpr float kSplit = 0.25f;      // for refinement
+constexpr float kContact = 4.0f;     // for refinement to the last of kLevels, at contacts and small gaps
+constexpr int kLevels = 3;           // of refinement by distances
+constexpr double kLeast = 1.0 / 64;  // area of cells over the target of their scale, which kLevels reach from there
 
 class Builder {
  public:
@@ -104,6 +105,8 @@ class Builder {
     const auto needs_refinement = [&](const RefinementCriterion& criterion, std::int32_t i) {
       if (!criterion.is_open) return false;
       if (depth >= kLevels) return true;
+      const Patch& cell = cell_patches_[i];
+      if (cell.area <= kLeast * scene_.primitives[cell.primitive].patch_area) return false;
       return criterion.value >= (depth + 1 < kLevels ? kSplit : kContact) || is_too_large(i);
     };
     std::vector<Patch> parts;

@@ -81,7 +81,7 @@ void RayRows::cast_guided(SampleSet& set, const SkyGuide& guide, const Direction
 }
 
 /// Adds guided rays to blocks of consecutive rows.
-void RayRows::guide_to_sky(std::span<RowBlock> blocks, const DirectionTable& table) const {
+void RayRows::guide_to_sky(std::span<RowBlock> blocks, const Tables& tables) const {
   std::vector<SkyRow> rows;
   bool any_rare = false, any_found = false;
   for (RowBlock& block : blocks)
@@ -102,7 +102,7 @@ void RayRows::guide_to_sky(std::span<RowBlock> blocks, const DirectionTable& tab
   for (int sweep = 0; sweep < kGuideSweeps; ++sweep) learn_sky(rows, first, sweep);
   tbb::parallel_for(std::size_t(0), blocks.size(), [&](std::size_t k) {
     _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree requires denormals to be flushed
-    add_guided(rows, first, table, blocks[k]);
+    add_guided(rows, first, tables, blocks[k]);
   });
 }
 
@@ -132,7 +132,7 @@ void RayRows::learn_sky(std::span<SkyRow> rows, std::int32_t first, int sweep) c
 }
 
 /// Adds guided rays to the sample sets of a block's rows. `rows`: all rows from row `first` on.
-void RayRows::add_guided(std::span<const SkyRow> rows, std::int32_t first, const DirectionTable& table,
+void RayRows::add_guided(std::span<const SkyRow> rows, std::int32_t first, const Tables& tables,
                          RowBlock& block) const {
   const std::vector<std::int32_t> columns = std::move(block.columns);
   block.columns.clear();
@@ -159,6 +159,7 @@ void RayRows::add_guided(std::span<const SkyRow> rows, std::int32_t first, const
     float weight = 0.0f, rest = block.hit_weights[k];
     if (open) {
       SampleSet set(*this, block.first + std::int32_t(k / 2), s, scratch);
+      const DirectionTable& table = tables.of(*this, set.row);
       set.density = row.density ? &*row.density : nullptr;
       const int guided_blocks = set.patch.area > 0 ? kPatchBlocks : kPointBlocks;
       for (int b = 0; b < guided_blocks; ++b) {

@@ -61,7 +61,7 @@ std::vector<RayRows::RowBlock> RayRows::row_blocks(std::int32_t first, std::int3
 std::int64_t RayRows::cast(int rays, TransportRows& rows, Progress& progress, Shard shard) const {
   const auto start = std::int32_t(shard.first(receivers_.size())), end = std::int32_t(shard.last(receivers_.size()));
   const int set_rays = std::max(16, (rays + 31) / 32 * 16);
-  const DirectionTable table(set_rays);
+  const Tables tables(set_rays);
   rows = {};
   rows.rays = 2 * set_rays;
   rows.starts.push_back(0);
@@ -79,9 +79,9 @@ std::int64_t RayRows::cast(int rays, TransportRows& rows, Progress& progress, Sh
       RowBlock& block = blocks[index];
       Scratch scratch;
       block.columns.reserve(std::size_t(block.last - block.first) * std::size_t(rows.rays));
-      for (std::int32_t row = block.first; row < block.last; ++row) cast_row(row, table, scratch, block);
+      for (std::int32_t row = block.first; row < block.last; ++row) cast_row(row, tables, scratch, block);
     });
-    if (scene_.environment) guide_to_sky(blocks, table);
+    if (scene_.environment) guide_to_sky(blocks, tables);
     std::erase_if(blocks, [&](const RowBlock& block) { return block.first < first || block.first >= last; });
     append(blocks, start, rows);
     for (const RowBlock& block : blocks) cast += block.rays;
@@ -121,7 +121,8 @@ void RayRows::append(std::span<const RowBlock> blocks, std::int32_t start, Trans
 
 /// Casts blocks of rays until about as many rays have hit something as a block has rays. Each sample set takes its
 /// number of blocks from the hits of the other set, so that its mean stays unbiased.
-void RayRows::cast_row(std::int32_t row, const DirectionTable& table, Scratch& scratch, RowBlock& result) const {
+void RayRows::cast_row(std::int32_t row, const Tables& tables, Scratch& scratch, RowBlock& result) const {
+  const DirectionTable& table = tables.of(*this, row);
   std::array<SampleSet, 2> sets{SampleSet(*this, row, 0, scratch), SampleSet(*this, row, 1, scratch)};
   for (SampleSet& set : sets) cast_block(set, table, 0);
   std::optional<VisibleDensity> density;

@@ -35,7 +35,8 @@ class RayRows {
           std::uint64_t seed, bool visible_fractions = false, std::span<const std::uint8_t> ray_factors = {});
 
   /// Sets `rows` from `rays` rays a row, rounded up to a multiple of 32; up to eight times as many where most rays hit
-  /// nothing, so that sparse rows are no noisier. The result does not depend on the number of threads.
+  /// nothing, so that sparse rows are no noisier; a quarter for patches that are far smaller than the target of their
+  /// scale, whose noise hardly matters. The result does not depend on the number of threads.
   /// `shard`: casts only its part of the receivers, numbered from its first. Returns the number of rays cast, reflected
   /// ones included. Throws: Error (interrupted).
   std::int64_t cast(int rays, TransportRows& rows, Progress& progress, Shard shard = {}) const;
@@ -45,10 +46,11 @@ class RayRows {
   struct Scratch;
   struct RowBlock;
   struct SkyRow;
+  struct Tables;
 
   std::vector<RowBlock> row_blocks(std::int32_t first, std::int32_t last) const;
   static void append(std::span<const RowBlock> blocks, std::int32_t start, TransportRows& rows);
-  void cast_row(std::int32_t row, const DirectionTable& table, Scratch& scratch, RowBlock& result) const;
+  void cast_row(std::int32_t row, const Tables& tables, Scratch& scratch, RowBlock& result) const;
   void cast_block(SampleSet& set, const DirectionTable& table, int block) const;
   void start_packet(const SampleSet& set, QuadSamples& samples, int first, RayPacket& packet) const;
   std::int32_t certain_element(const RayPacket& packet, int lane, SurfaceHit hit) const;
@@ -60,9 +62,9 @@ class RayRows {
 
   static void find_neighbours(std::span<SkyRow> rows, std::size_t at);
   static std::optional<SkyGuide> guide(std::span<const SkyRow> rows, std::size_t at, int sample_set);
-  void guide_to_sky(std::span<RowBlock> blocks, const DirectionTable& table) const;
+  void guide_to_sky(std::span<RowBlock> blocks, const Tables& tables) const;
   void learn_sky(std::span<SkyRow> rows, std::int32_t first, int sweep) const;
-  void add_guided(std::span<const SkyRow> rows, std::int32_t first, const DirectionTable& table, RowBlock& block) const;
+  void add_guided(std::span<const SkyRow> rows, std::int32_t first, const Tables& tables, RowBlock& block) const;
   template <class Act>
   void cast_guided(SampleSet& set, const SkyGuide& guide, const DirectionTable& table, Act act) const;
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <optional>
 
 #include "pipeline/optics/intersect/alpha_mask.h"
@@ -9,6 +10,21 @@
 #include "solver/form_factors/visible_density.h"
 
 namespace patchlight {
+
+/// Rays of a sample set.
+struct RayRows::Tables {
+  explicit Tables(int rays) : all(rays), few(std::max(16, rays / kFewer / 16 * 16)) {}
+
+  const DirectionTable& of(const RayRows& rows, std::int32_t row) const {
+    const Patch& patch = rows.receivers_[row];
+    const bool is_small = patch.area > 0 && patch.area < kSmall * rows.scene_.primitives[patch.primitive].patch_area;
+    return is_small ? few : all;
+  }
+
+  static constexpr double kSmall = 1.0 / 16;  // area of a small patch over the target of its scale
+  static constexpr int kFewer = 4;
+  DirectionTable all, few;
+};
 
 /// Buffers of a row's sample sets, reused from row to row.
 struct RayRows::Scratch {

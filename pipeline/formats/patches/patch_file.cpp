@@ -71,6 +71,7 @@ void write_primitives(H5Writer& writer, const PatchSet& scene) {
   write_rows<std::int32_t>(writer, "/primitives/smooth_vertices", all, 4,
                            [](P p, auto* r) { std::copy(p.smooth_vertices.begin(), p.smooth_vertices.end(), r); });
   write_rows<std::int32_t>(writer, "/primitives/node", all, 0, [](P p, auto* r) { *r = p.node; });
+  write_rows<double>(writer, "/primitives/patch_area", all, 0, [](P p, auto* r) { *r = p.patch_area; });
   std::vector<std::string> names;
   names.reserve(all.size());
   for (const auto& p : all) names.push_back(scene.nodes[p.node]);
@@ -155,6 +156,8 @@ void read_primitives(const H5Reader& reader, PatchSet& scene) {
   read_rows<std::int32_t>(reader, "/primitives/smooth_vertices", all, 4,
                           [](P p, auto* r) { std::copy_n(r, 4, p.smooth_vertices.begin()); });
   read_rows<std::int32_t>(reader, "/primitives/node", all, 0, [](P p, auto* r) { p.node = *r; });
+  if (reader.has("/primitives/patch_area"))
+    read_rows<double>(reader, "/primitives/patch_area", all, 0, [](P p, auto* r) { p.patch_area = *r; });
 }
 
 void read_patch_rows(const H5Reader& reader, std::vector<Patch>& all) {
@@ -237,13 +240,15 @@ void write_patches(const std::filesystem::path& file, PatchSet& scene) {
     names.insert(names.end(), textures.begin(), textures.end());
     return KeyHasher().add(writer.key_of(names)).add(metallic_roughness).hex();
   };
-  scene.key = key_of({"/patches/", "/cuts/", "/regions/", "/primitives/type", "/primitives/corners",
-                      "/primitives/sphere", "/primitives/back", "/primitives/smooth_vertices", "/primitives/normals",
-                      "/primitives/light_group", "/light_groups/", "/lights/kind", "/lights/light_group",
-                      "/lights/strength", "/lights/shape", "/environment/cells", "/environment/light_group"});
-  scene.geometry_key = key_of({"/patches/center", "/patches/primitive", "/patches/uv", "/cuts/", "/regions/",
-                               "/primitives/type", "/primitives/corners", "/primitives/sphere", "/primitives/back",
-                               "/primitives/smooth_vertices", "/primitives/normals", "/environment/rows"});
+  scene.key =
+      key_of({"/patches/", "/cuts/", "/regions/", "/primitives/type", "/primitives/corners", "/primitives/sphere",
+              "/primitives/back", "/primitives/smooth_vertices", "/primitives/normals", "/primitives/patch_area",
+              "/primitives/light_group", "/light_groups/", "/lights/kind", "/lights/light_group", "/lights/strength",
+              "/lights/shape", "/environment/cells", "/environment/light_group"});
+  scene.geometry_key =
+      key_of({"/patches/center", "/patches/primitive", "/patches/uv", "/cuts/", "/regions/", "/primitives/type",
+              "/primitives/corners", "/primitives/sphere", "/primitives/back", "/primitives/smooth_vertices",
+              "/primitives/normals", "/primitives/patch_area", "/environment/rows"});
   scene.frames_key =
       writer.key_of({"/primitives/material", "/shaders/", "/primitives/shader", "/primitives/texcoord", "/textures/",
                      "/primitives/texture", "/materials/tint", "/primitives/color", "/primitives/emission_tex",
