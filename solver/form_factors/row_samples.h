@@ -16,12 +16,20 @@ struct RayRows::Tables {
   explicit Tables(int rays) : all(rays), few(std::max(16, rays / kFewer / 16 * 16)) {}
 
   const DirectionTable& of(const RayRows& rows, std::int32_t row) const {
-    const Patch& patch = rows.receivers_[row];
-    const bool is_small = patch.area > 0 && patch.area < kSmall * rows.scene_.primitives[patch.primitive].patch_area;
-    return is_small ? few : all;
+    return is_small(rows.scene_, rows.receivers_[row]) ? few : all;
   }
 
-  static constexpr double kSmall = 1.0 / 16;  // area of a small patch over the target of its scale
+  /// Whether a patch is small in all directions: the noise of slivers would show as streaks.
+  static bool is_small(const PatchSet& scene, const Patch& patch) {
+    const Primitive& p = scene.primitives[patch.primitive];
+    if (patch.area <= 0 || p.shape != Primitive::Shape::quad) return false;
+    const auto at = [&](float u, float v) { return position_at(p.corners, double(u), double(v)); };
+    const double longest = std::max((at(patch.u1, patch.v1) - at(patch.u0, patch.v0)).length2(),
+                                    (at(patch.u0, patch.v1) - at(patch.u1, patch.v0)).length2());
+    return longest < kSmall * p.patch_area;
+  }
+
+  static constexpr double kSmall = 1.0 / 64;  // squared extent of a small patch over the target area of its scale
   static constexpr int kFewer = 4;
   DirectionTable all, few;
 };

@@ -33,6 +33,19 @@ TEST(DisplayMesh, DividesOnlyPatchesAlongCreases) {
     EXPECT_TRUE(mesh.vertices[k].patch >= 256 || mesh.vertices[k].patch % 16 > 0) << "borders are not at the crease";
 }
 
+TEST(DisplayMesh, DoesNotRefineBelowTheSizeOfAScale) {
+  PatchScene builder;
+  builder.room(1, 8, {});
+  builder.quad({{{0, -1, 0}, {0, -0.9, 0}, {0.1, -0.9, 0}, {0.1, -1, 0}}}, 1, 1, {});  // stands on the floor
+  PatchSet& scene = builder.get();
+  const std::size_t faces = mesh_of(scene).faces.size();
+  scene.primitives[6].patch_area = 1;  // of which it is a hundredth
+  const DisplayMesh mesh = mesh_of(scene);
+  EXPECT_LT(mesh.faces.size(), faces);
+  ASSERT_GE(mesh.roots.back(), 0);
+  EXPECT_LT(mesh.cells[mesh.roots.back()].children, 0);
+}
+
 TEST(DisplayMesh, FacesCoverTheirPatches) {
   PatchScene builder = divided_room();
   builder.sphere({0.5, -0.8, 0.3}, 0.2, 8, 12, {});

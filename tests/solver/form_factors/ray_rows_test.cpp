@@ -174,5 +174,20 @@ TEST(RayRows, TerminateBetweenFacingMirrors) {
   EXPECT_EQ(transport.columns.size(), 24u * 64);
 }
 
+TEST(RayRows, PatchesFarSmallerThanTheirScaleCastFewerRays) {
+  PatchScene builder;
+  builder.room(1, 1, {});
+  builder.quad({{{0, 0, 0}, {0.1, 0, 0}, {0.1, 0.1, 0}, {0, 0.1, 0}}}, 1, 1, {});
+  builder.quad({{{0, 0, 0.5}, {0.9, 0, 0.5}, {0.9, 0.01, 0.5}, {0, 0.01, 0.5}}}, 1, 1, {});  // a sliver
+  const auto weights = [&](double patch_area) {
+    for (Primitive& p : builder.get().primitives) p.patch_area = patch_area;
+    const Transport transport = cast(builder.get(), 256);
+    return std::array{transport.hit_weights[0], transport.hit_weights[12], transport.hit_weights[14]};
+  };
+  const auto fine = weights(0.01), coarse = weights(4);
+  EXPECT_EQ(fine, (std::array{1.0f / 128, 1.0f / 128, 1.0f / 128}));
+  EXPECT_EQ(coarse, (std::array{1.0f / 128, 1.0f / 32, 1.0f / 128})) << "noise of slivers would show";
+}
+
 }  // namespace
 }  // namespace patchlight
