@@ -49,7 +49,7 @@ std::vector<double> places_along_rail(const PatchSet& scene) {
   return places;
 }
 
-TEST(DisplayFacets, VerticesNotInOtherBodies) {
+TEST(DisplayFacets, VerticesAreNotInOtherBodies) {
   const std::vector<double> places = places_along_rail(rail({-0.3, 0.3})),
                             one_end_free = places_along_rail(rail({0.3}));
   ASSERT_EQ(places.size(), 8u);
@@ -59,11 +59,11 @@ TEST(DisplayFacets, VerticesNotInOtherBodies) {
     EXPECT_TRUE(x < -0.28 || (x > 0.2 && x < 0.25)) << x << ": corners stay where free";
 }
 
-TEST(DisplayFacets, VerticesWhereTheLargestFacetIsOpen) {
-  PatchScene builder;  // a facet of 1 mm at the end of the rail, all of it in the post
+TEST(DisplayFacets, VerticesAreWhereTheLargestFacetIsOpen) {
+  PatchScene builder;  // a facet of 15 mm that continues the rail, all of it in the post
   const int small =
-      builder.quad({{{-0.301, 0, 0.02}, {-0.3, 0, 0.02}, {-0.3, 0, 0.021}, {-0.301, 0, 0.021}}}, 1, 1, {});
-  builder.get().primitives[small].smooth_vertices = {6, 0, 7, 8};
+      builder.quad({{{-0.315, 0, 0.02}, {-0.3, 0, 0.02}, {-0.3, 0.005, 0}, {-0.315, 0.005, 0}}}, 1, 1, {});
+  builder.get().primitives[small].smooth_vertices = {6, 0, 2, 7};
   PatchSet scene = rail({-0.3, 0.3});
   scene.primitives.push_back(builder.get().primitives[small]);
   scene.patches.push_back(builder.get().patches[0]);
