@@ -29,7 +29,7 @@ constexpr float kNear = 0.25f;       // for vertices of its own
 constexpr float kSplit = 0.25f;      // for refinement
 constexpr float kContact = 4.0f;     // for refinement to the last of kLevels, at contacts and small gaps
 constexpr int kLevels = 3;           // of refinement by distances
-constexpr double kLeast = 1.0 / 64;  // area of cells over the target of their scale, which kLevels reach from there
+constexpr double kLeast = 1.0 / 64;  // of the target of their scale: area of cells that distances do not refine
 
 class Builder {
  public:
@@ -105,9 +105,10 @@ class Builder {
     const auto needs_refinement = [&](const RefinementCriterion& criterion, std::int32_t i) {
       if (!criterion.is_open) return false;
       if (depth >= kLevels) return true;
+      if (is_too_large(i)) return true;
       const Patch& cell = cell_patches_[i];
-      if (cell.area <= kLeast * scene_.primitives[cell.primitive].patch_area) return false;
-      return criterion.value >= (depth + 1 < kLevels ? kSplit : kContact) || is_too_large(i);
+      return cell.area > kLeast * scene_.primitives[cell.primitive].patch_area &&
+             criterion.value >= (depth + 1 < kLevels ? kSplit : kContact);
     };
     std::vector<Patch> parts;
     for (const std::int32_t i : level) parts.push_back(cell_patches_[i]);

@@ -36,7 +36,7 @@ TEST(DisplayMesh, DividesOnlyPatchesAlongCreases) {
 TEST(DisplayMesh, DoesNotRefineBelowTheSizeOfAScale) {
   PatchScene builder;
   builder.room(1, 8, {});
-  builder.quad({{{0, -1, 0}, {0, -0.9, 0}, {0.1, -0.9, 0}, {0.1, -1, 0}}}, 1, 1, {});  // stands on the floor
+  builder.quad({{{0, -0.98, 0}, {0.1, -0.98, 0}, {0.1, -0.98, 0.1}, {0, -0.98, 0.1}}}, 1, 1, {});  // faces the floor
   PatchSet& scene = builder.get();
   const std::size_t faces = mesh_of(scene).faces.size();
   scene.primitives[6].patch_area = 1;  // of which it is a hundredth
