@@ -36,8 +36,10 @@ PrimitiveList build_primitives(const GltfScene& scene, const Job& job, Progress&
   if (list.degenerate_triangles > 0)
     progress.warning(fmt::format("{} triangles without area are skipped", list.degenerate_triangles));
   if (list.invalid_normals > 0)
-    progress.warning(fmt::format(
-        "{} corners of triangles have a normal that is not a unit vector: they are shaded flat", list.invalid_normals));
+    progress.warning(
+        fmt::format("{} corners have a normal that is not a unit vector or points behind its triangle: their triangles "
+                    "are shaded flat",
+                    list.invalid_normals));
   if (!list.texcoords.empty()) list.texcoords.resize(list.primitives.size(), kIdentityTexcoords);
   for (auto* texcoords : {&list.emission_texcoords, &list.metallic_roughness_texcoords}) {
     if (texcoords->empty()) continue;

@@ -118,13 +118,16 @@ std::vector<Value> reordered_by_corner(const std::vector<Value>& values, const s
   return result;
 }
 
-/// Omits the file's normals of triangles of which one points below the triangle: they are of no use for shading.
-void omit_normals_of_other_side(MeshTopology& topology) {
+/// Omits normals of the file that point behind their triangle: they are of no use for shading.
+void omit_normals_behind(MeshTopology& topology) {
   for (std::size_t t = 0; t < topology.triangles.size(); ++t) {
-    const auto corners = topology.normals.begin() + static_cast<std::ptrdiff_t>(3 * t);
     const Vec3f normal(topology.triangles[t].normal);
-    if (std::any_of(corners, corners + 3, [&](const Vec3f& n) { return n.dot(normal) <= 0.0f; }))
-      std::fill(corners, corners + 3, Vec3f(0.0f));
+    for (std::size_t i = 0; i < 3; ++i) {
+      Vec3f& of_file = topology.normals[3 * t + i];
+      if (of_file == Vec3f(0.0f) || of_file.dot(normal) > 0.0f) continue;
+      of_file = Vec3f(0.0f);
+      ++topology.normals_behind;
+    }
   }
 }
 
@@ -210,7 +213,7 @@ MeshTopology build_topology(const TriangleSoup& soup) {
   topology.vertices = std::move(connected.positions);
   fill_triangles(connected, topology);
   topology.normals = reordered_by_corner(soup.normals, positions, connected, topology);
-  omit_normals_of_other_side(topology);
+  omit_normals_behind(topology);
   number_smooth_vertices(topology);
   for (const auto& texcoords : soup.texcoords)
     topology.texcoords.push_back(reordered_by_corner(texcoords, positions, connected, topology));

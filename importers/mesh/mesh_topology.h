@@ -36,14 +36,15 @@ struct MeshTopology {
   bool quantized = false;  ///< As in TriangleSoup.
   double texcoord_rounding = 0.0;        ///< As in TriangleSoup.
   std::size_t degenerate_triangles = 0;  ///< Omitted.
+  std::size_t normals_behind = 0;        ///< Normals of the file that point behind their triangle; zero in `normals`.
 };
 
 /// Whether two triangles can be coplanar by their normals: for a quantized mesh, the file's normals at all their
 /// corners agree, or, without normals in the file, their geometric normals nearly do. True for other meshes.
 bool flat_by_normals(const MeshTopology& topology, std::int32_t a, std::int32_t b);
 
-/// Welds corners at equal positions, at open edges those that are equal within the file's precision
-/// (with_closed_seams), and connects the triangles by OpenMesh's half-edges.
+/// Makes one vertex of all corners at the same position, and of vertices of open edges at the same position within the
+/// file's precision (with_closed_seams()); connects the triangles by OpenMesh's half-edges.
 ///
 /// Triangles whose height is below 1e-7 of their longest edge are degenerate. Surfaces that touch in a non-manifold
 /// edge or in a single vertex are not connected. An edge is smooth if its triangles are coplanar (within 1e-3 rad), or

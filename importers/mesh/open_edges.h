@@ -5,12 +5,13 @@
 
 namespace patchlight {
 
-/// The positions of a soup's corners, in which vertices at open edges of the mesh that are the same within the file's
-/// precision are one: as generators leave them at the seam and the poles of a sphere, and files with rounded numbers.
+/// The positions of a soup's corners, where vertices of open edges that differ by less than the file's precision get
+/// the same position. Such vertices are at the seams and poles of generated spheres, and in files with rounded
+/// coordinates. An edge is open if a single triangle has it.
 ///
-/// The precision is 64 rounding errors of the largest coordinate of a float, which is 4e-6 of it, or twice that of a
-/// quantized position; at most a hundredth of the shortest edge at the vertices. Edges are open if just one triangle
-/// uses them. Shape: [3 triangles].
+/// The precision of floats is 64 times the rounding error of the mesh's largest coordinate, 4e-6 of that coordinate; of
+/// quantized positions, twice their rounding error. It is at most a hundredth of the shortest edge at the two vertices.
+/// Shape: [3 triangles].
 std::vector<Vec3d> with_closed_seams(const TriangleSoup& soup);
 
 }  // namespace patchlight

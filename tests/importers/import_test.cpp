@@ -78,7 +78,7 @@ TEST(Import, NormalsAreTheFiles) {
   EXPECT_TRUE(importer.import(broken).normals.empty()) << "one normal is none: flat";
   for (Vec3f& n : sheet.normals) n = {0, 0, -1};
   GltfBuilder wrong = single_mesh(sheet, kSheet);
-  EXPECT_TRUE(importer.import(wrong).normals.empty()) << "normals of the other side say nothing";
+  EXPECT_TRUE(importer.import(wrong).normals.empty()) << "normals behind the surface say nothing";
 }
 
 TEST(Import, NodesShareNoSmoothVertices) {

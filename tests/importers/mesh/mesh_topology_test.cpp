@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
 
 #include "tests/importers/mesh/mesh_shapes.h"
@@ -59,6 +60,17 @@ TEST(MeshTopology, WithoutNormalsEveryEdgeOfASphereIsACrease) {
 
 TEST(MeshTopology, SharpEdgeIsACreaseDespiteSmoothNormals) {
   EXPECT_EQ(smooth_ids(build_topology(soup_of(with_round_normals(cube())))).size(), 24u);
+}
+
+TEST(MeshTopology, NormalsBehindTheirTrianglesAreCountedAndOmitted) {
+  Mesh mesh = grid(1);
+  mesh.normals.assign(mesh.positions.size(), Vec3f(0, 0, 1));
+  EXPECT_EQ(build_topology(soup_of(mesh)).normals_behind, 0u);
+  mesh.normals[mesh.indices[1]] = Vec3f(0, 0, -1);
+  const MeshTopology topology = build_topology(soup_of(mesh));
+  EXPECT_GT(topology.normals_behind, 0u);
+  EXPECT_EQ(std::size_t(std::count(topology.normals.begin(), topology.normals.end(), Vec3f(0.0f))),
+            topology.normals_behind);
 }
 
 TEST(MeshTopology, DegenerateTrianglesAreCountedAndSkipped) {
