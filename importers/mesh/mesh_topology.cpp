@@ -118,16 +118,15 @@ std::vector<Value> reordered_by_corner(const std::vector<Value>& values, const s
   return result;
 }
 
-/// Omits normals of the file that point behind their triangle: they are of no use for shading.
+/// Omits all normals of triangles that lack one, or of which one points behind the triangle: these are shaded flat.
 void omit_normals_behind(MeshTopology& topology) {
   for (std::size_t t = 0; t < topology.triangles.size(); ++t) {
+    const auto corners = topology.normals.begin() + static_cast<std::ptrdiff_t>(3 * t);
     const Vec3f normal(topology.triangles[t].normal);
-    for (std::size_t i = 0; i < 3; ++i) {
-      Vec3f& of_file = topology.normals[3 * t + i];
-      if (of_file == Vec3f(0.0f) || of_file.dot(normal) > 0.0f) continue;
-      of_file = Vec3f(0.0f);
-      ++topology.normals_behind;
-    }
+    const auto is_behind = [&](const Vec3f& n) { return n != Vec3f(0.0f) && n.dot(normal) <= 0.0f; };
+    topology.normals_behind += static_cast<std::size_t>(std::count_if(corners, corners + 3, is_behind));
+    if (std::any_of(corners, corners + 3, [&](const Vec3f& n) { return n.dot(normal) <= 0.0f; }))
+      std::fill(corners, corners + 3, Vec3f(0.0f));
   }
 }
 

@@ -36,7 +36,7 @@ struct MeshTopology {
   bool quantized = false;  ///< As in TriangleSoup.
   double texcoord_rounding = 0.0;        ///< As in TriangleSoup.
   std::size_t degenerate_triangles = 0;  ///< Omitted.
-  std::size_t normals_behind = 0;        ///< Normals of the file that point behind their triangle; zero in `normals`.
+  std::size_t normals_behind = 0;        ///< Normals of the file that point behind their triangle.
 };
 
 /// Whether two triangles can be coplanar by their normals: for a quantized mesh, the file's normals at all their
