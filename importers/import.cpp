@@ -9,6 +9,7 @@
 #include "importers/environment/environment.h"
 #include "importers/gltf/read/cameras.h"
 #include "importers/gltf/read/gltf_reader.h"
+#include "importers/patches/facet_clusters.h"
 #include "importers/patches/large_surfaces.h"
 #include "importers/patches/patch_areas.h"
 #include "importers/patches/patch_builder.h"
@@ -69,6 +70,16 @@ std::int64_t masked_primitives(const PatchSet& set) {
   return std::count_if(set.primitives.begin(), set.primitives.end(), [](const Primitive& p) { return p.mask >= 0; });
 }
 
+std::string clusters_text(const PatchSet& set) {
+  std::size_t clusters = 0;
+  std::int64_t facets = 0;
+  for (const Patch& patch : set.patches) {
+    clusters += patch.facets > 0;
+    facets += patch.facets;
+  }
+  return clusters == 0 ? "" : fmt::format(", {} of them clusters of {} facets", clusters, facets);
+}
+
 std::string summary(const GltfScene& scene, const PrimitiveList& list, const PatchSet& set) {
   std::vector<char> used(scene.materials.size(), 0);
   for (const Surface& surface : scene.surfaces) used[surface.material] = 1;
@@ -79,14 +90,14 @@ std::string summary(const GltfScene& scene, const PrimitiveList& list, const Pat
   const auto moving = std::count_if(set.cameras.begin(), set.cameras.end(),
                                     [](const Camera& camera) { return !camera.motion.empty(); });
   return fmt::format(
-      "{} triangles read as {} quads, {} triangles, {} spheres{}{}; {} patches; modelled: {} metallic materials, "
+      "{} triangles read as {} quads, {} triangles, {} spheres{}{}; {} patches{}; modelled: {} metallic materials, "
       "{} light groups, {} cameras{}{}{}{}{}{}",
       scene.triangles, list.quads, list.triangles, list.spheres,
       list.regions > 0 ? fmt::format(", {} planar regions", list.regions) : "",
       list.merged_facets == 0
           ? ""
           : fmt::format(" ({} of them from {} coplanar triangles)", list.merged_facets, list.merged_triangles),
-      set.patches.size(), mirrors, set.light_groups.size(), set.cameras.size(),
+      set.patches.size(), clusters_text(set), mirrors, set.light_groups.size(), set.cameras.size(),
       moving > 0 ? fmt::format(" ({} animated)", moving) : "",
       set.lights.empty() ? "" : fmt::format(", {} point lights, spots and suns", set.lights.size()),
       set.environment ? ", an environment" : "",
@@ -103,8 +114,9 @@ PatchSet import_scene(const Job& job, Progress& progress) {
 
   PatchSet set;
   const std::vector<double> patch_areas = choose_patch_areas(list.primitives, scene.materials, job.import);
-  const std::vector<PatchTarget> targets = divide_large_surfaces(scene.materials, patch_areas, job.import, list);
-  set.patches = build_patches(list.primitives, scene.materials, targets);
+  std::vector<PatchTarget> targets = divide_large_surfaces(scene.materials, patch_areas, job.import, list);
+  const std::vector<FacetCluster> clusters = cluster_facets(scene.materials, targets, list);
+  set.patches = build_patches(list.primitives, scene.materials, targets, clusters);
   set.primitives = std::move(list.primitives);
   for (std::size_t i = 0; i < targets.size(); ++i) set.primitives[i].patch_area = targets[i].area;
   set.texcoords = std::move(list.texcoords);

@@ -1,6 +1,8 @@
 #pragma once
+#include <algorithm>
 #include <cmath>
 #include <string>
+#include <vector>
 
 #include "pipeline/model/patch_set.h"
 #include "pipeline/optics/sampling/patch_sampling.h"
@@ -49,6 +51,30 @@ class PatchScene {
     return index;
   }
 
+  /// A cluster of quads. Corners at the same place are smooth. Returns the index of its first facet.
+  int cluster(const std::vector<std::array<Vec3d, 4>>& facets, const Surface& surface) {
+    Patch patch;
+    patch.primitive = std::int32_t(scene_.primitives.size());
+    patch.facets = std::int32_t(facets.size());
+    patch.u0 = patch.v0 = patch.u1 = patch.v1 = 0;
+    patch.reflectance = Color(surface.reflectance);
+    Vec3d normals(0.0);
+    for (const auto& corners : facets) {
+      Primitive p;
+      p.corners = corners;
+      for (int k = 0; k < 4; ++k) p.smooth_vertices[k] = smooth_vertex(corners[k]);
+      add(p, surface);
+      const Vec3d area = 0.5 * ((corners[2] - corners[0]) % (corners[3] - corners[1]));
+      patch.area += area.length();
+      normals += area;
+      patch.center = point_at(p, 0.5, 0.5).position;
+      patch.normal = point_at(p, 0.5, 0.5).normal;
+    }
+    if (normals.length() > 1e-6 * patch.area) patch.normal = Vec3f(normals.normalized());
+    scene_.patches.push_back(patch);
+    return patch.primitive;
+  }
+
   /// The six walls of a cube from -half to half, lit inside; walls in the order -x, +x, -y, +y, -z, +z.
   void room(double half, int cells, const Surface& surface) {
     const double h = half;
@@ -63,6 +89,13 @@ class PatchScene {
   PatchSet& get() { return scene_; }
 
  private:
+  /// The number of the smooth vertex at a place, among those of clusters.
+  std::int32_t smooth_vertex(const Vec3d& at) {
+    const auto found = std::find(places_.begin(), places_.end(), at);
+    if (found == places_.end()) places_.push_back(at);
+    return std::int32_t(std::find(places_.begin(), places_.end(), at) - places_.begin());
+  }
+
   int add(Primitive& p, const Surface& surface) {
     p.material = surface.material;
     p.light_group = surface.emission > 0 ? surface.group : -1;
@@ -95,6 +128,7 @@ class PatchScene {
   }
 
   PatchSet scene_;
+  std::vector<Vec3d> places_;  ///< Of smooth vertices.
 };
 
 /// A light that emits downwards, twice as much red as green.

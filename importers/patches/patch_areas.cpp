@@ -7,6 +7,7 @@
 #include <limits>
 #include <numeric>
 
+#include "importers/patches/facet_bodies.h"
 #include "importers/patches/patch_grid.h"
 #include "pipeline/model/error.h"
 
@@ -15,11 +16,24 @@ namespace {
 
 constexpr double kScale = 16.0;  // ratio of extents within one scale
 constexpr double kLone = 0.125;  // part of the patches of a surface that is alone in its scale
+constexpr double kBox = 6.0;     // facets of a body that count one by one
 
 /// The longest distance on a primitive, m.
 double extent_of(const Primitive& p) {
   if (p.shape == Primitive::Shape::sphere) return 2.0 * std::abs(p.sphere_radius);
   return std::max((p.corners[2] - p.corners[0]).length(), (p.corners[3] - p.corners[1]).length());
+}
+
+/// The extent by which each primitive belongs to a scale, m: that of its body for a facet of many, however small it is.
+std::vector<double> extents_of(const std::vector<Primitive>& primitives) {
+  const FacetBodies bodies(primitives);
+  std::vector<double> extents;
+  for (std::size_t i = 0; i < primitives.size(); ++i) {
+    const double own = extent_of(primitives[i]);
+    const std::int32_t body = bodies.body(std::int32_t(i));
+    extents.push_back(std::max(own, std::min(bodies.extent(body), own * std::sqrt(bodies.size(body) / kBox))));
+  }
+  return extents;
 }
 
 /// Areas of patches that are in proportion to a common factor.
@@ -77,9 +91,9 @@ double fitting_factor(const Areas& areas, double limit, double fails) {
 
 std::vector<double> areas_of_scale(const std::vector<Primitive>& primitives) {
   const std::size_t n = primitives.size();
-  std::vector<double> extents(n), result(n);
+  const std::vector<double> extents = extents_of(primitives);
+  std::vector<double> result(n);
   std::vector<std::size_t> order(n);
-  for (std::size_t i = 0; i < n; ++i) extents[i] = extent_of(primitives[i]);
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return extents[a] < extents[b]; });
   std::vector<double> smaller(n + 1, 0.0);  // area of those before k

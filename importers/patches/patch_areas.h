@@ -11,8 +11,9 @@ constexpr double kDefaultPatches = 8000.0;  ///< Of a scale, with an import.accu
 
 /// For each primitive the area, m2, of the surfaces that are not much larger than it: of the scene as far as it is of
 /// the primitive's scale. A surface counts in full up to 16 times the primitive's extent, beyond that by the fourth
-/// power of what it is larger. A quad that is most of its scale counts as
-/// up to eight times as much, since it sends no light to itself.
+/// power of what it is larger. A facet of a body of many has the extent of the body, as far as it is about that of its
+/// facets together. A quad that is most of its scale counts as up to eight times as much, since it sends no light to
+/// itself.
 std::vector<double> areas_of_scale(const std::vector<Primitive>& primitives);
 
 /// Target areas of the patches of each primitive, m2: of its material, else import.patch_area, else

@@ -71,13 +71,13 @@ bool is_uniform(const Vec3d& low, const Vec3d& high) {
 /// Means over the part of a patch that passes the alpha test.
 class PatchMean {
  public:
-  PatchMean(const PatchSet& scene, const Patch& patch) : sampler_(scene.primitives[patch.primitive], patch) {
+  PatchMean(const PatchSet& scene, const Patch& patch) : sampler_(scene.primitives, patch) {
     if (scene.primitives[patch.primitive].mask < 0) return;
     for (const Lattice& lattice : {kFine, kFinest}) {
       opaque_points_.clear();
       for (int i = 0; i < lattice.count; ++i) {
-        const Imath::V2d at = uv_at(lattice, i);
-        if (passes_alpha_test(scene, patch.primitive, at.x, at.y)) opaque_points_.push_back(at);
+        const PatchSampler::Place at = place(lattice, i);
+        if (passes_alpha_test(scene, at.primitive, at.uv.x, at.uv.y)) opaque_points_.push_back(at);
       }
       coverage_ = static_cast<float>(opaque_points_.size()) / static_cast<float>(lattice.count);
       if (opaque_points_.empty() || coverage_ == 1.0f) break;
@@ -88,12 +88,12 @@ class PatchMean {
   /// Fraction of the patch that passes the alpha test.
   float coverage() const { return coverage_; }
 
-  /// Mean of `value(u, v)`.
+  /// Mean of `value(primitive, u, v)`.
   template <class Value>
   Color operator()(const Value& value) const {
     if (!opaque_points_.empty() && coverage_ < 1.0f) {
       Vec3d sum(0.0);
-      for (const Imath::V2d& at : opaque_points_) sum += value(at.x, at.y);
+      for (const auto& [i, at] : opaque_points_) sum += value(i, at.x, at.y);
       return Color(sum / static_cast<double>(opaque_points_.size()));
     }
     for (const Lattice& lattice : {kCoarse, kFine}) {
@@ -101,8 +101,8 @@ class PatchMean {
       Vec3d low(0.0);
       Vec3d high(0.0);
       for (int i = 0; i < lattice.count; ++i) {
-        const Imath::V2d at = uv_at(lattice, i);
-        const Vec3d sample = value(at.x, at.y);
+        const auto [primitive, at] = place(lattice, i);
+        const Vec3d sample = value(primitive, at.x, at.y);
         sum += sample;
         for (int k = 0; k < 3; ++k) {
           low[k] = i == 0 ? sample[k] : std::min(low[k], sample[k]);
@@ -115,15 +115,21 @@ class PatchMean {
   }
 
  private:
-  Imath::V2d uv_at(const Lattice& lattice, int i) const {
+  PatchSampler::Place place(const Lattice& lattice, int i) const {
     const Vec2f at = lattice.point(i);
-    return sampler_.uv(at.x, at.y);
+    return sampler_.place(at.x, at.y);
   }
 
   const PatchSampler sampler_;
   float coverage_ = 1.0f;
-  std::vector<Imath::V2d> opaque_points_{};  ///< (u,v) of samples that pass the alpha test; empty without a mask.
+  std::vector<PatchSampler::Place> opaque_points_{};  ///< Samples that pass the alpha test; empty without a mask.
 };
+
+bool has_colored_primitive(const PatchSet& scene, const Patch& patch) {
+  for (std::int32_t i = patch.primitive; i < patch.primitive + std::max(1, patch.facets); ++i)
+    if (is_colored(scene, i)) return true;
+  return false;
+}
 
 }  // namespace
 
@@ -133,19 +139,19 @@ void average_colors(const Job& job, PatchSet& scene, Progress& progress) {
   for (std::size_t i = 0; i < scene.patches.size(); ++i) {
     Patch& patch = scene.patches[i];
     const Primitive& primitive = scene.primitives[patch.primitive];
-    const bool colored = is_colored(scene, patch.primitive);
+    const bool colored = has_colored_primitive(scene, patch);
     if (!colored && primitive.emission_texture < 0 && primitive.mask < 0 && primitive.shader < 0) continue;
     const PatchMean mean(scene, patch);
     patch.coverage = mean.coverage();
     if (colored) {
-      patch.reflectance = mean([&](double u, double v) {
-        const Color color = colored_reflectance(scene, patch.primitive, u, v);
+      patch.reflectance = mean([&](std::int32_t p, double u, double v) {
+        const Color color = colored_reflectance(scene, p, u, v);
         return Vec3d(color.x, color.y, color.z);
       });
     }
     if (primitive.emission_texture >= 0) {
-      patch.emission = mean([&](double u, double v) {
-        const Color color = textured_emission(scene, patch.primitive, u, v);
+      patch.emission = mean([&](std::int32_t p, double u, double v) {
+        const Color color = textured_emission(scene, p, u, v);
         return Vec3d(color.x, color.y, color.z);
       });
     }
@@ -154,8 +160,8 @@ void average_colors(const Job& job, PatchSet& scene, Progress& progress) {
     MaterialShader& shader = shaders[primitive.shader];
     if (shader.reflects()) {
       ColorSource color{job, source, "reflectance", max_diffuse_reflectance(scene.materials[primitive.material])};
-      patch.reflectance = clamp_color(Vec3d(mean([&](double u, double v) {
-                                        const auto at = shader_inputs(scene, patch.primitive, u, v);
+      patch.reflectance = clamp_color(Vec3d(mean([&](std::int32_t p, double u, double v) {
+                                        const auto at = shader_inputs(scene, p, u, v);
                                         return color.checked(shader.reflectance(at), at);
                                       })),
                                       color.limit);
@@ -163,8 +169,8 @@ void average_colors(const Job& job, PatchSet& scene, Progress& progress) {
     }
     if (shader.emits()) {
       ColorSource color{job, source, "emission", Color(kMaxEmission)};
-      patch.emission = mean([&](double u, double v) {
-        const auto at = shader_inputs(scene, patch.primitive, u, v);
+      patch.emission = mean([&](std::int32_t p, double u, double v) {
+        const auto at = shader_inputs(scene, p, u, v);
         return color.checked(shader.emission(at), at);
       });
     }

@@ -90,10 +90,11 @@ void cut_patches(const std::vector<PatchTarget>& targets, PatchSet& scene) {
     if (patch.u1 - patch.u0 == 1 || patch.v1 - patch.v0 == 1) is_strip[patch.primitive] = true;
   }
   const SmoothEdges smooth(scene.primitives);
+  const std::vector<bool> is_facet = facets_of_clusters(scene);
   const auto crossings = find_crossings(scene.primitives, [&](std::int32_t i) {
     const Primitive& p = scene.primitives[i];
-    const bool is_whole = has_picture_of_light(scene, p) || primitive_area(p) < kWhole * targets[i].area ||
-                          (is_strip[i] && smooth.is_smooth(p));
+    const bool is_whole = is_facet[i] || has_picture_of_light(scene, p) ||
+                          primitive_area(p) < kWhole * targets[i].area || (is_strip[i] && smooth.is_smooth(p));
     return is_whole ? -1.0 : CellCutter::kHighest * largest[i];
   });
   std::vector<Patch> patches;

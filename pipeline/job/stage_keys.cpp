@@ -7,10 +7,10 @@ namespace patchlight {
 namespace {
 
 // Raised whenever a stage computes different results from the same inputs.
-constexpr int kImportVersion = 11;
-constexpr int kTransportKeyVersion = 37;
-constexpr int kSolveVersion = 37;
-constexpr int kTraceVersion = 18;
+constexpr int kImportVersion = 12;
+constexpr int kTransportKeyVersion = 38;
+constexpr int kSolveVersion = 38;
+constexpr int kTraceVersion = 19;
 
 void add_color(KeyHasher& hasher, const std::optional<Color>& color) {
   hasher.add(color.has_value());

@@ -31,14 +31,25 @@ struct DisplayMesh {
 
   struct Vertex {
     std::int32_t patch = 0;  ///< One of the patches that share the vertex.
-    float u = 0, v = 0;      ///< Position on the patch's primitive.
+    float u = 0, v = 0;      ///< Position on the patch's primitive, or on a facet of the cluster.
+    std::int32_t facet = 0;  ///< Which of the cluster's.
   };
 
-  /// A facet of a curved mesh: a single patch with gathered irradiance at some of its corners.
+  /// A facet of a mesh, of a cluster or a patch of its own, with irradiance at some of its corners.
   struct Facet {
     std::int32_t patch = 0;
-    std::array<std::int32_t, 4> corners{-1, -1, -1,
-                                        -1};  ///< Vertices, in rows of growing u; -1: interpolated from patches.
+    /// In rows of growing u: a vertex; from the number of vertices on, a blend; -1: interpolated from patches.
+    std::array<std::int32_t, 4> corners{-1, -1, -1, -1};
+    std::int32_t facet = 0;  ///< Which of the cluster's.
+  };
+
+  /// A mean of vertices with gathered irradiance.
+  struct Blend {
+    std::int32_t first = 0, count = 0;  ///< In `blended`.
+  };
+  struct Part {
+    std::int32_t vertex = 0;
+    float weight = 0;  ///< Those of a blend add up to 1.
   };
 
   /// [patches]: root cell of each patch's cell, which the parts of a cut cell share; -1: not subdivided.
@@ -50,6 +61,8 @@ struct DisplayMesh {
   /// counter-clockwise.
   std::vector<std::int32_t> corners;
   std::vector<Facet> facets;  ///< On patches without a root cell.
+  std::vector<Blend> blends{};
+  std::vector<Part> blended{};
 
   /// In this order: vertices with gathered irradiance; vertices interpolated from patches, where they border on patches
   /// that are not subdivided; hanging vertices, the midpoints of two earlier vertices, where they border on a larger
@@ -58,6 +71,9 @@ struct DisplayMesh {
   std::int32_t gathered = 0;                             ///< Number of vertices with gathered irradiance.
   std::vector<std::array<std::int32_t, 2>> midpoints{};  ///< The two vertices of each hanging vertex.
 
+  std::span<const Part> parts_of(const Blend& blend) const {
+    return std::span(blended).subspan(std::size_t(blend.first), std::size_t(blend.count));
+  }
   std::int32_t elements() const { return std::int32_t(faces.size()); }
   std::span<const std::int32_t> corners_of(const Face& face) const {
     return std::span(corners).subspan(std::size_t(face.first), std::size_t(face.count));
@@ -66,5 +82,8 @@ struct DisplayMesh {
     return std::span(corners).subspan(std::size_t(face.first + face.count), std::size_t(face.middles));
   }
 };
+
+/// Whether a mesh can be of this scene: its vertices and facets are on facets that are there.
+bool fits(const DisplayMesh& mesh, const PatchSet& scene);
 
 }  // namespace patchlight

@@ -4,6 +4,13 @@
 
 namespace patchlight {
 
+std::vector<bool> facets_of_clusters(const PatchSet& scene) {
+  std::vector<bool> is_facet(scene.primitives.size());
+  for (const Patch& patch : scene.patches)
+    for (std::int32_t k = 0; k < patch.facets; ++k) is_facet[patch.primitive + k] = true;
+  return is_facet;
+}
+
 Vec3d position_at(const std::array<Vec3d, 4>& c, double u, double v) {
   return (c[0] * (1 - u) + c[1] * u) * (1 - v) + (c[3] * (1 - u) + c[2] * u) * v;
 }

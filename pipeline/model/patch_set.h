@@ -77,15 +77,18 @@ inline const CornerColors kWhiteVertices{Vec4f(1.0f), Vec4f(1.0f), Vec4f(1.0f), 
 using CornerNormals = std::array<Vec3f, 4>;
 inline const CornerNormals kFlatNormals{Vec3f(0.0f), Vec3f(0.0f), Vec3f(0.0f), Vec3f(0.0f)};
 
-/// A piece of a primitive on which the solution is constant.
+/// A piece of a primitive, or a cluster of facets, on which the solution is constant.
 struct Patch {
-  Vec3d center{0.0};        ///< m, world space: the surface point at the middle of the (u,v) range.
-  Vec3f normal{0.0f};       ///< Unit vector on the lit side.
-  double area = 0.0;        ///< m2, true surface area.
-  Color reflectance{0.0f};  ///< Diffuse, each in [0,1).
-  Color emission{0.0f};     ///< Radiant exitance, W/m2.
-  std::int32_t primitive = 0;
-  float u0 = 0, v0 = 0, u1 = 1, v1 = 1;
+  Vec3d center{0.0};   ///< m, world space: the surface point at the middle of the (u,v) range; of a cluster, near it.
+  Vec3f normal{0.0f};  ///< Unit vector on the lit side; of a cluster, along the sum of its facets' area vectors.
+  double area = 0.0;   ///< m2, true surface area.
+  Color reflectance{0.0f};     ///< Diffuse, each in [0,1).
+  Color emission{0.0f};        ///< Radiant exitance, W/m2.
+  std::int32_t primitive = 0;  ///< Of a cluster, its first facet.
+  /// Number of facets of a cluster: whole plane quads of a mesh, which are primitives that follow each other. 0: the
+  /// patch is no cluster.
+  std::int32_t facets = 0;
+  float u0 = 0, v0 = 0, u1 = 1, v1 = 1;  ///< Zeros of a cluster.
   /// Fraction of the area that passes the alpha test. Reflectance, emission and irradiance refer to that part.
   float coverage = 1.0f;
   std::int32_t cut = -1;    ///< First of the cuts through its cell, into PatchSet::cuts; -1: the patch is the cell.
@@ -113,7 +116,8 @@ struct SourceFile {
 
 /// The content of patches.h5. Patches of one primitive are contiguous: first one of each cell of its grid, in rows of
 /// growing v, with growing u within a row, where every row spans u from 0 to 1; then the other parts of cut cells, with
-/// the (u,v) range of their cell. Cells outside of a region have no patch. Primitives have the order of their patches.
+/// the (u,v) range of their cell. Cells outside of a region have no patch. A cluster of facets is one patch. Primitives
+/// have the order of their patches.
 struct PatchSet {
   /// Number of cells of the environment; 0 without one.
   int sky_cells() const { return environment ? int(environment->cells.size()) : 0; }
@@ -155,6 +159,9 @@ inline bool is_colored(const PatchSet& scene, std::int32_t i) {
 inline bool has_varying_metal(const PatchSet& scene, std::int32_t i) {
   return is_colored(scene, i) && scene.materials[scene.primitives[i].material].metal != Color(0.0f);
 }
+
+/// Whether primitives are facets of clusters. Shape: [primitives].
+std::vector<bool> facets_of_clusters(const PatchSet& scene);
 
 /// The position of a quad at (u,v).
 Vec3d position_at(const std::array<Vec3d, 4>& corners, double u, double v);

@@ -112,7 +112,7 @@ class DirectFactors::EmitterSampler {
   bool cannot_illuminate(std::int32_t row) const {
     const Patch& patch = parent_.receivers_[row];
     const Primitive& primitive = parent_.scene_.primitives[patch.primitive];
-    if (primitive.shape != Primitive::Shape::quad) return false;
+    if (primitive.shape != Primitive::Shape::quad || patch.facets > 0) return false;
     if (!mirror_ && !light_.cannot_illuminate(std::array{patch.center}, patch.normal)) return false;
     std::array<Vec3d, 4> corners;
     for (int k = 0; k < 4; ++k)
@@ -147,7 +147,7 @@ class DirectFactors::EmitterSampler {
 
   PatchSampler patch_sampler(std::int32_t row) const {
     const Patch& patch = parent_.receivers_[row];
-    return {parent_.scene_.primitives[patch.primitive], patch};
+    return {parent_.scene_.primitives, patch};
   }
 
   void add_samples(std::int32_t row, int sample_set, int round, const PatchSampler& sampler, int total,

@@ -23,6 +23,13 @@ constexpr int kRowsPerTask = 64;
 LightTree::Receiver bounds_of(const PatchSet& scene, const Patch& patch) {
   const Primitive& primitive = scene.primitives[patch.primitive];
   LightTree::Receiver receiver{patch.center, 0.0, Vec3d(patch.normal)};
+  if (patch.facets > 0) {
+    receiver.normal = Vec3d(0.0);
+    for (std::int32_t i = patch.primitive; i < patch.primitive + patch.facets; ++i)
+      for (const Vec3d& corner : scene.primitives[i].corners)
+        receiver.radius = std::max(receiver.radius, (corner - patch.center).length());
+    return receiver;
+  }
   for (int k = 0; k < 4; ++k) {
     const SurfacePoint corner = point_at(primitive, k % 2 ? patch.u1 : patch.u0, k / 2 ? patch.v1 : patch.v0);
     receiver.radius = std::max(receiver.radius, (corner.position - patch.center).length());
@@ -94,7 +101,7 @@ void LightSampler::cast_rays(const Patch& receiver, const VisibleDensity* densit
                              const std::vector<LightTree::Choice>& choices, std::uint64_t random,
                              Entries& entries) const {
   const Primitive& primitive = scene_.primitives[receiver.primitive];
-  const PatchSampler sampler(primitive, receiver);
+  const PatchSampler sampler(scene_.primitives, receiver);
   const double offset = ray_scene_.offset(receiver.primitive);
   const PointPairs pairs(random);
   RayPacket packet;
@@ -116,7 +123,7 @@ void LightSampler::cast_rays(const Patch& receiver, const VisibleDensity* densit
     auto [at, to] = pairs(std::uint32_t(k));
     if (density) at = (*density)(at);
     SurfacePoint point = sampler(at.x, at.y);
-    if (primitive.shape == Primitive::Shape::quad) point.normal = receiver.normal;
+    if (primitive.shape == Primitive::Shape::quad && receiver.facets == 0) point.normal = receiver.normal;
     const Vec3d start = point.position + Vec3d(point.normal) * offset;
     const DirectLight::Sample sample =
         lights_.light(index).view(start, point.normal, kAreaSamplingDistance).sample(to.x, to.y);

@@ -1,7 +1,10 @@
 #include "solver/direct/mean_form_factor.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+
+#include "pipeline/optics/sampling/random.h"
 
 namespace patchlight {
 
@@ -13,6 +16,7 @@ constexpr double kFarForTwo = 5.0;       // from which quadrature with 2 x 2 poi
 constexpr double kFarForFour = 1.5;      // up to which quadrature with 4 x 4 points is checked
 constexpr double kMaxDifference = 0.02;  // relative, between 2 x 2 and 4 x 4 points, for which the latter are enough
 constexpr int kMaxDepth = 5;             // of quarters of quarters
+constexpr int kPointsPerFacet = 4, kMostPoints = 64;  // of a cluster
 
 class Quadrature {
  public:
@@ -52,10 +56,23 @@ class Quadrature {
   const PatchSampler& sampler_;
 };
 
+/// Over points that are spread evenly along the facets of a cluster, at most kMostPoints.
+double mean_over_facets(const DirectLight& light, const Patch& cluster, const PatchSampler& sampler) {
+  const int count = std::min(kPointsPerFacet * cluster.facets, kMostPoints);
+  double sum = 0;
+  for (int k = 0; k < count; ++k) {
+    const Vec2f at = kronecker2(std::uint64_t(k), 0);
+    const SurfacePoint point = sampler((float(k) + 0.5f) / float(count), at.y);
+    sum += light.form_factor(point.position, point.normal);
+  }
+  return sum / count;
+}
+
 }  // namespace
 
 double mean_form_factor(const DirectLight& light, const Patch& patch, const PatchSampler& sampler,
                         const VisibleDensity* density) {
+  if (patch.facets > 0) return mean_over_facets(light, patch, sampler);
   const double distance = light.distance(patch.center) / std::sqrt(patch.area);
   if (distance > kFarForCentre) return light.form_factor(patch.center, patch.normal);
   if (density) {

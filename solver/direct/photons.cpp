@@ -38,7 +38,7 @@ class Photons::Source {
     if (surface_) {
       const Patch& first = scene.patches[emitter.first_patch];
       surface_patch_ = emitter.patches == 1 ? first : sub_patch(scene, first, 0, 0, 1, 1);
-      sampler_.emplace(scene.primitives[emitter.primitive], surface_patch_);
+      sampler_.emplace(scene.primitives, surface_patch_);
       return;
     }
     light_ = scene.lights[emitter.light];

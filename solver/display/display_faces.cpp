@@ -21,12 +21,12 @@ SpectrumField face_reflectance(const PatchSet& scene, const DisplayMesh& mesh) {
     Spectrum& mean = reflectance.emplace_back(part.reflectance);
     const bool shaded = primitive.shader >= 0 && shaders[primitive.shader].reflects();
     if (mesh.faces[f].part == 1.0f || (!shaded && !is_colored(scene, part.primitive))) continue;
-    const PatchSampler sampler(primitive, part);
+    const PatchSampler sampler(scene.primitives, part);
     Spectrum sum;
     int count = 0;
     for (int k = 0; k < kAcross * kAcross; ++k) {
       const Imath::V2d at =
-          sampler.uv((float(k % kAcross) + 0.5f) / float(kAcross), (float(k / kAcross) + 0.5f) / float(kAcross));
+          sampler.place((float(k % kAcross) + 0.5f) / float(kAcross), (float(k / kAcross) + 0.5f) / float(kAcross)).uv;
       if (primitive.mask >= 0 && !passes_alpha_test(scene, part.primitive, at.x, at.y)) continue;
       ++count;
       sum += Spectrum(shaded ? shaded_reflectance(scene, shaders[primitive.shader], part.primitive, at.x, at.y)

@@ -12,7 +12,7 @@
 #include "pipeline/optics/sampling/random.h"
 #include "pipeline/optics/transport/face_lookup.h"
 #include "solver/direct/direct_factors.h"
-#include "solver/display/display_facets.h"
+#include "solver/display/facets/display_facets.h"
 #include "solver/display/fine_detail.h"
 #include "solver/display/leaf_faces.h"
 #include "solver/display/leaf_lattice.h"
@@ -39,6 +39,7 @@ class Builder {
         lookup_(lookup),
         lattices_(scene, lookup),
         smooth_(scene.primitives),
+        of_cluster_(facets_of_clusters(scene)),
         reach_(reach()),
         crossings_(find_crossings(scene.primitives, [this](std::int32_t i) { return reach_[i]; })),
         at_edges_(find_crossings_at_edges(scene.primitives, [this](std::int32_t i) { return reach_[i]; })),
@@ -128,7 +129,8 @@ class Builder {
   }
 
   bool is_facet(std::int32_t i) const {
-    return (lookup_.rows(i) == 1 || lookup_.row(i, 0).cells == 1) && smooth_.is_smooth(scene_.primitives[i]);
+    return of_cluster_[i] ||
+           ((lookup_.rows(i) == 1 || lookup_.row(i, 0).cells == 1) && smooth_.is_smooth(scene_.primitives[i]));
   }
 
   /// The largest height at which an edge of another surface counts as standing on a primitive, m; negative: the
@@ -170,6 +172,7 @@ class Builder {
   const PatchLookup& lookup_;
   const Lattices lattices_;
   const SmoothEdges smooth_;
+  const std::vector<bool> of_cluster_;  ///< [primitives]
   const std::vector<double> reach_;
   const std::vector<std::vector<Crossing>> crossings_;  ///< [primitives]
   const std::vector<std::vector<Crossing>> at_edges_;   ///< [primitives]

@@ -53,7 +53,7 @@ class Neighbours {
     const auto first_midpoint = std::int32_t(mesh.vertices.size() - mesh.midpoints.size());
     if (vertex < mesh.gathered)
       found.push_back(vertex);
-    else if (vertex >= first_midpoint)
+    else if (vertex >= first_midpoint && vertex < std::int32_t(mesh.vertices.size()))
       for (const std::int32_t end : mesh.midpoints[vertex - first_midpoint]) add_gathering(mesh, end, found);
   }
 

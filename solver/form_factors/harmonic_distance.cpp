@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "pipeline/optics/sampling/patch_sampling.h"
@@ -68,10 +69,11 @@ float lit_ray_fraction(const PatchSet& scene, const RayScene& ray_scene, std::in
   return float(lit) / float(kPackets * RayPacket::kSize);
 }
 
-float far_ray_fraction(const RayScene& ray_scene, std::int32_t primitive, const SurfacePoint& point, float distance,
-                       std::uint64_t random, int& rays) {
+PointDistances distances_from(const RayScene& ray_scene, std::int32_t primitive, const SurfacePoint& point,
+                              float distance, std::uint64_t random, int& rays) {
   constexpr int kPackets = 2;
   int far = 0;
+  float inverse = 0;
   for (int k = 0; k < kPackets; ++k, random = hash64(random)) {
     const auto directions = stratified_directions(random);
     RayPacket packet;
@@ -82,16 +84,18 @@ float far_ray_fraction(const RayScene& ray_scene, std::int32_t primitive, const 
     for (int lane = 0; lane < RayPacket::kSize; ++lane) {
       const SurfaceHit hit = ray_scene.hit(packet, lane);
       far += hit.primitive < 0 || hit.t >= distance;
+      if (hit.primitive >= 0) inverse += 1.0f / std::max(hit.t, kMinDistance * distance);
     }
   }
-  rays += kPackets * RayPacket::kSize;
-  return float(far) / float(kPackets * RayPacket::kSize);
+  constexpr int kRays = kPackets * RayPacket::kSize;
+  rays += kRays;
+  return {float(far) / kRays, inverse > 0 ? kRays / inverse : std::numeric_limits<float>::infinity()};
 }
 
 RefinementCriterion refinement_criterion(const PatchSet& scene, const RayScene& ray_scene, const Patch& part,
                                          std::uint64_t random) {
   constexpr int kPackets = 5;
-  const PatchSampler sampler(scene.primitives[part.primitive], part);
+  const PatchSampler sampler(scene.primitives, part);
   const float size = float(std::sqrt(part.area));
   RefinementCriterion result;
   for (int k = 0; k < kPackets && !result.is_open; ++k, random = hash64(random)) {

@@ -24,9 +24,13 @@ RefinementCriterion refinement_criterion(const PatchSet& scene, const RayScene& 
 float lit_ray_fraction(const PatchSet& scene, const RayScene& ray_scene, std::int32_t primitive,
                        const SurfacePoint& point, std::uint64_t random, int& rays);
 
-/// Fraction of 32 rays, which are added to `rays`, from a point that hit nothing nearer than `distance`, m.
-float far_ray_fraction(const RayScene& ray_scene, std::int32_t primitive, const SurfacePoint& point, float distance,
-                       std::uint64_t random, int& rays);
+/// How far 32 rays, which are added to `rays`, go from a point.
+struct PointDistances {
+  float far = 0;            ///< Fraction of rays that hit nothing nearer than `distance`, m.
+  float harmonic_mean = 0;  ///< m; infinite if none hits anything.
+};
+PointDistances distances_from(const RayScene& ray_scene, std::int32_t primitive, const SurfacePoint& point,
+                              float distance, std::uint64_t random, int& rays);
 
 /// Sixteen stratified directions about +Z with the density cos / pi.
 std::array<Vec3f, RayPacket::kSize> stratified_directions(std::uint64_t random);

@@ -86,7 +86,7 @@ std::vector<std::span<const FormFactor>> RayFormFactors::rows(std::span<const Sh
 void RayFormFactors::cast_packets(const Shot& shot, std::uint32_t first, std::uint32_t last,
                                   std::int32_t* columns) const {
   const Patch& patch = scene_.patches[shot.patch];
-  const PatchSampler sampler(scene_.primitives[patch.primitive], patch);
+  const PatchSampler sampler(scene_.primitives, patch);
   const float offset = ray_scene_.offset(patch.primitive);
   const bool has_mask = has_alpha_mask(scene_, patch);
   std::array<std::uint64_t, 4> x;

@@ -22,7 +22,7 @@ struct RayRows::Tables {
   /// Whether a patch is small in all directions: the noise of slivers would show as streaks.
   static bool is_small(const PatchSet& scene, const Patch& patch) {
     const Primitive& p = scene.primitives[patch.primitive];
-    if (patch.area <= 0 || p.shape != Primitive::Shape::quad) return false;
+    if (patch.area <= 0 || p.shape != Primitive::Shape::quad || patch.facets > 0) return false;
     const auto at = [&](float u, float v) { return position_at(p.corners, double(u), double(v)); };
     const double longest = std::max((at(patch.u1, patch.v1) - at(patch.u0, patch.v0)).length2(),
                                     (at(patch.u0, patch.v1) - at(patch.u1, patch.v0)).length2());
@@ -55,8 +55,8 @@ struct RayRows::SampleSet {
     mirrored.clear();
     for (int k = 0; k < 4; ++k) digital_shift[k] = std::uint32_t((k < 2 ? random : hash64(random)) >> 32 * (k % 2));
     has_mask = has_alpha_mask(rows.scene_, patch);
-    if (primitive.shape != Primitive::Shape::quad || has_mask || !patch.triangles.empty()) {
-      sampler.emplace(primitive, patch);
+    if (primitive.shape != Primitive::Shape::quad || has_mask || !patch.triangles.empty() || patch.facets > 0) {
+      sampler.emplace(rows.scene_.primitives, patch);
       return;
     }
     quad = make_quad_patch(rows.ray_scene_, primitive, patch, offset);
@@ -69,7 +69,7 @@ struct RayRows::SampleSet {
   const Patch& patch;
   const Primitive& primitive;
   float offset;
-  std::optional<PatchSampler> sampler;  ///< Of spheres, parts of cells and patches with alpha masks.
+  std::optional<PatchSampler> sampler;  ///< Of what is not a whole cell of a quad, and with alpha masks.
   bool has_mask = false;
   QuadPatch quad{};
 

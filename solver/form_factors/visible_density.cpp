@@ -55,7 +55,7 @@ VisibleDensity::VisibleDensity(const PatchSet& scene, const RayScene& ray_scene,
     accumulate();
     return;
   }
-  const PatchSampler sampler(scene.primitives[patch.primitive], patch);
+  const PatchSampler sampler(scene.primitives, patch);
   const float offset = ray_scene.offset(patch.primitive);
   static const std::vector<Vec3f> kDirections = ray_directions();
   std::vector<Hits> cells(kCells * kCells), blocks(kBlocks * kBlocks);

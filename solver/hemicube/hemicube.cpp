@@ -113,7 +113,7 @@ void HemicubeFormFactors::draw(const Shot& shot, int bottom) {
   SurfacePoint point{patch.center, patch.normal};
   const bool has_mask = has_alpha_mask(scene_, patch);
   if (shot.skip > 0 || has_mask) {
-    const PatchSampler sampler(primitive, patch);
+    const PatchSampler sampler(scene_.primitives, patch);
     Vec2f uv = kronecker2(shot.skip, hash);
     if (const VisibleDensity* density = densities_.find(shot.patch)) uv = (*density)(uv);
     if (has_mask) uv = covered_point(scene_, patch, sampler, uv, hash64(hash + shot.skip));

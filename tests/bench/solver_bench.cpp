@@ -45,7 +45,7 @@ std::unique_ptr<RayPacket[]> random_packets(const RayScene& rays) {
   auto packets = std::make_unique<RayPacket[]>(kPackets);
   for (std::size_t k = 0; k < kPackets; ++k) {
     const Patch& patch = scene().patches[k * scene().patches.size() / kPackets];
-    const PatchSampler sample(scene().primitives[patch.primitive], patch);
+    const PatchSampler sample(scene().primitives, patch);
     for (int lane = 0; lane < RayPacket::kSize; ++lane) {
       const SurfacePoint point = sample(unit(random), unit(random));
       Vec3f tangent, bitangent;

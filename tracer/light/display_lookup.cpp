@@ -23,10 +23,16 @@ DisplayLookup::DisplayLookup(const PatchSet& scene, const IrradianceLookup& patc
     for (std::size_t k = 0; k < mesh_.midpoints.size(); ++k)
       irradiance[first_midpoint + k] = (irradiance[mesh_.midpoints[k][0]] + irradiance[mesh_.midpoints[k][1]]) * 0.5f;
   }
-  if (!mesh_.facets.empty()) facet_of_.assign(scene.patches.size(), -1);
+  for (const auto& blend : mesh_.blends)
+    for (std::vector<Color>& irradiance : irradiance_) {
+      Color sum(0.0f);
+      for (const auto& part : mesh_.parts_of(blend)) sum += irradiance[part.vertex] * part.weight;
+      irradiance.push_back(sum);
+    }
+  if (!mesh_.facets.empty()) facet_of_.assign(scene.primitives.size(), -1);
   for (const auto& facet : mesh_.facets) {
-    const std::int32_t primitive = scene.patches[facet.patch].primitive;
-    facet_of_[facet.patch] = std::int32_t(facets_.size());
+    const std::int32_t primitive = scene.patches[facet.patch].primitive + facet.facet;
+    facet_of_[primitive] = std::int32_t(facets_.size());
     auto& corners = facets_.emplace_back(facet.corners);
     for (int k = 0; k < 4; ++k) {
       if (corners[k] >= 0) continue;
@@ -53,7 +59,7 @@ void DisplayLookup::place_corners(const PatchSet& scene) {
   });
 }
 
-DisplayLookup::Blend DisplayLookup::blend(std::int32_t patch, float u, float v) const {
+DisplayLookup::Blend DisplayLookup::blend(std::int32_t i, std::int32_t patch, float u, float v) const {
   Blend blend;
   const auto set_bilinear = [&](std::span<const std::int32_t> corners, float x, float y) {
     blend.count = 4;
@@ -64,7 +70,7 @@ DisplayLookup::Blend DisplayLookup::blend(std::int32_t patch, float u, float v) 
   };
   const FaceLookup::Place place = faces_.find(patch, u, v);
   if (place.face < 0) {
-    if (!facet_of_.empty() && facet_of_[patch] >= 0) set_bilinear(facets_[facet_of_[patch]], u, v);
+    if (!facet_of_.empty() && facet_of_[i] >= 0) set_bilinear(facets_[facet_of_[i]], u, v);
     return blend;
   }
   const auto corners = mesh_.corners_of(mesh_.faces[place.face]);

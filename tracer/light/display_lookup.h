@@ -22,8 +22,8 @@ class DisplayLookup {
     std::array<float, DisplayMesh::kMostCorners> weights{};
   };
 
-  /// At (u,v) of a patch's primitive.
-  Blend blend(std::int32_t patch, float u, float v) const;
+  /// At (u,v) of primitive `i`, on the given patch.
+  Blend blend(std::int32_t i, std::int32_t patch, float u, float v) const;
 
   /// Irradiance at (u,v) of primitive `i`, whose blend is given, under one of the mixes.
   Color operator()(const Blend& blend, std::int32_t i, float u, float v, std::size_t mix = 0) const;
@@ -41,9 +41,9 @@ class DisplayLookup {
   /// Empty: no leaf is cut. Vertices lie a little beside the corners.
   std::vector<std::int32_t> first_place_;
   std::vector<Vec2f> corner_places_;  ///< In (u,v).
-  /// [mixes][vertices + corners of facets without a vertex].
+  /// [mixes][vertices + blends + corners of facets without either].
   std::vector<std::vector<Color>> irradiance_;
-  std::vector<std::int32_t> facet_of_;                 ///< [patches], into `facets_`; -1: none. Empty: no facets.
+  std::vector<std::int32_t> facet_of_;                 ///< [primitives], into `facets_`; -1: none. Empty: no facets.
   std::vector<std::array<std::int32_t, 4>> facets_{};  ///< Corners, into a mix of `irradiance_`, in rows of growing u.
 };
 

@@ -45,7 +45,7 @@ class SolvedSurfaces {
 
   /// Argument of irradiance() for a hit on `patch`, valid under all mixes.
   DisplayLookup::Blend blend(const SurfaceHit& hit, std::int32_t patch) const {
-    return display_ ? display_->blend(patch, hit.u, hit.v) : DisplayLookup::Blend{};
+    return display_ ? display_->blend(hit.primitive, patch, hit.u, hit.v) : DisplayLookup::Blend{};
   }
   /// W/m2. Unless `quality` is `patches`, without the direct light of sampled emitters.
   Color irradiance(const SurfaceHit& hit, const DisplayLookup::Blend& blend, std::size_t mix = 0) const {

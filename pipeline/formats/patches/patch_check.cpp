@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "pipeline/formats/patches/patch_clusters.h"
 #include "pipeline/formats/patches/patch_cuts.h"
 #include "pipeline/formats/patches/patch_regions.h"
 #include "pipeline/job/expression.h"
@@ -28,7 +29,6 @@ bool index_of(std::int64_t index, std::size_t size) {
 }
 
 constexpr double kMaxDistance = 1e12;  // m; beyond, positions lose precision and areas overflow
-
 bool near(const Vec3d& v) {
   return std::abs(v.x) <= kMaxDistance && std::abs(v.y) <= kMaxDistance &&
          std::abs(v.z) <= kMaxDistance;  // false for NaN
@@ -247,6 +247,11 @@ PatchFault order_fault(const PatchSet& scene) {
   std::int64_t region_cells = Region::kMostCells;
   for (std::size_t i = 0; i < scene.primitives.size(); ++i) {
     const std::size_t first = next;
+    if (next < scene.patches.size() && scene.patches[next].facets > 0 &&
+        scene.patches[next].primitive == std::int32_t(i)) {
+      i += std::size_t(scene.patches[next++].facets) - 1;
+      continue;
+    }
     if (scene.primitives[i].region) {
       if (!are_cells_of_region(scene, i, next, region_cells))
         return {"patches that are not cells of their region", "/patches/uv"};
@@ -286,6 +291,7 @@ PatchFault find_fault(const PatchSet& scene) {
         return {"a camera that is not finite", "/cameras"};
   if (scene.cameras.empty()) return {"no camera", "/cameras/name"};
   if (PatchFault fault = order_fault(scene)) return fault;
+  if (PatchFault fault = cluster_fault(scene)) return fault;
   if (PatchFault fault = region_fault(scene)) return fault;
   return cut_fault(scene);
 }

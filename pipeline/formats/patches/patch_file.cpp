@@ -4,6 +4,7 @@
 #include <array>
 
 #include "pipeline/formats/patches/patch_check.h"
+#include "pipeline/formats/patches/patch_clusters.h"
 #include "pipeline/formats/patches/patch_cuts.h"
 #include "pipeline/formats/patches/patch_environment.h"
 #include "pipeline/formats/patches/patch_lights.h"
@@ -20,7 +21,7 @@ namespace patchlight {
 
 namespace {
 
-constexpr std::int32_t kRegionType = 3;  // in /primitives/type; others are as in Primitive::Shape
+constexpr std::int32_t kClusterType = 2, kRegionType = 3;  // in /primitives/type; others: Primitive::Shape
 
 template <class T, class Entries, class Fill>
 void write_rows(H5Writer& writer, const std::string& name, const Entries& items, int columns, Fill fill,
@@ -53,8 +54,11 @@ void read_rows(const H5Reader& reader, const std::string& name, Entries& items, 
 void write_primitives(H5Writer& writer, const PatchSet& scene) {
   const auto& all = scene.primitives;
   using P = const Primitive&;
-  write_rows<std::int32_t>(writer, "/primitives/type", all, 0,
-                           [](P p, auto* r) { *r = p.region ? kRegionType : std::int32_t(p.shape); });
+  std::vector<std::int32_t> types;
+  for (const Primitive& p : all) types.push_back(p.region ? kRegionType : std::int32_t(p.shape));
+  for (const Patch& patch : scene.patches)
+    if (patch.facets > 0) types[patch.primitive] = kClusterType;
+  writer.dataset<std::int32_t>("/primitives/type", types);
   write_rows<double>(
       writer, "/primitives/corners", all, 3,
       [](P p, auto* r) {
@@ -128,16 +132,18 @@ void write_sources(H5Writer& writer, const std::vector<SourceFile>& sources) {
   writer.strings("/sources/hash", hashes);
 }
 
-void read_primitives(const H5Reader& reader, PatchSet& scene) {
+/// Returns which of them are clusters.
+std::vector<bool> read_primitives(const H5Reader& reader, PatchSet& scene) {
   auto& all = scene.primitives;
   using P = Primitive&;
   scene.nodes = reader.strings("/nodes/name", -1);
   all.resize(reader.dataset<std::int32_t>("/primitives/type", -1).size());
-  std::vector<bool> is_region;
+  std::vector<bool> is_region, is_cluster;
   read_rows<std::int32_t>(reader, "/primitives/type", all, 0, [&](P p, auto* r) {
-    if (*r != 0 && *r != 1 && *r != kRegionType) reader.refuse("unknown primitive type", "/primitives/type");
+    if (*r < 0 || *r > kRegionType) reader.refuse("unknown primitive type", "/primitives/type");
     p.shape = *r == 1 ? Primitive::Shape::sphere : Primitive::Shape::quad;
     is_region.push_back(*r == kRegionType);
+    is_cluster.push_back(*r == kClusterType);
   });
   read_region_datasets(reader, is_region, scene);
   read_rows<double>(
@@ -158,6 +164,7 @@ void read_primitives(const H5Reader& reader, PatchSet& scene) {
   read_rows<std::int32_t>(reader, "/primitives/node", all, 0, [](P p, auto* r) { p.node = *r; });
   if (reader.has("/primitives/patch_area"))
     read_rows<double>(reader, "/primitives/patch_area", all, 0, [](P p, auto* r) { p.patch_area = *r; });
+  return is_cluster;
 }
 
 void read_patch_rows(const H5Reader& reader, std::vector<Patch>& all) {
@@ -199,27 +206,11 @@ void read_cameras(const H5Reader& reader, std::vector<Camera>& cameras) {
   });
 }
 
-/// Key of every primitive's specular material and alpha mask, on which transport depends; independent of the order of
-/// materials.
-std::string metallic_roughness_key(const PatchSet& scene) {
-  KeyHasher hasher;
-  for (std::size_t i = 0; i < scene.primitives.size(); ++i) {
-    const auto material = std::size_t(scene.primitives[i].material);
-    if (material >= scene.materials.size()) continue;  // an invalid scene, which read_patches refuses
-    const Material& m = scene.materials[material];
-    if (m.specular == Color(0.0f) && m.metal == Color(0.0f) && scene.primitives[i].mask < 0) continue;
-    hasher.add(std::int64_t(i));
-    for (const Color& color : {m.specular, m.metal})
-      for (int k = 0; k < 3; ++k) hasher.add(double(color[k]));
-    for (const float value : {m.roughness, m.roughness_factor, m.alpha, m.alpha_cutoff}) hasher.add(double(value));
-  }
-  return hasher.hex();
-}
-
 }  // namespace
 
 void write_patches(const std::filesystem::path& file, PatchSet& scene) {
   H5Writer writer(file);
+  ClusterFacets facets = take_facets(scene);
   write_patch_rows(writer, scene);
   write_cut_datasets(writer, scene);
   write_primitives(writer, scene);
@@ -233,6 +224,7 @@ void write_patches(const std::filesystem::path& file, PatchSet& scene) {
   write_environment_datasets(writer, scene);
   write_shader_datasets(writer, scene);
   write_texture_datasets(writer, scene);
+  write_cluster_datasets(writer, facets);
 
   const std::vector<std::string> textures = transport_textures(scene);
   const std::string metallic_roughness = metallic_roughness_key(scene);
@@ -240,20 +232,54 @@ void write_patches(const std::filesystem::path& file, PatchSet& scene) {
     names.insert(names.end(), textures.begin(), textures.end());
     return KeyHasher().add(writer.key_of(names)).add(metallic_roughness).hex();
   };
-  scene.key =
-      key_of({"/patches/", "/cuts/", "/regions/", "/primitives/type", "/primitives/corners", "/primitives/sphere",
-              "/primitives/back", "/primitives/smooth_vertices", "/primitives/normals", "/primitives/patch_area",
-              "/primitives/light_group", "/light_groups/", "/lights/kind", "/lights/light_group", "/lights/strength",
-              "/lights/shape", "/environment/cells", "/environment/light_group"});
+  scene.key = key_of({"/patches/",
+                      "/cuts/",
+                      "/regions/",
+                      "/clusters/",
+                      "/facets/corners",
+                      "/facets/smooth_vertices",
+                      "/facets/back",
+                      "/facets/normals",
+                      "/primitives/type",
+                      "/primitives/corners",
+                      "/primitives/sphere",
+                      "/primitives/back",
+                      "/primitives/smooth_vertices",
+                      "/primitives/normals",
+                      "/primitives/patch_area",
+                      "/primitives/light_group",
+                      "/light_groups/",
+                      "/lights/kind",
+                      "/lights/light_group",
+                      "/lights/strength",
+                      "/lights/shape",
+                      "/environment/cells",
+                      "/environment/light_group"});
   scene.geometry_key =
-      key_of({"/patches/center", "/patches/primitive", "/patches/uv", "/cuts/", "/regions/", "/primitives/type",
+      key_of({"/patches/center", "/patches/primitive", "/patches/uv", "/cuts/", "/regions/", "/clusters/",
+              "/facets/corners", "/facets/smooth_vertices", "/facets/back", "/facets/normals", "/primitives/type",
               "/primitives/corners", "/primitives/sphere", "/primitives/back", "/primitives/smooth_vertices",
               "/primitives/normals", "/primitives/patch_area", "/environment/rows"});
-  scene.frames_key =
-      writer.key_of({"/primitives/material", "/shaders/", "/primitives/shader", "/primitives/texcoord", "/textures/",
-                     "/primitives/texture", "/materials/tint", "/primitives/color", "/primitives/emission_tex",
-                     "/primitives/finish_tex", "/materials/metal", "/materials/finish_roughness",
-                     "/materials/emission_tint", "/environment/size", "/environment/texels", "/environment/view"});
+  scene.frames_key = writer.key_of({"/primitives/material",
+                                    "/shaders/",
+                                    "/primitives/shader",
+                                    "/primitives/texcoord",
+                                    "/textures/",
+                                    "/primitives/texture",
+                                    "/materials/tint",
+                                    "/primitives/color",
+                                    "/primitives/emission_tex",
+                                    "/primitives/finish_tex",
+                                    "/facets/texcoord",
+                                    "/facets/emission_tex",
+                                    "/facets/finish_tex",
+                                    "/facets/color",
+                                    "/materials/metal",
+                                    "/materials/finish_roughness",
+                                    "/materials/emission_tint",
+                                    "/environment/size",
+                                    "/environment/texels",
+                                    "/environment/view"});
   writer.attribute("format", kPatchFormat);
   writer.attribute("version", std::int64_t(kPatchVersion));
   writer.attribute("key", scene.key);
@@ -262,6 +288,7 @@ void write_patches(const std::filesystem::path& file, PatchSet& scene) {
   writer.attribute("inputs_key", scene.inputs_key);
   write_provenance(writer, scene.made);
   writer.commit();
+  put_facets(std::move(facets), scene);
 }
 
 PatchSet read_patches(const std::filesystem::path& file) {
@@ -273,7 +300,7 @@ PatchSet read_patches(const std::filesystem::path& file) {
   scene.inputs_key = reader.text("inputs_key");
   scene.made = read_provenance(reader);
   read_patch_rows(reader, scene.patches);
-  read_primitives(reader, scene);
+  const std::vector<bool> is_cluster = read_primitives(reader, scene);
   read_cut_datasets(reader, scene);
   read_materials(reader, scene.materials);
   read_cameras(reader, scene.cameras);
@@ -283,6 +310,7 @@ PatchSet read_patches(const std::filesystem::path& file) {
   read_environment_datasets(reader, scene);
   read_shader_datasets(reader, scene);
   read_texture_datasets(reader, scene);
+  read_cluster_datasets(reader, is_cluster, scene);
   const std::vector<std::string> paths = reader.strings("/sources/path", -1);
   const std::vector<std::string> hashes = reader.strings("/sources/hash", std::int64_t(paths.size()));
   for (std::size_t i = 0; i < paths.size(); ++i) scene.sources.push_back({paths[i], hashes[i]});

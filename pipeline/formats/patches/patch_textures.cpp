@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "pipeline/system/content_hash.h"
+
 namespace patchlight {
 
 namespace {
@@ -208,6 +210,21 @@ std::vector<std::string> transport_textures(const PatchSet& scene) {
     names.insert(names.end(), {"/textures/", "/primitives/texture", "/primitives/texcoord", "/primitives/color",
                                "/primitives/finish"});
   return names;
+}
+
+std::string metallic_roughness_key(const PatchSet& scene) {
+  KeyHasher hasher;
+  for (std::size_t i = 0; i < scene.primitives.size(); ++i) {
+    const auto material = std::size_t(scene.primitives[i].material);
+    if (material >= scene.materials.size()) continue;  // an invalid scene, which read_patches refuses
+    const Material& m = scene.materials[material];
+    if (m.specular == Color(0.0f) && m.metal == Color(0.0f) && scene.primitives[i].mask < 0) continue;
+    hasher.add(std::int64_t(i));
+    for (const Color& color : {m.specular, m.metal})
+      for (int k = 0; k < 3; ++k) hasher.add(double(color[k]));
+    for (const float value : {m.roughness, m.roughness_factor, m.alpha, m.alpha_cutoff}) hasher.add(double(value));
+  }
+  return hasher.hex();
 }
 
 void read_texture_datasets(const H5Reader& reader, PatchSet& scene) {

@@ -12,6 +12,10 @@ void write_texture_datasets(H5Writer& writer, const PatchSet& scene);
 /// a scene without these.
 std::vector<std::string> transport_textures(const PatchSet& scene);
 
+/// Key of every primitive's specular material and alpha mask, on which transport depends; independent of the order of
+/// materials.
+std::string metallic_roughness_key(const PatchSet& scene);
+
 /// The scene's patches, primitives and materials must be read before. Throws: Error (bad_data).
 void read_texture_datasets(const H5Reader& reader, PatchSet& scene);
 

@@ -14,6 +14,10 @@ const char* const kCuts = "/display/mesh/cuts";
 const char* const kFaces = "/display/mesh/faces";
 const char* const kFacets = "/display/mesh/facets";
 const char* const kVertices = "/display/mesh/vertices";
+const char* const kFacetsOfVertices = "/display/mesh/vertex_facet";
+const char* const kFacetsOfFacets = "/display/mesh/facet_facet";
+const char* const kBlends = "/display/mesh/blends";
+const char* const kBlendCounts = "/display/mesh/blend_counts";
 
 /// Checks that children follow their parent and that no cell has two parents, which excludes cycles. The
 /// parts of a cut cell share their root.
@@ -86,24 +90,70 @@ void check_faces(const H5Reader& reader, DisplayMesh& mesh) {
 
 void check_facets(const H5Reader& reader, const DisplayMesh& mesh) {
   for (const auto& facet : mesh.facets) {
-    if (facet.patch < 0 || facet.patch >= std::int64_t(mesh.roots.size()) || mesh.roots[facet.patch] >= 0)
+    if (facet.patch < 0 || facet.patch >= std::int64_t(mesh.roots.size()) || mesh.roots[facet.patch] >= 0 ||
+        facet.facet < 0)
       reader.refuse("a patch that is not a facet", kFacets);
+    const std::int64_t first_blend = std::int64_t(mesh.vertices.size());
     for (const std::int32_t corner : facet.corners)
-      if (corner < -1 || corner >= mesh.gathered) reader.refuse("a corner out of bounds", kFacets);
+      if (corner < -1 || corner >= first_blend + std::int64_t(mesh.blends.size()) ||
+          (corner >= mesh.gathered && corner < first_blend))
+        reader.refuse("a corner out of bounds", kFacets);
   }
+  for (const auto& part : mesh.blended)
+    if (part.vertex < 0 || part.vertex >= mesh.gathered || !(part.weight >= 0 && part.weight <= 1))
+      reader.refuse("a value out of range", kBlends);
 }
 
 void check_vertices(const H5Reader& reader, const DisplayMesh& mesh, std::int64_t patches) {
   const auto count = std::int64_t(mesh.vertices.size()), midpoints = std::int64_t(mesh.midpoints.size());
   if (mesh.gathered < 0 || mesh.gathered + midpoints > count) reader.refuse("a number out of bounds", kVertices);
   for (const auto& v : mesh.vertices)
-    if (v.patch < 0 || v.patch >= patches || !(v.u >= 0 && v.u <= 1 && v.v >= 0 && v.v <= 1))
+    if (v.patch < 0 || v.patch >= patches || v.facet < 0 || !(v.u >= 0 && v.u <= 1 && v.v >= 0 && v.v <= 1))
       reader.refuse("a position out of bounds", kVertices);
   for (std::int64_t k = 0; k < midpoints; ++k)
     for (const std::int32_t end : mesh.midpoints[k])
       if (end < 0 || end >= count - midpoints + k) reader.refuse("a vertex out of order", "/display/mesh/midpoints");
   for (const std::int32_t corner : mesh.corners)
     if (corner < 0 || corner >= count) reader.refuse("a corner out of bounds", "/display/mesh/corners");
+}
+
+/// Datasets that a mesh without clusters of facets lacks.
+void write_blends(H5Writer& writer, const DisplayMesh& mesh) {
+  if (mesh.blends.empty() && std::none_of(mesh.vertices.begin(), mesh.vertices.end(), [](auto& v) { return v.facet; }))
+    return;
+  std::vector<std::int32_t> of_vertices, of_facets, counts, blended;
+  std::vector<float> weights;
+  for (const auto& vertex : mesh.vertices) of_vertices.push_back(vertex.facet);
+  for (const auto& facet : mesh.facets) of_facets.push_back(facet.facet);
+  for (const auto& blend : mesh.blends) counts.push_back(blend.count);
+  for (const auto& part : mesh.blended) {
+    blended.push_back(part.vertex);
+    weights.push_back(part.weight);
+  }
+  writer.dataset<std::int32_t>(kFacetsOfVertices, of_vertices);
+  writer.dataset<std::int32_t>(kFacetsOfFacets, of_facets);
+  writer.dataset<std::int32_t>(kBlendCounts, counts);
+  writer.dataset<std::int32_t>(kBlends, blended);
+  writer.dataset<float>("/display/mesh/blend_weights", weights);
+}
+
+void read_blends(const H5Reader& reader, DisplayMesh& mesh) {
+  if (!reader.has(kFacetsOfVertices)) return;
+  const auto of_vertices = reader.dataset<std::int32_t>(kFacetsOfVertices, std::int64_t(mesh.vertices.size()));
+  const auto of_facets = reader.dataset<std::int32_t>(kFacetsOfFacets, std::int64_t(mesh.facets.size()));
+  const std::vector<std::int32_t> blended = reader.dataset<std::int32_t>(kBlends, -1);
+  const auto weights = reader.dataset<float>("/display/mesh/blend_weights", std::int64_t(blended.size()));
+  for (std::size_t k = 0; k < of_vertices.size(); ++k) mesh.vertices[k].facet = of_vertices[k];
+  for (std::size_t k = 0; k < of_facets.size(); ++k) mesh.facets[k].facet = of_facets[k];
+  for (std::size_t k = 0; k < blended.size(); ++k) mesh.blended.push_back({blended[k], weights[k]});
+  std::int64_t first = 0;
+  for (const std::int32_t count : reader.dataset<std::int32_t>(kBlendCounts, -1)) {
+    if (count < 1 || first + count > std::int64_t(blended.size()))
+      reader.refuse("a number out of bounds", kBlendCounts);
+    mesh.blends.push_back({std::int32_t(first), count});
+    first += count;
+  }
+  if (first != std::int64_t(blended.size())) reader.refuse("parts of no blend", kBlendCounts);
 }
 
 }  // namespace
@@ -144,6 +194,7 @@ void write_display_mesh(H5Writer& writer, const DisplayMesh& mesh) {
   writer.dataset<std::int32_t>("/display/mesh/vertex_patch", patches);
   writer.dataset<float>(kVertices, positions, 2);
   writer.dataset<std::int32_t>("/display/mesh/midpoints", midpoints, 2);
+  write_blends(writer, mesh);
   writer.attribute("display_vertices", std::int64_t(mesh.gathered));
 }
 
@@ -173,6 +224,7 @@ DisplayMesh read_display_mesh(const H5Reader& reader, std::int64_t patches) {
   const std::vector<std::int32_t> owners = reader.dataset<std::int32_t>("/display/mesh/vertex_patch", count);
   mesh.vertices.reserve(std::size_t(count));
   for (std::int64_t k = 0; k < count; ++k) mesh.vertices.push_back({owners[k], positions[2 * k], positions[2 * k + 1]});
+  read_blends(reader, mesh);
   const std::vector<std::int32_t> endpoints = reader.dataset<std::int32_t>("/display/mesh/midpoints", -1, 2);
   for (std::size_t k = 0; k < endpoints.size(); k += 2) mesh.midpoints.push_back({endpoints[k], endpoints[k + 1]});
   const std::int64_t gathered = reader.integer("display_vertices");

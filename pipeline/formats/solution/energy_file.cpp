@@ -140,7 +140,10 @@ EnergyField read_energy(const std::filesystem::path& file, const PatchSet& scene
   if (reader.text("patches_key") != scene.key)
     throw Error(ExitCode::bad_data, "the solution belongs to another patch file", file.string(),
                 "solve again: patchlight-solve JOB.yaml");
-  return read_fields(reader, scene.light_groups, std::int64_t(scene.patches.size()));
+  EnergyField energy = read_fields(reader, scene.light_groups, std::int64_t(scene.patches.size()));
+  if (energy.display && !fits(*energy.display, scene))
+    reader.refuse("facets that are not the scene's", "/display/mesh");
+  return energy;
 }
 
 EnergyField read_energy(const std::filesystem::path& file) {

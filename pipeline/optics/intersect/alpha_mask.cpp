@@ -16,7 +16,7 @@ Vec2f covered_point(const PatchSet& scene, const Patch& patch, const PatchSample
                     std::uint64_t random) {
   constexpr int kMaxTries = 64;
   for (int k = 0; k < kMaxTries; ++k) {
-    const Imath::V2d uv = sampler.uv(at.x, at.y);
+    const Imath::V2d uv = sampler.place(at.x, at.y).uv;
     if (passes_alpha_test(scene, patch.primitive, uv.x, uv.y)) return at;
     random = hash64(random + 1);
     at = Vec2f(uniform01(random), uniform01(hash64(random)));

@@ -21,6 +21,11 @@ PatchLookup::PatchLookup(const PatchSet& scene) {
   const auto count = std::int32_t(scene.patches.size());
   for (std::int32_t i = 0; i < std::int32_t(scene.primitives.size()); ++i) {
     starts_.push_back(std::uint32_t(rows_.size()));
+    if (patch < count && scene.patches[patch].facets > 0) {
+      rows_.push_back({patch, 1, false, false});
+      if (i + 1 == scene.patches[patch].primitive + scene.patches[patch].facets) ++patch;
+      continue;
+    }
     if (scene.primitives[i].region) {
       patch = add_region(scene, patch);
       continue;

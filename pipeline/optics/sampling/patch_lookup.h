@@ -10,7 +10,7 @@ namespace patchlight {
 /// Finds the patch at (u,v) of a primitive, by its rows of cells and the cuts through them.
 ///
 /// Rows of a quad have the same number of cells of equal size; those of a region, only some of them. Rows of a sphere
-/// are rings of equal polar angle; their numbers of cells differ.
+/// are rings of equal polar angle; their numbers of cells differ. A facet of a cluster has one cell.
 class PatchLookup {
  public:
   struct Row {

@@ -21,6 +21,18 @@ double area_density(const std::array<Vec3d, 4>& c, double u, double v) {
   return (du % dv).length();
 }
 
+using Densities = std::array<double, 4>;  // area per du dv at corners 00, 10, 01, 11 of a patch
+
+Densities densities(const std::array<Vec3d, 4>& c, double u0, double v0, double u1, double v1) {
+  return {area_density(c, u0, v0), area_density(c, u1, v0), area_density(c, u0, v1), area_density(c, u1, v1)};
+}
+
+/// Maps the unit square to that of a quad's patch, uniformly in the patch's area.
+Imath::V2d uniform_in_area(const Densities& d, double x, double y) {
+  const double v = sample_linear(y, d[0] + d[1], d[2] + d[3]);
+  return {sample_linear(x, d[0] * (1 - v) + d[2] * v, d[1] * (1 - v) + d[3] * v), v};
+}
+
 }  // namespace
 
 SurfacePoint point_at(const Primitive& p, double u, double v) {
@@ -44,7 +56,15 @@ Imath::V2d uv_of(const Primitive& quad, const Vec3d& position) {
   return {at.x, at.y};
 }
 
-PatchSampler::PatchSampler(const Primitive& primitive, const Patch& patch) : primitive_(primitive), patch_(patch) {
+PatchSampler::PatchSampler(const std::vector<Primitive>& primitives, const Patch& patch)
+    : primitive_(primitives[patch.primitive]), patch_(patch) {
+  const Primitive& primitive = primitive_;
+  if (patch.facets > 0) {
+    areas_.push_back(0);
+    for (std::int32_t k = 0; k < patch.facets; ++k)
+      areas_.push_back(areas_.back() + area_density(primitives[patch.primitive + k].corners, 0.5, 0.5));
+    return;
+  }
   if (primitive.shape == Primitive::Shape::sphere) {
     cos_top_ = std::cos(kPi * patch.v0);
     cos_bottom_ = std::cos(kPi * patch.v1);
@@ -58,39 +78,48 @@ PatchSampler::PatchSampler(const Primitive& primitive, const Patch& patch) : pri
     }
     return;
   }
-  for (int k = 0; k < 4; ++k)
-    density_[k] = area_density(primitive.corners, k % 2 ? patch.u1 : patch.u0, k / 2 ? patch.v1 : patch.v0);
+  density_ = densities(primitive.corners, patch.u0, patch.v0, patch.u1, patch.v1);
 }
 
-/// x chooses the triangle and the angle in it, y the distance from its first corner.
-Vec3d PatchSampler::in_triangles(double x, double y) const {
+std::pair<std::size_t, double> PatchSampler::part_at(double x) const {
   const double area = x * areas_.back();
   const auto next = std::clamp<std::ptrdiff_t>(std::upper_bound(areas_.begin(), areas_.end(), area) - areas_.begin(), 1,
                                                std::ptrdiff_t(areas_.size()) - 1);
   const double below = areas_[next - 1], size = areas_[next] - below;
-  const double turn = size > 0 ? std::min((area - below) / size, 1.0) : 0.5;
-  const Vec3d* const corner = &patch_.triangles[std::size_t(3 * (next - 1))];
+  return {std::size_t(next - 1), size > 0 ? std::min((area - below) / size, 1.0) : 0.5};
+}
+
+/// x chooses the triangle and the angle in it, y the distance from its first corner.
+Vec3d PatchSampler::in_triangles(double x, double y) const {
+  const auto [triangle, turn] = part_at(x);
+  const Vec3d* const corner = &patch_.triangles[3 * triangle];
   const Vec3d &o = corner[0], &a = corner[1], &b = corner[2];
   return o + ((a - o) * (1 - turn) + (b - o) * turn) * std::sqrt(y);
 }
 
 SurfacePoint PatchSampler::operator()(float x, float y) const {
-  if (!areas_.empty()) return {in_triangles(x, y), patch_.normal};
-  const Imath::V2d at = uv(x, y);
-  if (primitive_.shape == Primitive::Shape::sphere) return point_at(primitive_, at.x, at.y);
+  if (!patch_.triangles.empty()) return {in_triangles(x, y), patch_.normal};
+  const auto [primitive, at] = place(x, y);
+  const Primitive& of_place = (&primitive_)[primitive - patch_.primitive];
+  if (patch_.facets > 0 || primitive_.shape == Primitive::Shape::sphere) return point_at(of_place, at.x, at.y);
   return {position_at(primitive_.corners, at.x, at.y), patch_.normal};
 }
 
-Imath::V2d PatchSampler::uv(float x, float y) const {
-  if (!areas_.empty()) return uv_of(primitive_, in_triangles(x, y));
+PatchSampler::Place PatchSampler::place(float x, float y) const {
+  if (patch_.facets > 0) {
+    const auto [facet, rest] = part_at(x);
+    const Densities of_facet = densities((&primitive_)[facet].corners, 0, 0, 1, 1);
+    return {patch_.primitive + std::int32_t(facet), uniform_in_area(of_facet, rest, y)};
+  }
+  const auto here = [&](const Imath::V2d& uv) { return Place{patch_.primitive, uv}; };
+  if (!patch_.triangles.empty()) return here(uv_of(primitive_, in_triangles(x, y)));
   if (primitive_.shape == Primitive::Shape::sphere) {
     const double u = patch_.u0 + x * double(patch_.u1 - patch_.u0);
     const double cos_theta = cos_top_ + y * (cos_bottom_ - cos_top_);
-    return {u, std::acos(std::clamp(cos_theta, -1.0, 1.0)) / kPi};
+    return here({u, std::acos(std::clamp(cos_theta, -1.0, 1.0)) / kPi});
   }
-  const double v = sample_linear(y, density_[0] + density_[1], density_[2] + density_[3]);
-  const double u = sample_linear(x, density_[0] * (1 - v) + density_[2] * v, density_[1] * (1 - v) + density_[3] * v);
-  return {patch_.u0 + u * (patch_.u1 - patch_.u0), patch_.v0 + v * (patch_.v1 - patch_.v0)};
+  const Imath::V2d at = uniform_in_area(density_, x, y);
+  return here({patch_.u0 + at.x * (patch_.u1 - patch_.u0), patch_.v0 + at.y * (patch_.v1 - patch_.v0)});
 }
 
 Vec3f cosine_direction(float x, float y) {

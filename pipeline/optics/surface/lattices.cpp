@@ -28,10 +28,11 @@ class Lattices::Builder {
  public:
   Builder(const PatchSet& scene, const PatchLookup& lookup) : scene_(scene), lookup_(lookup) {
     const SmoothEdges smooth(scene.primitives);
+    const std::vector<bool> is_facet = facets_of_clusters(scene);
     double largest = 0;
     for (std::int32_t i = 0; i < std::int32_t(scene.primitives.size()); ++i) {
       const Primitive& p = scene.primitives[i];
-      if (p.shape != Primitive::Shape::quad || p.is_triangle() || lookup.rows(i) == 0) continue;
+      if (p.shape != Primitive::Shape::quad || p.is_triangle() || lookup.rows(i) == 0 || is_facet[i]) continue;
       if (lookup.rows(i) == 1 && lookup.row(i, 0).cells == 1 && smooth.is_smooth(p)) continue;
       const Vec3d along = p.corners[1] - p.corners[0], across = p.corners[3] - p.corners[0];
       const Grid grid{i,

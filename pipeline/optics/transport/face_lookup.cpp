@@ -131,8 +131,12 @@ std::vector<Patch> face_patches(const PatchSet& scene, const DisplayMesh& mesh) 
 
 std::vector<Patch> vertex_patches(const PatchSet& scene, const DisplayMesh& mesh) {
   std::vector<Patch> points;
-  for (const auto& vertex : std::span(mesh.vertices).first(mesh.gathered))
-    points.push_back(sub_patch(scene, scene.patches[vertex.patch], vertex.u, vertex.v, vertex.u, vertex.v));
+  for (const auto& vertex : std::span(mesh.vertices).first(mesh.gathered)) {
+    Patch patch = scene.patches[vertex.patch];
+    patch.primitive += vertex.facet;
+    patch.facets = 0;
+    points.push_back(sub_patch(scene, patch, vertex.u, vertex.v, vertex.u, vertex.v));
+  }
   return points;
 }
 

@@ -24,7 +24,7 @@ inline double point_factor(const SurfacePoint& at, const Corners& corners) {
 /// Mean of point_factor() over a patch, summed over the polygons that face each point.
 inline double patch_factor(const PatchSet& scene, const Patch& patch, const std::vector<Corners>& polygons) {
   constexpr int kPoints = 48;
-  const PatchSampler sample(scene.primitives[patch.primitive], patch);
+  const PatchSampler sample(scene.primitives, patch);
   double sum = 0;
   for (int k = 0; k < kPoints * kPoints; ++k) {
     const SurfacePoint at = sample((float(k % kPoints) + 0.5f) / kPoints, (float(k / kPoints) + 0.5f) / kPoints);

@@ -46,12 +46,12 @@ TEST(PatchCuts, LeaveNoPatchOnBothSidesOfAWall) {
     for (std::int32_t i = 0; i < std::int32_t(scene.patches.size()); ++i) {
       const Patch& patch = scene.patches[i];
       if (patch.primitive > 1) continue;
-      const PatchSampler sampler(scene.primitives[patch.primitive], patch);
+      const PatchSampler sampler(scene.primitives, patch);
       double left = 0, right = 0;
       for (float a = 0.02f; a < 1; a += 0.05f)
         for (float b = 0.02f; b < 1; b += 0.05f) {
           const Vec3d at = sampler(a, b).position - Vec3d(0.3, 0, 0);
-          const Imath::V2d uv = sampler.uv(a, b);
+          const Imath::V2d uv = sampler.place(a, b).uv;
           ASSERT_EQ(lookup.patch(patch.primitive, float(uv.x), float(uv.y)), i) << at;
           if (std::abs(at ^ along) > 4) continue;
           left = std::max(left, -(at ^ across));
@@ -102,7 +102,7 @@ TEST(PatchCuts, SampleTheirPartsUniformly) {
   cut(4, scene);
   for (const Patch& patch : scene.patches) {
     if (patch.triangles.empty()) continue;
-    const PatchSampler sampler(scene.primitives[patch.primitive], patch);
+    const PatchSampler sampler(scene.primitives, patch);
     Vec3d mean(0.0);
     constexpr int kAcross = 64;
     for (int k = 0; k < kAcross * kAcross; ++k)

@@ -76,7 +76,10 @@ DisplayMesh cut_patch() {
   mesh.vertices = {{1, 0.5f, 0.5f}, {1, 0.6f, 0.5f}, {1, 0.7f, 0.5f}, {1, 0.5f, 0.0f}, {1, 0.5f, 0.25f}};
   mesh.gathered = 2;
   mesh.midpoints = {{0, 3}};
-  mesh.facets = {{0, {1, -1, 0, -1}}};
+  mesh.facets = {{0, {1, -1, 0, 5}, 3}};
+  mesh.blends = {{0, 2}};
+  mesh.blended = {{0, 0.25f}, {1, 0.75f}};
+  mesh.vertices[1].facet = 2;
   return mesh;
 }
 
@@ -122,6 +125,12 @@ TEST(TransportFile, ReadsBackWhatTheDisplaySolutionNeeds) {
   const DisplayMesh &mesh = read.display->mesh, &cut = written.display->mesh;
   ASSERT_EQ(mesh.facets.size(), 1u);
   EXPECT_EQ(mesh.facets[0].corners, cut.facets[0].corners);
+  EXPECT_EQ(mesh.facets[0].facet, 3);
+  EXPECT_EQ(mesh.vertices[1].facet, 2);
+  ASSERT_EQ(mesh.blends.size(), 1u);
+  ASSERT_EQ(mesh.parts_of(mesh.blends[0]).size(), 2u);
+  EXPECT_EQ(mesh.parts_of(mesh.blends[0])[1].vertex, 1);
+  EXPECT_EQ(mesh.parts_of(mesh.blends[0])[1].weight, 0.75f);
   EXPECT_EQ(mesh.roots, cut.roots);
   EXPECT_EQ(mesh.elements(), 6);
   EXPECT_EQ(mesh.gathered, 2);
@@ -170,6 +179,15 @@ TEST(TransportFile, RefusesMeshesThatAreNone) {
       [](Transport::Display& d) { d.mesh.midpoints[0][1] = 4; },
       [](Transport::Display& d) { d.mesh.facets[0].patch = 1; },
       [](Transport::Display& d) { d.mesh.facets[0].patch = 2; },
+      [](Transport::Display& d) { d.mesh.facets[0].facet = -1; },
+      [](Transport::Display& d) { d.mesh.facets[0].corners[1] = 6; },
+      [](Transport::Display& d) { d.mesh.vertices[0].facet = -1; },
+      [](Transport::Display& d) { d.mesh.blends[0].count = 0; },
+      [](Transport::Display& d) { d.mesh.blends[0].count = 1; },
+      [](Transport::Display& d) { d.mesh.blends[0].count = 3; },
+      [](Transport::Display& d) { d.mesh.blended[0].vertex = 2; },
+      [](Transport::Display& d) { d.mesh.blended[0].vertex = -1; },
+      [](Transport::Display& d) { d.mesh.blended[0].weight = std::numeric_limits<float>::quiet_NaN(); },
       [](Transport::Display& d) { d.mesh.facets[0].corners[1] = -2; },
       [](Transport::Display& d) { d.mesh.facets[0].corners[1] = 2; },
       [](Transport::Display& d) { d.mesh.gathered = 5; },

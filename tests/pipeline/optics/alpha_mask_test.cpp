@@ -100,7 +100,7 @@ TEST(AlphaMasks, CoveredPointsAreUniformOverTheCoveredArea) {
   PatchSet scene = squares({0}).get();
   Texture quarter{4, 1, {}, true, {0, 0, 255, 0}};
   test::alpha_masked(scene, 0, quarter, 0.25f);
-  const PatchSampler sampler(scene.primitives[0], scene.patches[0]);
+  const PatchSampler sampler(scene.primitives, scene.patches[0]);
   std::array<int, 8> counts{};  // in eighths of the covered area
   constexpr int kPoints = 8000;
   for (int k = 0; k < kPoints; ++k) {
@@ -117,7 +117,7 @@ TEST(AlphaMasks, CoveredPointsAreUniformOverTheCoveredArea) {
 TEST(AlphaMasks, CoveredPointIsAnyPointOfAnEmptyPatch) {
   PatchSet scene = squares({0}).get();
   test::alpha_masked(scene, 0, {1, 1, {}, true, {0}}, 1.0f / 1024);
-  const PatchSampler sampler(scene.primitives[0], scene.patches[0]);
+  const PatchSampler sampler(scene.primitives, scene.patches[0]);
   const Vec2f at = covered_point(scene, scene.patches[0], sampler, {0.5f, 0.5f}, 7);
   EXPECT_TRUE(at.x >= 0 && at.x < 1 && at.y >= 0 && at.y < 1);
 }

@@ -9,7 +9,8 @@ namespace {
 
 /// Mean of the sampled positions over a fine regular grid of the unit square.
 Vec3d sampled_centroid(const Primitive& primitive, const Patch& patch) {
-  const PatchSampler sample(primitive, patch);
+  const std::vector<Primitive> primitives{primitive};
+  const PatchSampler sample(primitives, patch);
   Vec3d sum(0.0);
   constexpr int kSide = 256;
   for (int j = 0; j < kSide; ++j)

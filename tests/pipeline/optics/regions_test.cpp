@@ -110,7 +110,7 @@ TEST(Regions, PatchesAreSampledWhereTheyAre) {
   const PatchSet scene = plate();
   double area = 0;
   for (const Patch& patch : scene.patches) {
-    const PatchSampler sampler(scene.primitives[patch.primitive], patch);
+    const PatchSampler sampler(scene.primitives, patch);
     for (int k = 0; k < 64; ++k) {
       const Vec3d at = sampler(float(k % 8) / 8 + 0.06f, float(k / 8) / 8 + 0.06f).position;
       EXPECT_TRUE(std::abs(at.x) > 0.4 - 1e-9 || std::abs(at.z) > 0.4 - 1e-9);

@@ -14,7 +14,7 @@ using test::PatchScene;
 /// By midpoint quadrature with very many points.
 double dense_mean(const DirectLight& light, const PatchSet& scene) {
   constexpr int kSide = 800;
-  const PatchSampler sampler(scene.primitives[0], scene.patches[0]);
+  const PatchSampler sampler(scene.primitives, scene.patches[0]);
   double sum = 0;
   for (int k = 0; k < kSide * kSide; ++k) {
     const SurfacePoint at = sampler((float(k % kSide) + 0.5f) / kSide, (float(k / kSide) + 0.5f) / kSide);
@@ -24,7 +24,7 @@ double dense_mean(const DirectLight& light, const PatchSet& scene) {
 }
 
 double mean(const DirectLight& light, const PatchSet& scene) {
-  const PatchSampler sampler(scene.primitives[0], scene.patches[0]);
+  const PatchSampler sampler(scene.primitives, scene.patches[0]);
   return mean_form_factor(light, scene.patches[0], sampler, nullptr);
 }
 

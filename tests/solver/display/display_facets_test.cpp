@@ -41,6 +41,7 @@ std::vector<double> places_along_rail(const PatchSet& scene) {
   for (const DisplayMesh::Facet& facet : mesh.facets) {
     if (scene.patches[facet.patch].primitive > 1) continue;
     for (const std::int32_t corner : facet.corners) {
+      EXPECT_LT(corner, mesh.gathered);
       const DisplayMesh::Vertex& vertex = mesh.vertices[corner];
       const auto& corners = scene.primitives[scene.patches[vertex.patch].primitive].corners;
       places.push_back(position_at(corners, vertex.u, vertex.v).x);

@@ -104,7 +104,8 @@ TEST(DisplayMesh, HasVerticesForFacetsNearOtherSurfaces) {
   EXPECT_EQ(first.corners[1], second.corners[0]) << "neighbours share vertices";
   EXPECT_EQ(first.corners[3], second.corners[2]);
   for (const auto& facet : mesh.facets)
-    for (const std::int32_t corner : facet.corners) EXPECT_LT(corner, mesh.gathered);
+    for (const std::int32_t corner : facet.corners)
+      EXPECT_LT(corner, std::int64_t(mesh.vertices.size() + mesh.blends.size()));
 }
 
 TEST(DisplayMesh, IsAsFineBesideASmallThingOnAnyGround) {

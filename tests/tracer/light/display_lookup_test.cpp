@@ -43,7 +43,7 @@ struct Floor {
     const IrradianceLookup patches(
         scene, lookup, [&](std::size_t g) { return irradiance_without_sampled(energy.groups[g]); }, mixes);
     const DisplayLookup display(scene, patches, energy, mixes);
-    return display(display.blend(lookup.patch(0, u, v), u, v), 0, u, v);
+    return display(display.blend(0, lookup.patch(0, u, v), u, v), 0, u, v);
   }
 };
 

@@ -8,9 +8,10 @@
 
 namespace patchlight {
 
-/// Adds the smooth vertices of `near_patches`, patches of curved meshes near other surfaces, to `mesh`, with all facets
-/// around them: the mean of the facets around a vertex would blur the dark contact. Covered vertices take the
-/// irradiance of another vertex of their facet. Adds the number of rays to `cast`.
+/// Adds irradiance at the corners of facets to `mesh`: of all clusters, and of `near_patches`, patches of curved meshes
+/// near other surfaces, with all facets around them, since the mean of the facets around a corner would blur the dark
+/// contact. Corners that are enclosed in other bodies take that of another corner of their facet. Adds the number of
+/// rays to `cast`.
 void add_display_facets(const PatchSet& scene, const RayScene& ray_scene, const PatchLookup& lookup,
                         std::span<const std::int32_t> near_patches, DisplayMesh& mesh, std::int64_t& cast);
 
