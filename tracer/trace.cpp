@@ -1,7 +1,6 @@
 #include "tracer/trace.h"
 
 #include <fmt/format.h>
-#include <malloc.h>
 
 #include <chrono>
 #include <functional>
@@ -18,14 +17,6 @@
 namespace patchlight {
 
 namespace {
-
-/// Keeps freed memory in the process: every tile allocates and frees some hundred KiB, which the system would otherwise
-/// take back and clear again.
-void keep_freed_memory() {
-  mallopt(M_MMAP_THRESHOLD, 64 << 20);
-  mallopt(M_TRIM_THRESHOLD, 256 << 20);
-  mallopt(M_TOP_PAD, 8 << 20);
-}
 
 /// Renders each stale frame that no other process has claimed, then waits for the frames claimed by other processes.
 void share_frames(const std::vector<Frame>& frames, const FrameWriter& writer, const std::vector<ImageLayer>& layers,
@@ -65,7 +56,6 @@ void share_frames(const std::vector<Frame>& frames, const FrameWriter& writer, c
 
 void trace_frames(const Job& job, const PatchSet& scene, const EnergyField& energy, bool skip_fresh, Shard shard,
                   Progress& progress) {
-  keep_freed_memory();
   std::vector<Frame> frames;
   const std::vector<Frame> all = job_frames(job, scene);
   for (std::size_t i = std::size_t(shard.index) - 1; i < all.size(); i += std::size_t(shard.count))
