@@ -45,8 +45,7 @@ DisplayLookup::DisplayLookup(const PatchSet& scene, const IrradianceLookup& patc
 
 void DisplayLookup::place_corners(const PatchSet& scene) {
   first_place_.assign(mesh_.faces.size(), -1);
-  for_each_leaf(scene, mesh_, [&](const DisplayMesh::Cell& leaf, const Patch& cell) {
-    if (leaf.cut < 0) return;
+  for_each_cut_leaf(scene, mesh_, [&](const DisplayMesh::Cell& leaf, const Patch& cell) {
     const Primitive& primitive = scene.primitives[cell.primitive];
     const PlaneFrame frame = *PlaneFrame::of(primitive);
     for_each_part(mesh_.cuts, leaf.cut, cell_polygon(primitive, frame, cell),

@@ -11,6 +11,7 @@ namespace patchlight {
 
 Polygon cell_polygon(const Primitive& quad, const PlaneFrame& frame, const Patch& patch) {
   Polygon polygon;
+  polygon.reserve(4);
   for (const auto& [u, v] :
        {std::pair(patch.u0, patch.v0), {patch.u1, patch.v0}, {patch.u1, patch.v1}, {patch.u0, patch.v1}}) {
     const Vec2d corner = frame.to_plane(position_at(quad.corners, u, v));

@@ -4,6 +4,31 @@
 
 namespace patchlight {
 
+namespace {
+
+/// Appends the corners of a polygon's parts to the left and to the right of the line through a and b; null: not asked
+/// for.
+void cut(const Polygon& polygon, const Vec2d& a, const Vec2d& b, Polygon* left, Polygon* right) {
+  if (polygon.empty()) return;
+  const double at_first = side_of(a, b, polygon[0]);
+  double at_p = at_first;
+  for (std::size_t k = 0; k < polygon.size(); ++k) {
+    const bool last = k + 1 == polygon.size();
+    const Vec2d &p = polygon[k], &q = polygon[last ? 0 : k + 1];
+    const double at_q = last ? at_first : side_of(a, b, q);
+    if (left && at_p >= 0) left->push_back(p);
+    if (right && at_p <= 0) right->push_back(p);
+    if ((at_p < 0) != (at_q < 0) && at_p != 0 && at_q != 0) {
+      const Vec2d between = p + (q - p) * (at_p / (at_p - at_q));
+      if (left) left->push_back(between);
+      if (right) right->push_back(between);
+    }
+    at_p = at_q;
+  }
+}
+
+}  // namespace
+
 double area_of(const Polygon& polygon) {
   double twice = 0;
   for (std::size_t k = 2; k < polygon.size(); ++k) twice += side_of(polygon[0], polygon[k - 1], polygon[k]);
@@ -22,22 +47,19 @@ Vec2d centroid_of(const Polygon& polygon) {
 }
 
 Polygon intersection(Polygon polygon, const Polygon& other) {
-  for (std::size_t k = 0; k < other.size() && polygon.size() >= 3; ++k)
-    polygon = std::move(split(polygon, other[k], other[(k + 1) % other.size()])[0]);
+  Polygon left;
+  for (std::size_t k = 0; k < other.size() && polygon.size() >= 3; ++k) {
+    left.clear();
+    cut(polygon, other[k], other[(k + 1) % other.size()], &left, nullptr);
+    std::swap(polygon, left);
+  }
   return polygon;
 }
 
 std::array<Polygon, 2> split(const Polygon& polygon, const Vec2d& a, const Vec2d& b) {
   std::array<Polygon, 2> sides;
-  for (std::size_t k = 0; k < polygon.size(); ++k) {
-    const Vec2d &p = polygon[k], &q = polygon[(k + 1) % polygon.size()];
-    const double at_p = side_of(a, b, p), at_q = side_of(a, b, q);
-    if (at_p >= 0) sides[0].push_back(p);
-    if (at_p <= 0) sides[1].push_back(p);
-    if ((at_p < 0) == (at_q < 0) || at_p == 0 || at_q == 0) continue;
-    const Vec2d between = p + (q - p) * (at_p / (at_p - at_q));
-    for (Polygon& side : sides) side.push_back(between);
-  }
+  for (Polygon& side : sides) side.reserve(polygon.size() + 1);
+  cut(polygon, a, b, &sides[0], &sides[1]);
   return sides;
 }
 

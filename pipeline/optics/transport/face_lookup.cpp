@@ -1,6 +1,8 @@
 #include "pipeline/optics/transport/face_lookup.h"
 
 #include <cmath>
+#include <tuple>
+#include <utility>
 
 #include "pipeline/model/cuts/region_shape.h"
 #include "pipeline/model/error.h"
@@ -36,13 +38,37 @@ void set_part_of_region(const Primitive& primitive, const Patch& whole, Patch& c
   if (!fill(parts, polygon)) set_part(parts, frame, cell);
 }
 
+/// Calls act(leaf, part) for each leaf. `part_of` makes the part of a root cell from its patch, `quarters_of` those of
+/// a cell's children.
+template <class PartOf, class QuartersOf, class Act>
+void visit_leaves(const PatchSet& scene, const DisplayMesh& mesh, PartOf part_of, QuartersOf quarters_of, Act act) {
+  std::vector<bool> visited(mesh.cells.size());
+  std::vector<std::pair<std::int32_t, decltype(part_of(scene.patches[0]))>> todo;
+  for (std::size_t i = 0; i < mesh.roots.size(); ++i) {
+    const std::int32_t root = mesh.roots[i];
+    if (root < 0 || visited[root]) continue;
+    visited[root] = true;
+    todo.emplace_back(root, part_of(scene.patches[i]));
+    while (!todo.empty()) {
+      const auto [index, part] = std::move(todo.back());
+      todo.pop_back();
+      const DisplayMesh::Cell& cell = mesh.cells[index];
+      if (cell.children < 0) {
+        act(cell, part);
+        continue;
+      }
+      const auto parts = quarters_of(part);
+      for (int k = 0; k < 4; ++k) todo.emplace_back(cell.children + k, parts[k]);
+    }
+  }
+}
+
 }  // namespace
 
 FaceLookup::FaceLookup(const PatchSet& scene, const DisplayMesh& mesh)
     : scene_(scene), mesh_(mesh), lines_(mesh.cuts.size()) {
   if (mesh.cuts.empty()) return;
-  for_each_leaf(scene, mesh, [&](const DisplayMesh::Cell& leaf, const Patch& part) {
-    if (leaf.cut < 0) return;
+  for_each_cut_leaf(scene, mesh, [&](const DisplayMesh::Cell& leaf, const Patch& part) {
     const Primitive& primitive = scene.primitives[part.primitive];
     set_lines(mesh.cuts, leaf.cut, primitive, frame_of(primitive), lines_);
   });
@@ -83,26 +109,40 @@ std::array<Patch, 4> quarters(const PatchSet& scene, const Patch& p) {
 
 void for_each_leaf(const PatchSet& scene, const DisplayMesh& mesh,
                    const std::function<void(const DisplayMesh::Cell&, const Patch&)>& act) {
-  std::vector<bool> visited(mesh.cells.size());
-  std::vector<std::pair<std::int32_t, Patch>> todo;
-  for (std::size_t i = 0; i < mesh.roots.size(); ++i) {
-    const std::int32_t root = mesh.roots[i];
-    if (root < 0 || visited[root]) continue;
-    visited[root] = true;
-    const Patch& p = scene.patches[i];
-    todo.emplace_back(root, p.cut < 0 ? p : sub_patch(scene, p, p.u0, p.v0, p.u1, p.v1));
-    while (!todo.empty()) {
-      const auto [index, part] = std::move(todo.back());
-      todo.pop_back();
-      const DisplayMesh::Cell& cell = mesh.cells[index];
-      if (cell.children < 0) {
-        if (cell.face >= 0 || cell.cut >= 0) act(cell, part);
-        continue;
-      }
-      const std::array<Patch, 4> parts = quarters(scene, part);
-      for (int k = 0; k < 4; ++k) todo.emplace_back(cell.children + k, parts[k]);
-    }
-  }
+  visit_leaves(
+      scene, mesh, [&](const Patch& p) { return p.cut < 0 ? p : sub_patch(scene, p, p.u0, p.v0, p.u1, p.v1); },
+      [&](const Patch& part) { return quarters(scene, part); },
+      [&](const DisplayMesh::Cell& leaf, const Patch& part) {
+        if (leaf.face >= 0 || leaf.cut >= 0) act(leaf, part);
+      });
+}
+
+void for_each_cut_leaf(const PatchSet& scene, const DisplayMesh& mesh,
+                       const std::function<void(const DisplayMesh::Cell&, const Patch&)>& act) {
+  struct Range {
+    std::int32_t primitive;
+    float u0, v0, u1, v1;
+  };
+  const auto quarters_of = [](const Range& r) {
+    const float u = 0.5f * (r.u0 + r.u1), v = 0.5f * (r.v0 + r.v1);
+    return std::array<Range, 4>{{{r.primitive, r.u0, r.v0, u, v},
+                                 {r.primitive, u, r.v0, r.u1, v},
+                                 {r.primitive, r.u0, v, u, r.v1},
+                                 {r.primitive, u, v, r.u1, r.v1}}};
+  };
+  Patch cell;
+  visit_leaves(
+      scene, mesh,
+      [](const Patch& p) {
+        return Range{p.primitive, p.u0, p.v0, p.u1, p.v1};
+      },
+      quarters_of,
+      [&](const DisplayMesh::Cell& leaf, const Range& range) {
+        if (leaf.cut < 0) return;
+        std::tie(cell.primitive, cell.u0, cell.v0, cell.u1, cell.v1) =
+            std::tie(range.primitive, range.u0, range.v0, range.u1, range.v1);
+        act(leaf, cell);
+      });
 }
 
 std::vector<Patch> face_patches(const PatchSet& scene, const DisplayMesh& mesh) {

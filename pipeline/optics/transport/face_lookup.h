@@ -51,6 +51,10 @@ class FaceLookup {
 void for_each_leaf(const PatchSet& scene, const DisplayMesh& mesh,
                    const std::function<void(const DisplayMesh::Cell&, const Patch&)>& act);
 
+/// The same for each leaf that is cut, as a patch of which only the primitive and the (u,v) range are set.
+void for_each_cut_leaf(const PatchSet& scene, const DisplayMesh& mesh,
+                       const std::function<void(const DisplayMesh::Cell&, const Patch&)>& act);
+
 /// All faces as patches, with the colours of theirs. Shape: [faces].
 std::vector<Patch> face_patches(const PatchSet& scene, const DisplayMesh& mesh);
 
