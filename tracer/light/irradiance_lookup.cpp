@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <unordered_map>
 
 #include "pipeline/optics/surface/lattices.h"
+#include "pipeline/optics/surface/smooth_edges.h"
 
 namespace patchlight {
 
@@ -29,8 +29,13 @@ constexpr std::array<Edge, 4> kEdges{{{0, 1}, {1, 2}, {3, 2}, {0, 3}}};  // v = 
 /// Computes the cell values of one light group at a time.
 class IrradianceLookup::Builder {
  public:
-  Builder(const PatchSet& scene, const PatchLookup& lookup) : scene_(scene), lookup_(lookup), lattices_(scene, lookup) {
-    for (std::int32_t i = 0; i < std::int32_t(scene.primitives.size()); ++i) add_sides(i);
+  Builder(const PatchSet& scene, const PatchLookup& lookup)
+      : scene_(scene),
+        lookup_(lookup),
+        edges_(scene.primitives),
+        lattices_(scene, lookup, edges_),
+        vertices_(edges_.vertices()) {
+    for (std::int32_t i = 0; i < std::int32_t(scene.primitives.size()); ++i) count_at_vertices(i);
     for (std::int32_t i = 0; i < std::int32_t(scene.primitives.size()); ++i) add_grid(i);
   }
 
@@ -40,7 +45,7 @@ class IrradianceLookup::Builder {
   /// Cell values for one light group. `irradiance`: [patches].
   const std::vector<Color>& cells(const std::vector<Color>& irradiance) {
     irradiance_ = &irradiance;
-    for (auto& [id, vertex] : vertices_) vertex = {};
+    std::fill(vertices_.begin(), vertices_.end(), VertexSum());
     for (std::int32_t i = 0; i < std::int32_t(grids_.size()); ++i) add_to_vertices(i);
     for (std::int32_t i = 0; i < std::int32_t(grids_.size()); ++i) {
       if (grids_[i].columns < 0) fill_facet(i);
@@ -50,19 +55,10 @@ class IrradianceLookup::Builder {
   }
 
  private:
-  struct Side {
-    std::int32_t primitive;
-    int edge;
-    bool reversed;  ///< The edge runs from the larger vertex id to the smaller.
-  };
   struct VertexSum {
     Color sum{0.0f};
     float count = 0.0f;
   };
-
-  static std::uint64_t edge_key(std::int32_t a, std::int32_t b) {
-    return std::uint64_t(std::uint32_t(std::min(a, b))) << 32 | std::uint32_t(std::max(a, b));
-  }
 
   const Color& cell(std::int32_t i, int column, int row) const {
     return (*irradiance_)[lookup_.nearest(lookup_.row(i, row), column)];
@@ -84,18 +80,20 @@ class IrradianceLookup::Builder {
   }
   int edge_cells(std::int32_t i, int edge) const { return edge % 2 == 0 ? lookup_.row(i, 0).cells : lookup_.rows(i); }
 
+  /// Whether an edge runs from the larger smooth vertex to the smaller.
+  bool is_reversed(std::int32_t i, int edge) const {
+    const auto& ids = scene_.primitives[i].smooth_vertices;
+    return ids[kEdges[edge].from] > ids[kEdges[edge].to];
+  }
+
   bool has_smooth_vertices(std::int32_t i) const {
     const Primitive& p = scene_.primitives[i];
     return p.shape == Primitive::Shape::quad && p.smooth_vertices[0] >= 0;
   }
 
-  void add_sides(std::int32_t i) {
+  void count_at_vertices(std::int32_t i) {
     if (!has_smooth_vertices(i)) return;
     const auto& ids = scene_.primitives[i].smooth_vertices;
-    for (int e = 0; e < 4; ++e) {
-      const std::int32_t a = ids[kEdges[e].from], b = ids[kEdges[e].to];
-      if (a != b) sides_[edge_key(a, b)].push_back({i, e, a > b});
-    }
     for (int k = 0; k < (scene_.primitives[i].is_triangle() ? 3 : 4); ++k) vertices_[ids[k]].count += 1;
   }
 
@@ -142,20 +140,15 @@ class IrradianceLookup::Builder {
     const int column = edge % 2 == 0 ? k : edge == 1 ? lookup_.row(i, 0).cells : -1;
     const int row = edge % 2 != 0 ? k : edge == 2 ? lookup_.rows(i) : -1;
     if (const std::int32_t beyond = lattices_.beyond(i, column, row); beyond >= 0) return (*irradiance_)[beyond];
-    const auto& ids = scene_.primitives[i].smooth_vertices;
-    const std::int32_t a = ids[kEdges[edge].from], b = ids[kEdges[edge].to];
-    if (a >= 0 && a != b) {
-      const auto& sides = sides_.at(edge_key(a, b));
-      if (sides.size() == 2) {
-        const Side& other = sides[sides[0].primitive == i && sides[0].edge == edge ? 1 : 0];
-        const int count = edge_cells(other.primitive, other.edge);
-        float t = (float(k) + 0.5f) / float(edge_cells(i, edge));
-        if (other.reversed != (a > b)) t = 1.0f - t;
-        const float x = std::clamp(t * float(count) - 0.5f, 0.0f, float(count - 1));
-        const int low = std::min(int(x), std::max(count - 2, 0));
-        return mix(edge_cell(other.primitive, other.edge, low),
-                   edge_cell(other.primitive, other.edge, std::min(low + 1, count - 1)), x - float(low));
-      }
+    if (const auto sides = edges_.sides(scene_.primitives[i], edge); sides.size() == 2) {
+      const SmoothEdges::Side& other = sides[sides[0].primitive == i && sides[0].edge == edge ? 1 : 0];
+      const int count = edge_cells(other.primitive, other.edge);
+      float t = (float(k) + 0.5f) / float(edge_cells(i, edge));
+      if (is_reversed(other.primitive, other.edge) != is_reversed(i, edge)) t = 1.0f - t;
+      const float x = std::clamp(t * float(count) - 0.5f, 0.0f, float(count - 1));
+      const int low = std::min(int(x), std::max(count - 2, 0));
+      return mix(edge_cell(other.primitive, other.edge, low),
+                 edge_cell(other.primitive, other.edge, std::min(low + 1, count - 1)), x - float(low));
     }
     return positive(last * 2.0f - before);
   }
@@ -189,12 +182,12 @@ class IrradianceLookup::Builder {
 
   const PatchSet& scene_;
   const PatchLookup& lookup_;
+  const SmoothEdges edges_;
   const Lattices lattices_;
   const std::vector<Color>* irradiance_ = nullptr;
   std::vector<Grid> grids_;
   std::vector<Color> cells_;
-  std::unordered_map<std::uint64_t, std::vector<Side>> sides_;
-  std::unordered_map<std::int32_t, VertexSum> vertices_;
+  std::vector<VertexSum> vertices_;  ///< By smooth vertex.
 };
 
 IrradianceLookup::IrradianceLookup(const PatchSet& scene, const PatchLookup& lookup,

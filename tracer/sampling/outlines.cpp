@@ -56,7 +56,7 @@ struct Outlines::Canvas {
   }
 };
 
-Outlines::Outlines(const PatchSet& scene)
+Outlines::Outlines(const PatchSet& scene, const SmoothEdges& smooth)
     : scene_(scene), normals_(scene.primitives.size(), Vec3d(0.0)), surfaces_(scene.primitives.size()) {
   std::iota(surfaces_.begin(), surfaces_.end(), 0);
   for (std::size_t i = 0; i < normals_.size(); ++i) {
@@ -64,53 +64,27 @@ Outlines::Outlines(const PatchSet& scene)
     if (p.shape == Primitive::Shape::quad)
       normals_[i] = ((p.corners[2] - p.corners[0]) % (p.corners[3] - p.corners[1])).normalized();
   }
-  add_edges();
+  add_edges(smooth);
   for (std::size_t i = 0; i < surfaces_.size(); ++i) surfaces_[i] = find_root(std::int32_t(i));
 }
 
-void Outlines::add_edges() {
-  struct Side {
-    std::int32_t low, high;  ///< Ids of its smooth vertices.
-    std::int32_t primitive;
-    int corner;
-  };
-  const auto edge_of = [this](const Side& side) {
-    const Primitive& p = scene_.primitives[side.primitive];
-    return Edge{p.corners[side.corner], p.corners[(side.corner + 1) % (p.is_triangle() ? 3 : 4)], side.primitive};
-  };
-  std::vector<Side> sides;
+void Outlines::add_edges(const SmoothEdges& smooth) {
   for (std::int32_t i = 0; i < std::int32_t(scene_.primitives.size()); ++i) {
     const Primitive& p = scene_.primitives[i];
-    if (p.shape != Primitive::Shape::quad) continue;
-    if (p.region) {
-      for (const auto& [from, to] : p.region->edges)
-        edges_.push_back({position_at(p.corners, from.x, from.y), position_at(p.corners, to.x, to.y), i, -1});
-      continue;
-    }
-    const int count = p.is_triangle() ? 3 : 4;
-    for (int k = 0; k < count; ++k) {
-      const std::int32_t a = p.smooth_vertices[k], b = p.smooth_vertices[(k + 1) % count];
-      if (a < 0 || b < 0 || a == b)
-        edges_.push_back(edge_of({a, b, i, k}));
-      else
-        sides.push_back({std::min(a, b), std::max(a, b), i, k});
-    }
+    if (p.shape != Primitive::Shape::quad || p.region) continue;
+    for (int edge = 0; edge < 4; ++edge)
+      if (!SmoothEdges::has_sides(p, edge) && !(p.is_triangle() && edge == 2)) edges_.push_back({i, -1, edge});
   }
-  std::stable_sort(sides.begin(), sides.end(),
-                   [](const Side& a, const Side& b) { return std::pair(a.low, a.high) < std::pair(b.low, b.high); });
-  for (std::size_t first = 0, end = 0; first < sides.size(); first = end) {
-    while (end < sides.size() && sides[end].low == sides[first].low && sides[end].high == sides[first].high) ++end;
-    const std::int32_t i = sides[first].primitive;
-    if (end - first != 2) {
-      for (std::size_t k = first; k < end; ++k) edges_.push_back(edge_of(sides[k]));
-      continue;
+  smooth.for_each_edge([this](std::span<const SmoothEdges::Side> sides) {
+    const std::int32_t i = sides[0].primitive, other = sides.back().primitive;
+    if (sides.size() != 2) {
+      for (const SmoothEdges::Side& side : sides)
+        if (!scene_.primitives[side.primitive].region) edges_.push_back({side.primitive, -1, side.edge});
+      return;
     }
-    const std::int32_t other = sides[first + 1].primitive;
     surfaces_[find_root(i)] = find_root(other);
-    if ((normals_[i] ^ normals_[other]) > kCoplanarCosine) continue;
-    edges_.push_back(edge_of(sides[first]));
-    edges_.back().other = other;
-  }
+    if ((normals_[i] ^ normals_[other]) <= kCoplanarCosine) edges_.push_back({i, other, sides[0].edge});
+  });
 }
 
 /// Representative of the smooth surface that primitive `i` belongs to.
@@ -126,11 +100,20 @@ std::vector<float> Outlines::draw(const CameraRays& rays, int width, int height)
   const auto faces_camera = [&](std::int32_t i, const Vec3d& at) {
     return ((rays.perspective() ? at - eye : forward) ^ normals_[i]) < 0;
   };
-  for (const Edge& edge : edges_)
-    if (edge.other < 0 || faces_camera(edge.primitive, edge.from) != faces_camera(edge.other, edge.from))
-      canvas.draw_line(rays.to_camera(edge.from), rays.to_camera(edge.to));
-  for (const Primitive& p : scene_.primitives)
+  const auto draw_line = [&](const Vec3d& from, const Vec3d& to) {
+    canvas.draw_line(rays.to_camera(from), rays.to_camera(to));
+  };
+  for (const Edge& edge : edges_) {
+    const auto& corners = scene_.primitives[edge.primitive].corners;
+    const Vec3d &from = corners[edge.edge], &to = corners[(edge.edge + 1) % 4];
+    if (edge.other < 0 || faces_camera(edge.primitive, from) != faces_camera(edge.other, from)) draw_line(from, to);
+  }
+  for (const Primitive& p : scene_.primitives) {
     if (p.shape == Primitive::Shape::sphere) draw_sphere(p, canvas);
+    if (!p.region) continue;
+    for (const auto& [from, to] : p.region->edges)
+      draw_line(position_at(p.corners, from.x, from.y), position_at(p.corners, to.x, to.y));
+  }
   return std::move(canvas.depths);
 }
 

@@ -2,6 +2,7 @@
 #include <vector>
 
 #include "pipeline/model/patch_set.h"
+#include "pipeline/optics/surface/smooth_edges.h"
 #include "tracer/sampling/camera_rays.h"
 
 namespace patchlight {
@@ -10,7 +11,8 @@ namespace patchlight {
 /// They are drawn from the geometry, so no surface is too thin to be found.
 class Outlines {
  public:
-  explicit Outlines(const PatchSet& scene);
+  explicit Outlines(const PatchSet& scene) : Outlines(scene, SmoothEdges(scene.primitives)) {}
+  Outlines(const PatchSet& scene, const SmoothEdges& smooth);
 
   /// Surface id of primitive `i`; primitives that meet smoothly share one.
   std::int32_t surface(std::int32_t i) const { return surfaces_[i]; }
@@ -26,13 +28,13 @@ class Outlines {
   /// An edge of one primitive, or of two that meet smoothly at an angle; the latter is drawn if only one of the two
   /// faces the camera.
   struct Edge {
-    Vec3d from{0.0}, to{0.0};
-    std::int32_t primitive = -1;
-    std::int32_t other = -1;
+    std::int32_t primitive;
+    std::int32_t other;  ///< -1: none.
+    std::int32_t edge;   ///< Of `primitive`, from its corner of this number.
   };
   struct Canvas;
 
-  void add_edges();
+  void add_edges(const SmoothEdges& smooth);
   std::int32_t find_root(std::int32_t i);
   void draw_sphere(const Primitive& sphere, Canvas& canvas) const;
 

@@ -4,8 +4,6 @@
 #include <array>
 #include <cmath>
 
-#include "pipeline/optics/surface/smooth_edges.h"
-
 namespace patchlight {
 
 namespace {
@@ -26,8 +24,8 @@ int edge_of(const Node& outwards) {
 
 class Lattices::Builder {
  public:
-  Builder(const PatchSet& scene, const PatchLookup& lookup) : scene_(scene), lookup_(lookup) {
-    const SmoothEdges smooth(scene.primitives);
+  Builder(const PatchSet& scene, const PatchLookup& lookup, const SmoothEdges& smooth)
+      : scene_(scene), lookup_(lookup) {
     const std::vector<bool> is_facet = facets_of_clusters(scene);
     double largest = 0;
     for (std::int32_t i = 0; i < std::int32_t(scene.primitives.size()); ++i) {
@@ -214,8 +212,8 @@ class Lattices::Builder {
   std::vector<std::vector<Neighbour>> neighbours_;  ///< [grids]
 };
 
-Lattices::Lattices(const PatchSet& scene, const PatchLookup& lookup) : lookup_(lookup) {
-  Builder(scene, lookup).build(*this);
+Lattices::Lattices(const PatchSet& scene, const PatchLookup& lookup, const SmoothEdges& smooth) : lookup_(lookup) {
+  Builder(scene, lookup, smooth).build(*this);
 }
 
 Node Lattices::Frame::cell(std::int64_t column, std::int64_t row) const {

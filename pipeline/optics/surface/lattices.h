@@ -5,6 +5,7 @@
 
 #include "pipeline/optics/sampling/patch_lookup.h"
 #include "pipeline/optics/sampling/random.h"
+#include "pipeline/optics/surface/smooth_edges.h"
 
 namespace patchlight {
 
@@ -13,7 +14,8 @@ namespace patchlight {
 /// split. Facets of curved meshes do not: they share smooth vertices.
 class Lattices {
  public:
-  Lattices(const PatchSet& scene, const PatchLookup& lookup);
+  Lattices(const PatchSet& scene, const PatchLookup& lookup) : Lattices(scene, lookup, SmoothEdges(scene.primitives)) {}
+  Lattices(const PatchSet& scene, const PatchLookup& lookup, const SmoothEdges& smooth);
 
   /// A place on a lattice.
   struct Node {
