@@ -190,13 +190,16 @@ class Integrator::Tile {
 };
 
 Integrator::Integrator(const PatchSet& scene, const EnergyField& energy, const Job& job)
+    : Integrator(scene, energy, job, SmoothEdges(scene.primitives)) {}
+
+Integrator::Integrator(const PatchSet& scene, const EnergyField& energy, const Job& job, const SmoothEdges& smooth)
     : scene_(scene),
       config_(job.trace),
       counts_(config_.samples),
       ray_scene_(scene),
-      outlines_(scene),
+      outlines_(scene, smooth),
       mixes_(light_settings(job, scene), config_.asks_for("light_groups")),
-      surfaces_(scene, energy, mixes_, config_),
+      surfaces_(scene, energy, mixes_, config_, smooth),
       direct_(config_.quality != "patches") {
   const bool glossy = GlossyLights::is_needed(scene);
   if (direct_ || glossy) {

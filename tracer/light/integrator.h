@@ -35,9 +35,12 @@ class Integrator {
   Image render(const Camera& camera, Progress& progress) const;
 
   const RayScene& ray_scene() const { return ray_scene_; }
+  const PatchLookup& patch_lookup() const { return surfaces_.lookup(); }
 
  private:
   class Tile;
+
+  Integrator(const PatchSet& scene, const EnergyField& energy, const Job& job, const SmoothEdges& smooth);
 
   const PatchSet& scene_;
   const TraceConfig& config_;

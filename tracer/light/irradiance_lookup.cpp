@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "pipeline/optics/surface/lattices.h"
-#include "pipeline/optics/surface/smooth_edges.h"
 
 namespace patchlight {
 
@@ -29,17 +28,19 @@ constexpr std::array<Edge, 4> kEdges{{{0, 1}, {1, 2}, {3, 2}, {0, 3}}};  // v = 
 /// Computes the cell values of one light group at a time.
 class IrradianceLookup::Builder {
  public:
-  Builder(const PatchSet& scene, const PatchLookup& lookup)
+  Builder(const PatchSet& scene, const PatchLookup& lookup, const SmoothEdges& smooth)
       : scene_(scene),
         lookup_(lookup),
-        edges_(scene.primitives),
-        lattices_(scene, lookup, edges_),
-        vertices_(edges_.vertices()) {
+        smooth_(smooth),
+        lattices_(scene, lookup, smooth),
+        vertices_(smooth.vertices()) {
+    grids_.reserve(scene.primitives.size());
     for (std::int32_t i = 0; i < std::int32_t(scene.primitives.size()); ++i) count_at_vertices(i);
     for (std::int32_t i = 0; i < std::int32_t(scene.primitives.size()); ++i) add_grid(i);
+    cells_.resize(cell_count_);
   }
 
-  std::size_t cell_count() const { return cells_.size(); }
+  std::size_t cell_count() const { return cell_count_; }
   std::vector<Grid> grids() && { return std::move(grids_); }
 
   /// Cell values for one light group. `irradiance`: [patches].
@@ -99,12 +100,12 @@ class IrradianceLookup::Builder {
 
   void add_grid(std::int32_t i) {
     Grid grid;
-    grid.first = cells_.size();
+    grid.first = cell_count_;
     grid.rows = lookup_.rows(i);
     if (scene_.primitives[i].shape == Primitive::Shape::quad) {
       grid.columns = lookup_.row(i, 0).cells;
       if (grid.columns == 1 && grid.rows == 1 && meets_smoothly(i)) grid.columns = -1;
-      cells_.resize(cells_.size() + (grid.columns < 0 ? 4 : std::size_t(grid.columns + 2) * (grid.rows + 2)));
+      cell_count_ += grid.columns < 0 ? 4 : std::size_t(grid.columns + 2) * (grid.rows + 2);
     }
     grids_.push_back(grid);
   }
@@ -140,7 +141,7 @@ class IrradianceLookup::Builder {
     const int column = edge % 2 == 0 ? k : edge == 1 ? lookup_.row(i, 0).cells : -1;
     const int row = edge % 2 != 0 ? k : edge == 2 ? lookup_.rows(i) : -1;
     if (const std::int32_t beyond = lattices_.beyond(i, column, row); beyond >= 0) return (*irradiance_)[beyond];
-    if (const auto sides = edges_.sides(scene_.primitives[i], edge); sides.size() == 2) {
+    if (const auto sides = smooth_.sides(scene_.primitives[i], edge); sides.size() == 2) {
       const SmoothEdges::Side& other = sides[sides[0].primitive == i && sides[0].edge == edge ? 1 : 0];
       const int count = edge_cells(other.primitive, other.edge);
       float t = (float(k) + 0.5f) / float(edge_cells(i, edge));
@@ -182,20 +183,23 @@ class IrradianceLookup::Builder {
 
   const PatchSet& scene_;
   const PatchLookup& lookup_;
-  const SmoothEdges edges_;
+  const SmoothEdges& smooth_;
   const Lattices lattices_;
   const std::vector<Color>* irradiance_ = nullptr;
   std::vector<Grid> grids_;
+  std::size_t cell_count_ = 0;
   std::vector<Color> cells_;
   std::vector<VertexSum> vertices_;  ///< By smooth vertex.
 };
 
-IrradianceLookup::IrradianceLookup(const PatchSet& scene, const PatchLookup& lookup,
+IrradianceLookup::IrradianceLookup(const PatchSet& scene, const PatchLookup& lookup, const SmoothEdges& smooth,
                                    const GroupIrradiance& group_irradiance, const std::vector<LightMix>& mixes)
-    : lookup_(lookup) {
-  Builder builder(scene, lookup);
-  mixes_.resize(mixes.size(), {std::vector<Color>(scene.patches.size(), Color(0.0f)),
-                               std::vector<Color>(builder.cell_count(), Color(0.0f))});
+    : lookup_(lookup), mixes_(mixes.size()) {
+  Builder builder(scene, lookup, smooth);
+  for (Values& values : mixes_) {
+    values.patches.assign(scene.patches.size(), Color(0.0f));
+    values.cells.assign(builder.cell_count(), Color(0.0f));
+  }
   const auto add = [](const std::vector<Color>& values, const Color& weight, std::vector<Color>& sums) {
     for (std::size_t k = 0; k < values.size(); ++k) sums[k] += values[k] * weight;
   };

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "pipeline/optics/sampling/patch_lookup.h"
+#include "pipeline/optics/surface/smooth_edges.h"
 
 namespace patchlight {
 
@@ -25,8 +26,9 @@ class IrradianceLookup {
   /// Irradiance of each patch by one light group, W/m2. Shape of the result: [patches].
   using GroupIrradiance = std::function<std::vector<Color>(std::size_t group)>;
 
-  IrradianceLookup(const PatchSet& scene, const PatchLookup& lookup, const GroupIrradiance& group_irradiance,
-                   const std::vector<LightMix>& mixes);
+  /// `smooth`: of the scene's primitives.
+  IrradianceLookup(const PatchSet& scene, const PatchLookup& lookup, const SmoothEdges& smooth,
+                   const GroupIrradiance& group_irradiance, const std::vector<LightMix>& mixes);
 
   /// At (u,v) of primitive `i`, under one of the mixes.
   Color operator()(std::int32_t i, float u, float v, std::size_t mix = 0) const;

@@ -26,12 +26,12 @@ LightMixes::LightMixes(const std::vector<Color>& settings, bool by_group) : all{
 }
 
 SolvedSurfaces::SolvedSurfaces(const PatchSet& scene, const EnergyField& energy, const LightMixes& mixes,
-                               const TraceConfig& config)
+                               const TraceConfig& config, const SmoothEdges& smooth)
     : scene_(scene),
       mixes_(mixes),
       lookup_(scene),
       patches_(
-          scene, lookup_,
+          scene, lookup_, smooth,
           [&](std::size_t g) {
             return config.quality == "patches" ? patchlight::irradiance(energy.groups[g])
                                                : irradiance_without_sampled(energy.groups[g]);
@@ -49,15 +49,16 @@ SolvedSurfaces::SolvedSurfaces(const PatchSet& scene, const EnergyField& energy,
   if (config.asks_for("direct") || config.asks_for("indirect")) {
     if (direct_in_patches)
       direct_.emplace(
-          scene, lookup_, [&](std::size_t g) { return energy.groups[g].direct; }, std::vector<LightMix>{mixes.all[0]});
+          scene, lookup_, smooth, [&](std::size_t g) { return energy.groups[g].direct; },
+          std::vector<LightMix>{mixes.all[0]});
     else if (has_gathered)
       direct_.emplace(
-          scene, lookup_, [&](std::size_t g) { return gathered_direct(energy.groups[g]); },
+          scene, lookup_, smooth, [&](std::size_t g) { return gathered_direct(energy.groups[g]); },
           std::vector<LightMix>{mixes.all[0]});
   }
   if (config.quality == "gather")
     sampled_direct_.emplace(
-        scene, lookup_,
+        scene, lookup_, smooth,
         [&](std::size_t g) {
           std::vector<Color> direct = energy.groups[g].direct;
           const std::vector<Color> gathered_part = gathered_direct(energy.groups[g]);

@@ -23,7 +23,11 @@ struct LightMixes {
 /// Colours and irradiance of the solution at hits on the lit sides of surfaces.
 class SolvedSurfaces {
  public:
-  SolvedSurfaces(const PatchSet& scene, const EnergyField& energy, const LightMixes& mixes, const TraceConfig& config);
+  /// `smooth`: of the scene's primitives.
+  SolvedSurfaces(const PatchSet& scene, const EnergyField& energy, const LightMixes& mixes, const TraceConfig& config,
+                 const SmoothEdges& smooth);
+
+  const PatchLookup& lookup() const { return lookup_; }
 
   struct Colors {
     std::int32_t patch = 0;

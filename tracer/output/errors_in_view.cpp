@@ -19,9 +19,11 @@ constexpr std::size_t kMinPatches = 16;  // that must be in view: of fewer, stan
 
 }  // namespace
 
-ErrorsInView::ErrorsInView(const PatchSet& scene, const RayScene& ray_scene, const EnergyField& energy)
-    : scene_(scene), ray_scene_(ray_scene), lookup_(scene), hits_(scene.patches.size()), cameras_(scene.nodes.size()) {
+ErrorsInView::ErrorsInView(const PatchSet& scene, const RayScene& ray_scene, const PatchLookup& lookup,
+                           const EnergyField& energy)
+    : scene_(scene), ray_scene_(ray_scene), lookup_(lookup), hits_(scene.patches.size()), cameras_(scene.nodes.size()) {
   const std::vector<Color> all = radiosity(scene, energy);
+  errors_.reserve(all.size());
   for (std::size_t i = 0; i < all.size(); ++i) {
     const float reflected = (all[i] - scene.patches[i].emission).length();
     const bool counts = scene.patches[i].emission == Color(0.0f) && reflected > 0;

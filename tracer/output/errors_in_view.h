@@ -17,7 +17,7 @@ class ErrorsInView {
   static constexpr double kMaxPart = 0.1;   ///< Of what cameras see of a surface, that may exceed it.
 
   /// `energy`: with an estimate. All arguments must outlive this object, but `energy`.
-  ErrorsInView(const PatchSet& scene, const RayScene& ray_scene, const EnergyField& energy);
+  ErrorsInView(const PatchSet& scene, const RayScene& ray_scene, const PatchLookup& lookup, const EnergyField& energy);
 
   /// Adds what a camera sees.
   void add(const Camera& camera, double aspect);
@@ -28,7 +28,7 @@ class ErrorsInView {
  private:
   const PatchSet& scene_;
   const RayScene& ray_scene_;
-  const PatchLookup lookup_;
+  const PatchLookup& lookup_;
   std::vector<float> errors_;         ///< [patches] Relative; negative: it emits, or reflects nothing.
   std::vector<std::uint32_t> hits_;   ///< [patches] Number of rays of cameras.
   std::vector<std::string> cameras_;  ///< [nodes] The first that sees it.

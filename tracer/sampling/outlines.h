@@ -11,7 +11,7 @@ namespace patchlight {
 /// They are drawn from the geometry, so no surface is too thin to be found.
 class Outlines {
  public:
-  explicit Outlines(const PatchSet& scene) : Outlines(scene, SmoothEdges(scene.primitives)) {}
+  /// `smooth`: of the scene's primitives.
   Outlines(const PatchSet& scene, const SmoothEdges& smooth);
 
   /// Surface id of primitive `i`; primitives that meet smoothly share one.

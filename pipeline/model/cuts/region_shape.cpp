@@ -45,14 +45,15 @@ std::vector<Polygon> RegionShape::inside(const Polygon& polygon) const {
   Vec2d low, high;
   extend(polygon, low, high);
   std::vector<std::int32_t> near;
-  for (int b = bucket(low.y); b <= bucket(high.y); ++b)
+  const int lowest = bucket(low.y);
+  for (int b = lowest; b <= bucket(high.y); ++b)
     for (const std::int32_t k : buckets_[std::size_t(b)]) {
       const Piece& piece = pieces_[std::size_t(k)];
+      if (b != std::max(lowest, bucket(piece.low.y))) continue;  // found in an earlier bucket
       if (piece.low.x <= high.x && piece.high.x >= low.x && piece.low.y <= high.y && piece.high.y >= low.y)
         near.push_back(k);
     }
   std::sort(near.begin(), near.end());
-  near.erase(std::unique(near.begin(), near.end()), near.end());
   std::vector<Polygon> parts;
   for (const std::int32_t k : near) {
     Polygon part = intersection(pieces_[std::size_t(k)].outline, polygon);

@@ -1,5 +1,6 @@
 #include "pipeline/optics/lights/further_lights.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "pipeline/optics/intersect/alpha_mask.h"
@@ -42,8 +43,10 @@ FurtherLights::FurtherLights(const PatchSet& scene, const RayScene& ray_scene, s
     : scene_(scene),
       emitters_(std::move(emitters)),
       lights_(lights_of(scene, ray_scene, emitters_)),
-      tree_(tree_of(lights_, strengths)),
-      lookup_(scene) {}
+      tree_(tree_of(lights_, strengths)) {
+  const auto has_several = [](const Emitter& emitter) { return emitter.patches > 1; };
+  if (std::any_of(emitters_.begin(), emitters_.end(), has_several)) lookup_.emplace(scene);
+}
 
 std::int32_t FurtherLights::patch_at(std::int32_t i, const Vec3d& start, const DirectLight::Sample& ray) const {
   const Emitter& emitter = emitters_[i];
@@ -51,7 +54,7 @@ std::int32_t FurtherLights::patch_at(std::int32_t i, const Vec3d& start, const D
   if (emitter.patches == 1 && p.mask < 0) return emitter.first_patch;
   const Vec2f uv = uv_at(p, start + Vec3d(ray.direction) * double(ray.distance));
   if (p.mask >= 0 && !passes_alpha_test(scene_, emitter.primitive, uv.x, uv.y)) return -1;
-  return emitter.patches == 1 ? emitter.first_patch : lookup_.patch(emitter.primitive, uv.x, uv.y);
+  return emitter.patches == 1 ? emitter.first_patch : lookup_->patch(emitter.primitive, uv.x, uv.y);
 }
 
 }  // namespace patchlight

@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -30,7 +31,7 @@ class FurtherLights {
   const std::vector<Emitter> emitters_;
   const std::vector<DirectLight> lights_;
   const LightTree tree_;
-  const PatchLookup lookup_;
+  std::optional<const PatchLookup> lookup_;  ///< If an emitter has several patches.
 };
 
 }  // namespace patchlight

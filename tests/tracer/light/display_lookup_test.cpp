@@ -41,7 +41,8 @@ struct Floor {
     const PatchLookup lookup(scene);
     const std::vector<LightMix> mixes{{Color(scale)}};
     const IrradianceLookup patches(
-        scene, lookup, [&](std::size_t g) { return irradiance_without_sampled(energy.groups[g]); }, mixes);
+        scene, lookup, SmoothEdges(scene.primitives),
+        [&](std::size_t g) { return irradiance_without_sampled(energy.groups[g]); }, mixes);
     const DisplayLookup display(scene, patches, energy, mixes);
     return display(display.blend(0, lookup.patch(0, u, v), u, v), 0, u, v);
   }

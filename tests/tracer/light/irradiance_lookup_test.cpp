@@ -19,7 +19,7 @@ std::vector<Color> linear_values(const PatchSet& scene) {
 }
 
 IrradianceLookup lookup_of(const PatchSet& scene, const PatchLookup& patches, const std::vector<Color>& values) {
-  return {scene, patches, [&](std::size_t) { return values; }, {{Color(1.0f)}}};
+  return {scene, patches, SmoothEdges(scene.primitives), [&](std::size_t) { return values; }, {{Color(1.0f)}}};
 }
 
 TEST(IrradianceLookup, FollowsALinearFunctionUpToTheEdges) {

@@ -25,7 +25,8 @@ Solved floor_in_view() {
 
 std::string warning(const Solved& solved, const SolveConfig& config = {}) {
   const RayScene ray_scene(solved.scene);
-  ErrorsInView errors(solved.scene, ray_scene, solved.energy);
+  const PatchLookup lookup(solved.scene);
+  ErrorsInView errors(solved.scene, ray_scene, lookup, solved.energy);
   errors.add(solved.camera, 1.0);
   return errors.warning(config);
 }

@@ -18,7 +18,7 @@ constexpr int kSize = 20;
 std::vector<float> draw(const PatchSet& scene) {
   Camera camera;
   camera.vertical = kPi / 2;
-  return Outlines(scene).draw(CameraRays(camera, kSize, kSize), kSize, kSize);
+  return Outlines(scene, SmoothEdges(scene.primitives)).draw(CameraRays(camera, kSize, kSize), kSize, kSize);
 }
 
 int edge_pixels(const std::vector<float>& depths) {
@@ -66,7 +66,8 @@ TEST(Outlines, OfSmoothSurfacesAreSilhouettes) {
   builder.get().primitives[0].smooth_vertices = {0, 1, 2, 3};
   builder.get().primitives[1].smooth_vertices = {1, 4, 5, 2};
   EXPECT_EQ(edge_pixels(draw(builder.get())), 0);
-  EXPECT_EQ(Outlines(builder.get()).surface(0), Outlines(builder.get()).surface(1));
+  const Outlines outlines(builder.get(), SmoothEdges(builder.get().primitives));
+  EXPECT_EQ(outlines.surface(0), outlines.surface(1));
   builder.get().primitives[1].corners = {Vec3d(0, -9, -2), Vec3d(-1, -9, -5), Vec3d(-1, 9, -5), Vec3d(0, 9, -2)};
   EXPECT_TRUE(std::isfinite(draw(builder.get())[5 * kSize + 10])) << "folded back behind the first";
 }
