@@ -1,6 +1,7 @@
 #pragma once
 #include <hdf5.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -25,6 +26,11 @@ constexpr std::size_t kH5TrailerSize = kH5TrailerWord.size() + 32;
 
 inline std::size_t h5_values_per_row(int columns, int planes) {
   return columns > 0 ? std::size_t(columns) * planes : 1;
+}
+
+/// Rows of a chunk: 1 MiB, or one row.
+inline hsize_t h5_chunk_rows(std::size_t row_bytes, hsize_t rows) {
+  return std::clamp<hsize_t>((hsize_t(1) << 20) / row_bytes, 1, rows);
 }
 
 inline std::vector<hsize_t> h5_shape(hsize_t rows, int columns, int planes) {

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstring>
 
 #include "pipeline/hdf5/h5_handle.h"
@@ -49,8 +50,7 @@ double H5Reader::real(const std::string& name) const {
 template <class T>
 std::vector<T> H5Reader::dataset(const std::string& name, std::int64_t rows, int columns, int planes) const {
   const H5Handle dataset = state_->open(name);
-  H5Handle type(H5Dget_type(dataset), H5Tclose);
-  if (H5Tequal(type, h5_native_type<T>()) <= 0) state_->refuse("unexpected type", name);
+  state_->check_type(dataset, name, h5_native_type<T>());
   const hsize_t count = state_->check_shape(dataset, name, rows, columns, planes, false);
   std::vector<T> values(count * h5_values_per_row(columns, planes));
   state_->read(dataset, name, h5_native_type<T>(), values.data(), values.size() * sizeof(T));
@@ -61,6 +61,35 @@ template std::vector<double> H5Reader::dataset(const std::string&, std::int64_t,
 template std::vector<float> H5Reader::dataset(const std::string&, std::int64_t, int, int) const;
 template std::vector<std::int32_t> H5Reader::dataset(const std::string&, std::int64_t, int, int) const;
 template std::vector<std::int64_t> H5Reader::dataset(const std::string&, std::int64_t, int, int) const;
+
+std::int64_t H5Reader::rows(const std::string& name, int columns, int planes) const {
+  return std::int64_t(state_->check_shape(state_->open(name), name, -1, columns, planes, false));
+}
+
+template <class T>
+void H5Reader::blocks(const std::string& name, std::int64_t rows, int columns, int planes,
+                      const std::function<void(std::size_t, std::span<const T>)>& act) const {
+  if (!state_->intact) return act(0, dataset<T>(name, rows, columns, planes));  // whole, for its hash
+  const H5Handle dataset = state_->open(name);
+  state_->check_type(dataset, name, h5_native_type<T>());
+  const hsize_t count = state_->check_shape(dataset, name, rows, columns, planes, false);
+  if (count == 0) return;
+  const std::size_t width = h5_values_per_row(columns, planes);
+  const hsize_t step = h5_chunk_rows(width * sizeof(T), count);
+  std::vector<T> values(step * width);
+  for (hsize_t first = 0; first < count; first += step) {
+    const hsize_t end = std::min(first + step, count);
+    state_->read_rows(dataset, name, h5_native_type<T>(), values.data(), first, end);
+    act(first, std::span(values).first((end - first) * width));
+  }
+}
+
+template void H5Reader::blocks(const std::string&, std::int64_t, int, int,
+                               const std::function<void(std::size_t, std::span<const double>)>&) const;
+template void H5Reader::blocks(const std::string&, std::int64_t, int, int,
+                               const std::function<void(std::size_t, std::span<const float>)>&) const;
+template void H5Reader::blocks(const std::string&, std::int64_t, int, int,
+                               const std::function<void(std::size_t, std::span<const std::int32_t>)>&) const;
 
 std::vector<std::string> H5Reader::strings(const std::string& name, std::int64_t rows) const {
   const H5Handle dataset = state_->open(name);

@@ -125,6 +125,11 @@ H5Handle H5Reader::State::open(const std::string& name) const {
   return dataset;
 }
 
+void H5Reader::State::check_type(hid_t dataset, const std::string& name, hid_t type) const {
+  H5Handle stored(H5Dget_type(dataset), H5Tclose);
+  if (H5Tequal(stored, type) <= 0) refuse("unexpected type", name);
+}
+
 hsize_t H5Reader::State::check_shape(hid_t dataset, const std::string& name, std::int64_t rows, int columns, int planes,
                                      bool compressed) const {
   H5Handle space(H5Dget_space(dataset), H5Sclose);
@@ -156,6 +161,19 @@ void H5Reader::State::read(hid_t dataset, const std::string& name, hid_t type, v
   if (intact) return;
   const auto found = hashes.find(name);
   if (found == hashes.end() || found->second != hash_bytes(data, bytes)) refuse("damaged data", name);
+}
+
+void H5Reader::State::read_rows(hid_t dataset, const std::string& name, hid_t type, void* data, hsize_t first,
+                                hsize_t end) const {
+  H5Handle stored(H5Dget_space(dataset), H5Sclose);
+  std::vector<hsize_t> count(std::size_t(H5Sget_simple_extent_ndims(stored)));
+  H5Sget_simple_extent_dims(stored, count.data(), nullptr);
+  std::vector<hsize_t> start(count.size());
+  start[0] = first;
+  count[0] = end - first;
+  H5Sselect_hyperslab(stored, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr);
+  H5Handle space(H5Screate_simple(int(count.size()), count.data(), nullptr), H5Sclose);
+  if (H5Dread(dataset, type, space, stored, H5P_DEFAULT, data) < 0) refuse("unreadable data", name);
 }
 
 }  // namespace patchlight

@@ -28,12 +28,18 @@ struct H5Reader::State {
   const std::string& text(const std::string& name) const;
   H5Handle open(const std::string& name) const;
 
+  /// Checks that a dataset's values have this type.
+  void check_type(hid_t dataset, const std::string& name, hid_t type) const;
+
   /// Checks a dataset's shape, chunks and stored size. `rows`: -1 for any number. Returns the number of rows.
   hsize_t check_shape(hid_t dataset, const std::string& name, std::int64_t rows, int columns, int planes,
                       bool compressed) const;
 
   /// Reads a whole dataset and checks its hash.
   void read(hid_t dataset, const std::string& name, hid_t type, void* data, std::size_t bytes) const;
+
+  /// Reads rows `first` to `end` - 1 of a dataset of an intact file.
+  void read_rows(hid_t dataset, const std::string& name, hid_t type, void* data, hsize_t first, hsize_t end) const;
 
  private:
   void read_attributes();

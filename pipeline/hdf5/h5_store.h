@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <span>
@@ -58,6 +59,19 @@ class H5Reader {
   template <class T>
   std::vector<T> dataset(const std::string& name, std::int64_t rows, int columns = 0, int planes = 1) const;
 
+  /// Number of rows of a dataset of numbers.
+  std::int64_t rows(const std::string& name, int columns = 0, int planes = 1) const;
+
+  /// Calls fill(item, row) for each of `items` with its row of a dataset of as many rows, of which it holds a few at a
+  /// time.
+  template <class T, class Items, class Fill>
+  void read_into(const std::string& name, Items& items, int columns, Fill fill, int planes = 1) const {
+    const std::size_t width = columns > 0 ? std::size_t(columns) * planes : 1;
+    blocks<T>(name, std::int64_t(items.size()), columns, planes, [&](std::size_t first, std::span<const T> values) {
+      for (std::size_t k = 0; k < values.size() / width; ++k) fill(items[first + k], values.data() + k * width);
+    });
+  }
+
   std::vector<std::string> strings(const std::string& name, std::int64_t rows) const;
 
   /// Whether a dataset exists.
@@ -82,6 +96,11 @@ class H5Reader {
   [[noreturn]] void refuse(const std::string& what, const std::string& dataset) const;
 
  private:
+  /// Calls act(first row, values) for blocks of whole rows of a dataset, in order.
+  template <class T>
+  void blocks(const std::string& name, std::int64_t rows, int columns, int planes,
+              const std::function<void(std::size_t, std::span<const T>)>& act) const;
+
   friend std::string h5_format(const std::filesystem::path& file);
   struct State;
   std::unique_ptr<State> state_;

@@ -72,7 +72,7 @@ struct H5Writer::State {
     H5Handle space(H5Screate_simple(int(shape.size()), shape.data(), nullptr), H5Sclose);
     if (shape[0] > 0) {
       std::vector<hsize_t> chunk = shape;
-      chunk[0] = std::clamp<hsize_t>((hsize_t(1) << 20) / row_bytes, 1, shape[0]);
+      chunk[0] = h5_chunk_rows(row_bytes, shape[0]);
       H5Pset_chunk(creation, int(chunk.size()), chunk.data());
       if (compress) H5Pset_deflate(creation, 1);
     }

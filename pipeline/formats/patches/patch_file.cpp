@@ -46,9 +46,7 @@ Vector get3(const T* row) {
 template <class T, class Entries, class Fill>
 void read_rows(const H5Reader& reader, const std::string& name, Entries& items, int columns, Fill fill,
                int planes = 1) {
-  const std::vector<T> values = reader.dataset<T>(name, std::int64_t(items.size()), columns, planes);
-  const std::size_t width = columns > 0 ? std::size_t(columns) * planes : 1;
-  for (std::size_t i = 0; i < items.size(); ++i) fill(items[i], values.data() + i * width);
+  reader.read_into<T>(name, items, columns, fill, planes);
 }
 
 void write_primitives(H5Writer& writer, const PatchSet& scene) {
@@ -137,7 +135,7 @@ std::vector<bool> read_primitives(const H5Reader& reader, PatchSet& scene) {
   auto& all = scene.primitives;
   using P = Primitive&;
   scene.nodes = reader.strings("/nodes/name", -1);
-  all.resize(reader.dataset<std::int32_t>("/primitives/type", -1).size());
+  all.resize(std::size_t(reader.rows("/primitives/type")));
   std::vector<bool> is_region, is_cluster;
   read_rows<std::int32_t>(reader, "/primitives/type", all, 0, [&](P p, auto* r) {
     if (*r < 0 || *r > kRegionType) reader.refuse("unknown primitive type", "/primitives/type");
@@ -169,7 +167,7 @@ std::vector<bool> read_primitives(const H5Reader& reader, PatchSet& scene) {
 
 void read_patch_rows(const H5Reader& reader, std::vector<Patch>& all) {
   using P = Patch&;
-  all.resize(reader.dataset<double>("/patches/area", -1).size());
+  all.resize(std::size_t(reader.rows("/patches/area")));
   read_rows<double>(reader, "/patches/center", all, 3, [](P p, auto* r) { p.center = get3<Vec3d>(r); });
   read_rows<float>(reader, "/patches/normal", all, 3, [](P p, auto* r) { p.normal = get3<Vec3f>(r); });
   read_rows<double>(reader, "/patches/area", all, 0, [](P p, auto* r) { p.area = *r; });

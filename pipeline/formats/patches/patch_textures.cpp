@@ -79,10 +79,11 @@ void write_texcoords(H5Writer& writer, const std::string& name, const std::vecto
 void read_texcoords(const H5Reader& reader, const std::string& name, std::size_t primitives,
                     std::vector<Texcoords>& all) {
   if (!reader.has(name)) return;
-  const std::vector<float> values = reader.dataset<float>(name, std::int64_t(primitives), 2, 4);
-  for (std::size_t i = 0; i < values.size(); i += 8)
-    all.push_back({Vec2f(values[i], values[i + 1]), Vec2f(values[i + 2], values[i + 3]),
-                   Vec2f(values[i + 4], values[i + 5]), Vec2f(values[i + 6], values[i + 7])});
+  all.resize(primitives);
+  const auto fill = [](Texcoords& corners, const float* row) {
+    for (std::size_t k = 0; k < 4; ++k) corners[k] = Vec2f(row[2 * k], row[2 * k + 1]);
+  };
+  reader.read_into<float>(name, all, 2, fill, 4);
 }
 
 /// Whether any primitive has an index in this member.
@@ -148,16 +149,14 @@ void write_colors(H5Writer& writer, const PatchSet& scene) {
 }
 
 void read_colors(const H5Reader& reader, PatchSet& scene) {
-  const auto count = std::int64_t(scene.primitives.size());
-  const std::vector<float> colors = reader.dataset<float>("/primitives/color", count, 3, 4);
-  const std::vector<float> alphas = reader.dataset<float>("/primitives/alpha", count, 4);
-  for (std::size_t i = 0; i < alphas.size(); i += 4) {
-    CornerColors& corners = scene.colors.emplace_back();
-    for (std::size_t k = 0; k < 4; ++k) {
-      const float* c = &colors[3 * (i + k)];
-      corners[k] = Vec4f(c[0], c[1], c[2], alphas[i + k]);
-    }
-  }
+  scene.colors.resize(scene.primitives.size());
+  const auto set_color = [](CornerColors& corners, const float* row) {
+    for (std::size_t k = 0; k < 4; ++k) corners[k] = Vec4f(row[3 * k], row[3 * k + 1], row[3 * k + 2], 1.0f);
+  };
+  reader.read_into<float>("/primitives/color", scene.colors, 3, set_color, 4);
+  reader.read_into<float>("/primitives/alpha", scene.colors, 4, [](CornerColors& corners, const float* row) {
+    for (std::size_t k = 0; k < 4; ++k) corners[k].w = row[k];
+  });
 }
 
 void write_normals(H5Writer& writer, const PatchSet& scene) {
@@ -168,18 +167,15 @@ void write_normals(H5Writer& writer, const PatchSet& scene) {
 }
 
 void read_normals(const H5Reader& reader, PatchSet& scene) {
-  const auto normals = reader.dataset<float>("/primitives/normals", std::int64_t(scene.primitives.size()), 3, 4);
-  for (std::size_t i = 0; i < normals.size(); i += 12) {
-    CornerNormals& corners = scene.normals.emplace_back();
-    for (std::size_t k = 0; k < 4; ++k) {
-      const float* n = &normals[i + 3 * k];
-      corners[k] = Vec3f(n[0], n[1], n[2]);
-    }
-    if (corners == kFlatNormals) continue;
+  scene.normals.resize(scene.primitives.size());
+  const auto fill = [&](CornerNormals& corners, const float* row) {
+    for (std::size_t k = 0; k < 4; ++k) corners[k] = Vec3f(row[3 * k], row[3 * k + 1], row[3 * k + 2]);
+    if (corners == kFlatNormals) return;
     for (const Vec3f& n : corners)
       if (!(std::abs(n.length() - 1.0f) <= 1e-3f))
         reader.refuse("a vector that is not of unit length", "/primitives/normals");
-  }
+  };
+  reader.read_into<float>("/primitives/normals", scene.normals, 3, fill, 4);
 }
 
 }  // namespace

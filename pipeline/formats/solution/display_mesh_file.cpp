@@ -117,6 +117,13 @@ void check_vertices(const H5Reader& reader, const DisplayMesh& mesh, std::int64_
     if (corner < 0 || corner >= count) reader.refuse("a corner out of bounds", "/display/mesh/corners");
 }
 
+/// Makes an entry of each row of a dataset.
+template <class T, class Entries, class Fill>
+void read_all(const H5Reader& reader, const std::string& name, Entries& entries, int columns, Fill fill) {
+  entries.resize(std::size_t(reader.rows(name, columns)));
+  reader.read_into<T>(name, entries, columns, fill);
+}
+
 /// Datasets that a mesh without clusters of facets lacks.
 void write_blends(H5Writer& writer, const DisplayMesh& mesh) {
   if (mesh.blends.empty() && std::none_of(mesh.vertices.begin(), mesh.vertices.end(), [](auto& v) { return v.facet; }))
@@ -139,21 +146,19 @@ void write_blends(H5Writer& writer, const DisplayMesh& mesh) {
 
 void read_blends(const H5Reader& reader, DisplayMesh& mesh) {
   if (!reader.has(kFacetsOfVertices)) return;
-  const auto of_vertices = reader.dataset<std::int32_t>(kFacetsOfVertices, std::int64_t(mesh.vertices.size()));
-  const auto of_facets = reader.dataset<std::int32_t>(kFacetsOfFacets, std::int64_t(mesh.facets.size()));
-  const std::vector<std::int32_t> blended = reader.dataset<std::int32_t>(kBlends, -1);
-  const auto weights = reader.dataset<float>("/display/mesh/blend_weights", std::int64_t(blended.size()));
-  for (std::size_t k = 0; k < of_vertices.size(); ++k) mesh.vertices[k].facet = of_vertices[k];
-  for (std::size_t k = 0; k < of_facets.size(); ++k) mesh.facets[k].facet = of_facets[k];
-  for (std::size_t k = 0; k < blended.size(); ++k) mesh.blended.push_back({blended[k], weights[k]});
+  reader.read_into<std::int32_t>(kFacetsOfVertices, mesh.vertices, 0, [](auto& v, auto* r) { v.facet = *r; });
+  reader.read_into<std::int32_t>(kFacetsOfFacets, mesh.facets, 0, [](auto& facet, auto* r) { facet.facet = *r; });
+  read_all<std::int32_t>(reader, kBlends, mesh.blended, 0, [](auto& part, auto* r) { part.vertex = *r; });
+  reader.read_into<float>("/display/mesh/blend_weights", mesh.blended, 0, [](auto& p, auto* r) { p.weight = *r; });
+  read_all<std::int32_t>(reader, kBlendCounts, mesh.blends, 0, [](auto& blend, auto* r) { blend.count = *r; });
   std::int64_t first = 0;
-  for (const std::int32_t count : reader.dataset<std::int32_t>(kBlendCounts, -1)) {
-    if (count < 1 || first + count > std::int64_t(blended.size()))
+  for (DisplayMesh::Blend& blend : mesh.blends) {
+    blend.first = std::int32_t(first);
+    if (blend.count < 1 || first + blend.count > std::int64_t(mesh.blended.size()))
       reader.refuse("a number out of bounds", kBlendCounts);
-    mesh.blends.push_back({std::int32_t(first), count});
-    first += count;
+    first += blend.count;
   }
-  if (first != std::int64_t(blended.size())) reader.refuse("parts of no blend", kBlendCounts);
+  if (first != std::int64_t(mesh.blended.size())) reader.refuse("parts of no blend", kBlendCounts);
 }
 
 }  // namespace
@@ -202,31 +207,30 @@ DisplayMesh read_display_mesh(const H5Reader& reader, std::int64_t patches) {
   DisplayMesh mesh;
   mesh.roots = reader.dataset<std::int32_t>("/display/mesh/roots", patches);
   patches = std::int64_t(mesh.roots.size());
-  const std::vector<std::int32_t> cells = reader.dataset<std::int32_t>(kCells, -1, 3);
-  mesh.cells.reserve(cells.size() / 3);
-  for (std::size_t k = 0; k < cells.size(); k += 3) mesh.cells.push_back({cells[k], cells[k + 1], cells[k + 2]});
-  const std::vector<double> lines = reader.dataset<double>(kCuts, -1, 4);
-  const std::vector<std::int32_t> sides =
-      reader.dataset<std::int32_t>("/display/mesh/cut_sides", std::int64_t(lines.size() / 4), 2);
-  for (std::size_t k = 0; k < sides.size() / 2; ++k)
-    mesh.cuts.push_back(
-        {{lines[4 * k], lines[4 * k + 1]}, {lines[4 * k + 2], lines[4 * k + 3]}, {sides[2 * k], sides[2 * k + 1]}});
-  const std::vector<std::int32_t> faces = reader.dataset<std::int32_t>(kFaces, -1, 3);
-  const std::vector<float> parts = reader.dataset<float>("/display/mesh/face_part", std::int64_t(faces.size() / 3));
-  for (std::size_t k = 0; k < parts.size(); ++k)
-    mesh.faces.push_back({faces[3 * k], 0, faces[3 * k + 1], parts[k], faces[3 * k + 2]});
+  read_all<std::int32_t>(reader, kCells, mesh.cells, 3, [](auto& cell, auto* r) { cell = {r[0], r[1], r[2]}; });
+  read_all<double>(reader, kCuts, mesh.cuts, 4, [](Cut& cut, auto* r) {
+    cut.from = {r[0], r[1]};
+    cut.to = {r[2], r[3]};
+  });
+  reader.read_into<std::int32_t>("/display/mesh/cut_sides", mesh.cuts, 2, [](Cut& cut, auto* r) {
+    cut.sides = {r[0], r[1]};
+  });
+  read_all<std::int32_t>(reader, kFaces, mesh.faces, 3, [](auto& face, auto* r) {
+    face = {r[0], 0, r[1], 1.0f, r[2]};
+  });
+  reader.read_into<float>("/display/mesh/face_part", mesh.faces, 0, [](auto& face, auto* r) { face.part = *r; });
   mesh.corners = reader.dataset<std::int32_t>("/display/mesh/corners", -1);
-  const std::vector<std::int32_t> facets = reader.dataset<std::int32_t>(kFacets, -1, 5);
-  for (std::size_t k = 0; k < facets.size(); k += 5)
-    mesh.facets.push_back({facets[k], {facets[k + 1], facets[k + 2], facets[k + 3], facets[k + 4]}});
-  const std::vector<float> positions = reader.dataset<float>(kVertices, -1, 2);
-  const auto count = std::int64_t(positions.size() / 2);
-  const std::vector<std::int32_t> owners = reader.dataset<std::int32_t>("/display/mesh/vertex_patch", count);
-  mesh.vertices.reserve(std::size_t(count));
-  for (std::int64_t k = 0; k < count; ++k) mesh.vertices.push_back({owners[k], positions[2 * k], positions[2 * k + 1]});
+  read_all<std::int32_t>(reader, kFacets, mesh.facets, 5, [](auto& facet, auto* r) {
+    facet = {r[0], {r[1], r[2], r[3], r[4]}};
+  });
+  read_all<float>(reader, kVertices, mesh.vertices, 2, [](auto& vertex, auto* r) { vertex = {0, r[0], r[1]}; });
+  reader.read_into<std::int32_t>("/display/mesh/vertex_patch", mesh.vertices, 0,
+                                 [](auto& vertex, auto* r) { vertex.patch = *r; });
+  read_all<std::int32_t>(reader, "/display/mesh/midpoints", mesh.midpoints, 2, [](auto& ends, auto* r) {
+    ends = {r[0], r[1]};
+  });
+  const auto count = std::int64_t(mesh.vertices.size());
   read_blends(reader, mesh);
-  const std::vector<std::int32_t> endpoints = reader.dataset<std::int32_t>("/display/mesh/midpoints", -1, 2);
-  for (std::size_t k = 0; k < endpoints.size(); k += 2) mesh.midpoints.push_back({endpoints[k], endpoints[k + 1]});
   const std::int64_t gathered = reader.integer("display_vertices");
   if (gathered < 0 || gathered > count) reader.refuse("a number out of bounds", kVertices);
   mesh.gathered = std::int32_t(gathered);

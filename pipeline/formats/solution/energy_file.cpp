@@ -22,13 +22,12 @@ void write_colors(H5Writer& writer, const std::string& name, const std::vector<C
 }
 
 std::vector<Color> read_colors(const H5Reader& reader, const std::string& name, std::int64_t rows) {
-  const std::vector<float> values = reader.dataset<float>(name, rows, 3);
-  std::vector<Color> colors(values.size() / 3);
-  for (std::size_t i = 0; i < colors.size(); ++i) {
-    colors[i] = Color(values[3 * i], values[3 * i + 1], values[3 * i + 2]);
+  std::vector<Color> colors(std::size_t(rows < 0 ? reader.rows(name, 3) : rows));
+  reader.read_into<float>(name, colors, 3, [&](Color& color, const float* row) {
+    color = Color(row[0], row[1], row[2]);
     for (int k = 0; k < 3; ++k)
-      if (!(colors[i][k] >= 0 && std::isfinite(colors[i][k]))) reader.refuse("a negative or non-finite value", name);
-  }
+      if (!(color[k] >= 0 && std::isfinite(color[k]))) reader.refuse("a negative or non-finite value", name);
+  });
   return colors;
 }
 
