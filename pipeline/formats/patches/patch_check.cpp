@@ -85,12 +85,28 @@ PatchFault shader_fault(const PatchSet& scene) {
     if (PatchFault fault = expression_fault(shader.reflectance, "/shaders/reflectance")) return fault;
     if (PatchFault fault = expression_fault(shader.emission, "/shaders/emission")) return fault;
   }
-  for (const Primitive& p : scene.primitives) {
-    if (p.shader == -1) continue;
-    if (!index_of(p.shader, scene.shaders.size())) return {"an index out of range", "/primitives/shader"};
-    if (is_set(scene.shaders[p.shader].emission) && p.light_group < 0)
-      return {"an emitter without a light group", "/primitives/light_group"};
-  }
+  return {};
+}
+
+/// Checks what a primitive refers to.
+PatchFault reference_fault(const PatchSet& scene, const Primitive& p) {
+  if (p.shader != -1 && !index_of(p.shader, scene.shaders.size()))
+    return {"an index out of range", "/primitives/shader"};
+  const bool emits = p.emission_texture != -1 || (p.shader != -1 && is_set(scene.shaders[p.shader].emission));
+  if (emits && p.light_group < 0) return {"an emitter without a light group", "/primitives/light_group"};
+  const auto is_there = [&](std::int32_t texture, const std::vector<Texcoords>& texcoords) {
+    return texture == -1 ||
+           (index_of(texture, scene.textures.size()) && (!texcoords.empty() || !scene.texcoords.empty()));
+  };
+  if (!is_there(p.texture, scene.texcoords)) return {"an index out of range", "/primitives/texture"};
+  if (!is_there(p.emission_texture, scene.emission_texcoords))
+    return {"an index out of range", "/primitives/emission_texture"};
+  if (!is_there(p.metallic_roughness_texture, scene.metallic_roughness_texcoords))
+    return {"an index out of range", "/primitives/finish_texture"};
+  if (p.mask != -1 && (!index_of(p.mask, scene.masks.size()) || p.shape != Primitive::Shape::quad))
+    return {"a mask that is not there, or of no quad", "/primitives/mask"};
+  if (p.back >= 0 && scene.primitives[p.back].mask != p.mask)
+    return {"two sides with different masks", "/primitives/mask"};
   return {};
 }
 
@@ -105,36 +121,12 @@ PatchFault texcoord_fault(const PatchSet& scene, const std::vector<Texcoords>& t
 }
 
 PatchFault texture_fault(const PatchSet& scene) {
-  struct Use {
-    std::int32_t Primitive::*index;
-    const std::vector<Texcoords>& texcoords;
-    const char* where;
-  };
-  for (const Use& use :
-       {Use{&Primitive::texture, scene.texcoords, "/primitives/texture"},
-        Use{&Primitive::emission_texture, scene.emission_texcoords, "/primitives/emission_texture"},
-        Use{&Primitive::metallic_roughness_texture, scene.metallic_roughness_texcoords, "/primitives/finish_texture"}})
-    for (const Primitive& p : scene.primitives) {
-      const std::int32_t texture = p.*use.index;
-      const bool mapped = !use.texcoords.empty() || !scene.texcoords.empty();
-      if (texture != -1 && (!index_of(texture, scene.textures.size()) || !mapped))
-        return {"an index out of range", use.where};
-    }
-  for (const Primitive& p : scene.primitives)
-    if (p.emission_texture != -1 && p.light_group < 0)
-      return {"an emitter without a light group", "/primitives/light_group"};
   if (PatchFault fault = texcoord_fault(scene, scene.texcoords, "/primitives/texcoord")) return fault;
   if (PatchFault fault = texcoord_fault(scene, scene.emission_texcoords, "/primitives/emission_texcoord")) return fault;
   return texcoord_fault(scene, scene.metallic_roughness_texcoords, "/primitives/finish_texcoord");
 }
 
 PatchFault mask_fault(const PatchSet& scene) {
-  for (const Primitive& p : scene.primitives) {
-    if (p.mask != -1 && (!index_of(p.mask, scene.masks.size()) || p.shape != Primitive::Shape::quad))
-      return {"a mask that is not there, or of no quad", "/primitives/mask"};
-    if (p.back >= 0 && scene.primitives[p.back].mask != p.mask)
-      return {"two sides with different masks", "/primitives/mask"};
-  }
   for (const Texture& mask : scene.masks)
     for (const std::int32_t alpha : mask.texels)
       if (alpha < 0 || alpha > 255) return {"a value outside [0, 255]", "/masks/texel"};
@@ -271,8 +263,10 @@ PatchFault order_fault(const PatchSet& scene) {
 
 PatchFault find_fault(const PatchSet& scene) {
   if (scene.patches.empty()) return {"no patches", "/patches/area"};
-  for (std::size_t i = 0; i < scene.primitives.size(); ++i)
+  for (std::size_t i = 0; i < scene.primitives.size(); ++i) {
     if (PatchFault fault = primitive_fault(scene, i)) return fault;
+    if (PatchFault fault = reference_fault(scene, scene.primitives[i])) return fault;
+  }
   if (PatchFault fault = shader_fault(scene)) return fault;
   if (PatchFault fault = texture_fault(scene)) return fault;
   if (PatchFault fault = mask_fault(scene)) return fault;
