@@ -45,6 +45,7 @@ DisplayLookup::DisplayLookup(const PatchSet& scene, const IrradianceLookup& patc
 
 void DisplayLookup::place_corners(const PatchSet& scene) {
   first_place_.assign(mesh_.faces.size(), -1);
+  corner_places_.reserve(mesh_.corners.size());
   for_each_cut_leaf(scene, mesh_, [&](const DisplayMesh::Cell& leaf, const Patch& cell) {
     const Primitive& primitive = scene.primitives[cell.primitive];
     const PlaneFrame frame = *PlaneFrame::of(primitive);

@@ -38,6 +38,7 @@ SolvedSurfaces::SolvedSurfaces(const PatchSet& scene, const EnergyField& energy,
           },
           mixes.all),
       shaders_([&scene] { return compile_shaders(scene); }) {
+  varying_.reserve(scene.primitives.size());
   for (std::int32_t i = 0; i < std::int32_t(scene.primitives.size()); ++i) {
     const Primitive& p = scene.primitives[i];
     varying_.push_back(is_colored(scene, i) || p.shader >= 0 || p.emission_texture >= 0);

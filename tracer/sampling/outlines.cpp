@@ -69,6 +69,7 @@ Outlines::Outlines(const PatchSet& scene, const SmoothEdges& smooth)
 }
 
 void Outlines::add_edges(const SmoothEdges& smooth) {
+  edges_.reserve(4 * scene_.primitives.size());
   for (std::int32_t i = 0; i < std::int32_t(scene_.primitives.size()); ++i) {
     const Primitive& p = scene_.primitives[i];
     if (p.shape != Primitive::Shape::quad || p.region) continue;

@@ -132,6 +132,8 @@ RayScene::RayScene(const PatchSet& scene, std::size_t max_packet_primitives) {
 void RayScene::add_quads(const PatchSet& scene) {
   std::vector<std::array<Vec3f, 4>> corners, masked_corners;
   std::vector<Quad> masked;
+  quads_.reserve(scene.primitives.size());
+  if (!packet_tracer_) corners.reserve(scene.primitives.size());
   for (std::size_t i = 0; i < scene.primitives.size(); ++i) {
     const Primitive& p = scene.primitives[i];
     if (p.shape != Primitive::Shape::quad) continue;

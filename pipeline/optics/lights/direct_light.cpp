@@ -97,8 +97,6 @@ struct Candidate {
 
 std::vector<Candidate> candidates_of(const PatchSet& scene) {
   std::vector<Candidate> candidates;
-  double all = 0;
-  for (const Patch& patch : scene.patches) all += patch.area;
   for (std::int32_t i = 0; i < std::int32_t(scene.patches.size()); ++i) {
     const Patch& patch = scene.patches[i];
     const Primitive& primitive = scene.primitives[patch.primitive];
@@ -110,6 +108,9 @@ std::vector<Candidate> candidates_of(const PatchSet& scene) {
     last.area += patch.area;
     last.uniform = last.uniform && patch.emission == scene.patches[last.first].emission;
   }
+  if (candidates.empty()) return candidates;
+  double all = 0;
+  for (const Patch& patch : scene.patches) all += patch.area;
   std::erase_if(candidates, [&](const Candidate& c) {
     const Primitive& primitive = scene.primitives[scene.patches[c.first].primitive];
     return primitive.region || (primitive.mask >= 0 && c.area > kMaxMasked * all);

@@ -17,6 +17,7 @@ int cells_of_size(float size) {
 
 PatchLookup::PatchLookup(const PatchSet& scene) {
   starts_.reserve(scene.primitives.size() + 1);
+  rows_.reserve(scene.primitives.size());
   std::int32_t patch = 0;
   const auto count = std::int32_t(scene.patches.size());
   for (std::int32_t i = 0; i < std::int32_t(scene.primitives.size()); ++i) {
@@ -86,6 +87,7 @@ std::int32_t PatchLookup::add_region(const PatchSet& scene, std::int32_t first) 
 void PatchLookup::add_closed_edges(const PatchSet& scene) {
   const auto is_closed = [](const Patch& patch) { return patch.closed != 0 || patch.cut >= 0; };
   if (std::none_of(scene.patches.begin(), scene.patches.end(), is_closed)) return;
+  closed_.reserve(scene.patches.size());
   for (const Patch& patch : scene.patches) closed_.push_back(patch.cut >= 0 ? 15 : patch.closed);
   for (std::int32_t i = 0; i < std::int32_t(scene.primitives.size()); ++i) {
     if (scene.primitives[i].shape == Primitive::Shape::sphere) continue;
@@ -106,6 +108,7 @@ void PatchLookup::add_closed_edges(const PatchSet& scene) {
 
 void PatchLookup::add_cuts(const PatchSet& scene) {
   lines_.resize(scene.cuts.size());
+  cut_of_.reserve(scene.patches.size());
   std::int32_t last = -1;  // the parts of a cell that are not in the grid follow each other
   for (const Patch& patch : scene.patches) {
     cut_of_.push_back(patch.cut);

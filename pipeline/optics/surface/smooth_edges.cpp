@@ -25,6 +25,7 @@ SmoothEdges::SmoothEdges(const std::vector<Primitive>& primitives) : starts_(1) 
       if (const auto [low, high] = ends_of(primitives[i], edge); low >= 0)
         act(std::size_t(low), Side{high, std::int32_t(i), edge});
   };
+  starts_.reserve(4 * primitives.size() + 1);
   for (std::size_t i = 0; i < primitives.size(); ++i) {
     for (const std::int32_t id : primitives[i].smooth_vertices)
       if (id >= std::int32_t(vertices())) starts_.resize(std::size_t(id) + 2);
