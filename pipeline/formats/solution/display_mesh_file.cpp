@@ -126,8 +126,8 @@ void read_all(const H5Reader& reader, const std::string& name, Entries& entries,
 
 /// Datasets that a mesh without clusters of facets lacks.
 void write_blends(H5Writer& writer, const DisplayMesh& mesh) {
-  if (mesh.blends.empty() && std::none_of(mesh.vertices.begin(), mesh.vertices.end(), [](auto& v) { return v.facet; }))
-    return;
+  const auto is_of_cluster = [](const auto& place) { return place.facet > 0; };
+  if (mesh.blends.empty() && std::none_of(mesh.facets.begin(), mesh.facets.end(), is_of_cluster)) return;
   std::vector<std::int32_t> of_vertices, of_facets, counts, blended;
   std::vector<float> weights;
   for (const auto& vertex : mesh.vertices) of_vertices.push_back(vertex.facet);
