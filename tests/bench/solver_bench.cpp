@@ -60,7 +60,7 @@ std::unique_ptr<RayPacket[]> random_packets(const RayScene& rays) {
 
 /// Random packets traced by Embree or by the PacketTracer, with the patch of each hit.
 void raw_rays(benchmark::State& state) {
-  const RayScene rays(scene(), state.range(0) != 0 ? 0 : RayScene::kMaxPacketPrimitives);
+  const RayScene rays(scene(), state.range(0) != 0 ? RayScene::Tracer::embree : RayScene::Tracer::packets);
   const PatchLookup lookup(scene());
   const auto packets = random_packets(rays);
   std::int64_t sum = 0;

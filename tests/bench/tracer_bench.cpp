@@ -51,7 +51,7 @@ Camera camera() {
 /// Traces packets of 16 adjacent pixels. Each is copied first, since tracing changes it.
 void raw_primary(benchmark::State& state) {
   _mm_setcsr(_mm_getcsr() | 0x8040);  // Embree wants denormals flushed
-  const RayScene embree(scene(), 0);
+  const RayScene embree(scene(), RayScene::Tracer::embree);
   const CameraRays rays(camera(), kSide, kSide);
   constexpr int kPackets = kSide * kSide / RayPacket::kSize;
   const auto packets = std::make_unique<RayPacket[]>(kPackets);

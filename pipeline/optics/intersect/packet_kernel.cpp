@@ -189,8 +189,8 @@ void traverse(const Bvh& bvh, Rays& rays, const RayInverse& ray, std::uint32_t o
     int lane = 0;
     while (lane < kLanes && !hits_box<kMixedSigns>(rays, ray, node, lane)) lane += kWidth;
     if (lane == kLanes) continue;
-    if (node.count == 0) {
-      const bool backwards = rays.direction[node.axis][0] < 0;
+    if (node.count < 0) {
+      const bool backwards = rays.direction[~node.count][0] < 0;
       stack[stack_size++] = node.first + !backwards;
       stack[stack_size++] = node.first + backwards;
       continue;

@@ -44,10 +44,9 @@ struct PrimitiveReference {
 
 /// A BVH node with its bounding box.
 struct alignas(32) Node {
-  float planes[6];      ///< Of its box: minimum x, y, z, then maximum x, y, z.
-  std::int32_t first;   ///< Leaf: first primitive reference; else the first of two children.
-  std::uint16_t count;  ///< Leaf: number of primitive references; else 0.
-  std::uint16_t axis;   ///< Split axis of the children.
+  float planes[6];     ///< Of its box: minimum x, y, z, then maximum x, y, z.
+  std::int32_t first;  ///< Leaf: first primitive reference; else the first of two children.
+  std::int32_t count;  ///< Leaf: number of primitive references; else ~axis, the children's split axis.
 };
 
 constexpr int kMaxDepth = 48;  ///< Of the BVH.

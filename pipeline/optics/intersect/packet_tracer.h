@@ -11,9 +11,9 @@
 
 namespace patchlight {
 
-/// Traces packets of sixteen coherent rays through a BVH of up to some thousands of quads and spheres. Every box and
-/// primitive is intersected with all lanes at once, in code that the compiler vectorises. For scenes of this size it is
-/// two to three times as fast as Embree.
+/// Traces packets of sixteen coherent rays through a BVH of quads and spheres. Every box and primitive is intersected
+/// with all lanes at once, in code that the compiler vectorises. With some thousands of primitives it is two to three
+/// times as fast as Embree.
 class PacketTracer {
  public:
   /// Adds quad number `index`, whose corners are floats. A quad that is not planar within the rounding of its corners

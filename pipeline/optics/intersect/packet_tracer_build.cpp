@@ -96,13 +96,12 @@ class BvhBuilder {
       node.planes[k + 3] = node_bounds.max[k];
     }
     node.first = begin;
-    node.count = std::uint16_t(count);
+    node.count = count;
     if (axis < 0) return;
     partition(axis, begin, begin + left, end);
     const auto child = std::int32_t(nodes_.size());
     node.first = child;
-    node.count = 0;
-    node.axis = std::uint16_t(axis);
+    node.count = ~axis;
     nodes_.resize(nodes_.size() + 2);
     split(child, begin, begin + left, depth + 1);
     split(child + 1, begin + left, end, depth + 1);

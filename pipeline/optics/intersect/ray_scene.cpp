@@ -8,6 +8,7 @@
 
 #include "pipeline/optics/intersect/alpha_mask.h"
 #include "pipeline/optics/intersect/rounding.h"
+#include "pipeline/optics/intersect/surface_sizes.h"
 #include "pipeline/optics/sampling/quad_shape.h"
 
 namespace patchlight {
@@ -52,9 +53,6 @@ float sphere_offset(const Vec3d& center, double radius) {
 // Part of a shadow ray's length by which it ends before its end, where a surface may be: the tracers round distances by
 // 10 u, and directions and the given distance are rounded by u each.
 constexpr float kShadowEnd = 0x1p-20f;
-
-static_assert(2 * RayScene::kMaxPacketPrimitives <= 0xffff,
-              "a leaf may hold all primitives, and a bent quad is two facets");
 
 std::uint32_t active_lanes(const RayPacket& packet) {
   std::uint32_t active = 0;
@@ -107,18 +105,18 @@ void RayPacket::set_shadow(int lane, const Vec3f& origin, const Vec3f& direction
   rays.ray.tfar[lane] = distance * (1.0f - kShadowEnd);
 }
 
-RayScene::RayScene(const PatchSet& scene, std::size_t max_packet_primitives) {
+RayScene::RayScene(const PatchSet& scene, Tracer tracer) {
   const Imath::Box3d bounds = bounds_of(scene.primitives);
   origin_ = bounds.center();
   offsets_.resize(scene.primitives.size());
-  std::size_t unmasked = 0, masked = 0;
-  for (const Primitive& p : scene.primitives)
-    (p.mask >= 0 ? masked : unmasked) += p.region ? p.region->pieces.size() : 1;
-  if (unmasked <= max_packet_primitives)
+  const SurfaceSizes sizes(scene);
+  mostly_fine_ = sizes.mostly_fine();
+  if (tracer == Tracer::packets || (tracer == Tracer::fastest && sizes.suit_packets()))
     packet_tracer_.emplace();
   else
     embree_ = EmbreeTracer::create();
-  if (masked > 0) {
+  const auto has_mask = [](const Primitive& p) { return p.mask >= 0; };
+  if (std::any_of(scene.primitives.begin(), scene.primitives.end(), has_mask)) {
     masked_embree_ = EmbreeTracer::create();
     scene_ = &scene;
   }

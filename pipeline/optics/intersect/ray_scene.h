@@ -41,16 +41,14 @@ struct SurfaceHit {
 };
 
 /// A scene's primitives for ray casting, in single precision relative to the scene's centre; both sides of a surface
-/// are one primitive, a region its pieces. Small scenes are traced by a PacketTracer, larger ones by Embree. Masked
-/// primitives have an Embree BVH of their own with the alpha test as hit filter, which scenes without masks skip. The
-/// PatchSet must outlive the RayScene. Hits do not depend on the number of threads.
+/// are one primitive, a region its pieces. A PacketTracer traces them; Embree does, if they are very many or if fine
+/// ones cover much of the area. Masked primitives have an Embree BVH of their own with the alpha test as hit filter,
+/// that scenes without masks skip. The PatchSet must outlive the RayScene. Hits do not depend on the number of threads.
 class RayScene {
  public:
-  /// Largest number of unmasked primitives for the PacketTracer. It was measured to be faster than Embree at 20 and at
-  /// 7,342 primitives, but its BVH takes longer to build.
-  static constexpr std::size_t kMaxPacketPrimitives = 16384;
+  enum class Tracer { fastest, packets, embree };  ///< Of unmasked primitives; fastest: see SurfaceSizes.
 
-  explicit RayScene(const PatchSet& scene, std::size_t max_packet_primitives = kMaxPacketPrimitives);
+  explicit RayScene(const PatchSet& scene, Tracer tracer = Tracer::fastest);
   RayScene(const RayScene&) = delete;
   RayScene& operator=(const RayScene&) = delete;
 
@@ -63,6 +61,9 @@ class RayScene {
   /// rounding of its points along the normal, plus the largest distance between a quad's bilinear surface and the plane
   /// or the two triangles that are traced. Positive.
   float offset(std::int32_t i) const { return offsets_[i]; }
+
+  /// Whether even similar rays hit different primitives: see SurfaceSizes.
+  bool mostly_fine() const { return mostly_fine_; }
 
   /// Finds the closest hits of the active lanes. `coherent`: hint for Embree that the rays are similar.
   void intersect(RayPacket& packet, bool coherent) const;
@@ -99,6 +100,7 @@ class RayScene {
                          const Vec3f& direction, float distance) const;
 
   Vec3d origin_{0.0};
+  bool mostly_fine_;
   std::optional<PacketTracer> packet_tracer_;
   std::vector<float> offsets_;
   std::vector<Quad> quads_;

@@ -43,8 +43,8 @@ TEST(AlphaMasks, RaysPassWhereTheMaskIsBelowTheCutoff) {
   PatchSet scene = squares({3, 2, 1, 0}).get();
   for (const int masked : {0, 1}) test::alpha_masked(scene, masked, right_half(), 0.5f);
   scene.materials[std::size_t(scene.primitives[1].material)].alpha_cutoff = 0.25f;  // passes from u = 0.375 on
-  for (const std::size_t max_packet_primitives : {std::size_t(0), RayScene::kMaxPacketPrimitives}) {
-    const RayScene rays(scene, max_packet_primitives);
+  for (const RayScene::Tracer tracer : {RayScene::Tracer::embree, RayScene::Tracer::packets}) {
+    const RayScene rays(scene, tracer);
     for (const auto& [x, first] : {std::pair(0.2, 2), {0.37, 2}, {0.38, 1}, {0.49, 1}, {0.51, 0}, {0.9, 0}}) {
       EXPECT_EQ(hit_primitive(rays, x, 0.5, true), first) << x;
       EXPECT_EQ(hit_primitive(rays, x, 0.5, false), 3) << x;

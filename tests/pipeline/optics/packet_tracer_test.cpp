@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <memory>
 #include <random>
 
 #include "pipeline/optics/intersect/ray_scene.h"
+#include "pipeline/optics/intersect/surface_sizes.h"
 #include "tests/patch_scene.h"
 
 namespace patchlight {
@@ -43,9 +45,9 @@ RayPacket random_packet(std::mt19937& random, double spread) {
 }
 
 TEST(PacketTracer, FindsTheSameHitsAsEmbree) {
-  for (const auto& [count, size] : {std::pair(5, 1.0), {60, 0.5}, {2000, 0.1}}) {
+  for (const auto& [count, size] : {std::pair(5, 1.0), {60, 0.5}, {2000, 0.1}, {40000, 0.02}}) {
     const PatchSet scene = random_scene(count, size);
-    const RayScene packets(scene), embree(scene, 0);
+    const RayScene packets(scene, RayScene::Tracer::packets), embree(scene, RayScene::Tracer::embree);
     std::mt19937 random(1);
     int differ = 0, rays = 0;
     for (int k = 0; k < 2000; ++k) {
@@ -64,13 +66,13 @@ TEST(PacketTracer, FindsTheSameHitsAsEmbree) {
         EXPECT_NEAR(one.v, other.v, 2e-3);
       }
     }
-    EXPECT_LT(differ, rays / 5000) << count;
+    EXPECT_LT(differ, rays / 4000) << count;
   }
 }
 
 TEST(PacketTracer, FindsTheSameOcclusionAsEmbree) {
   const PatchSet scene = random_scene(300, 0.3);
-  const RayScene packets(scene), embree(scene, 0);
+  const RayScene packets(scene, RayScene::Tracer::packets), embree(scene, RayScene::Tracer::embree);
   std::mt19937 random(2);
   int differ = 0;
   for (int k = 0; k < 2000; ++k) {
@@ -145,6 +147,44 @@ TEST(PacketTracer, HandlesAnEmptyScene) {
   rays.intersect(packet, false);
   EXPECT_EQ(rays.hit(packet, 0).primitive, -1);
   EXPECT_EQ(rays.occluded(packet), 0u);
+}
+
+/// A square of `cells` x `cells` quads, 1 m2, over a floor of `floor` m2.
+SurfaceSizes sizes_of(int cells, double floor) {
+  PatchScene builder;
+  for (int i = 0; i < cells; ++i)
+    for (int j = 0; j < cells; ++j) {
+      const double x = double(i) / cells, y = double(j) / cells, h = 1.0 / cells;
+      builder.quad({{{x, y, 1}, {x + h, y, 1}, {x + h, y + h, 1}, {x, y + h, 1}}}, 1, 1, {});
+    }
+  if (floor > 0) builder.quad({{{0, 0, 0}, {floor, 0, 0}, {floor, 1, 0}, {0, 1, 0}}}, 1, 1, {});
+  return SurfaceSizes(builder.get());
+}
+
+TEST(SurfaceSizes, SuitPacketsIfFewOrRarelyFine) {
+  EXPECT_TRUE(sizes_of(120, 0).suit_packets());
+  const SurfaceSizes fine = sizes_of(140, 0), quarter = sizes_of(140, 3), rare = sizes_of(140, 9);
+  EXPECT_EQ(rare.count, 140u * 140u + 1);
+  EXPECT_NEAR(rare.fine, 0.1, 1e-6);
+  EXPECT_TRUE(rare.suit_packets());
+  EXPECT_FALSE(quarter.suit_packets());
+  EXPECT_FALSE(quarter.mostly_fine());
+  EXPECT_FALSE(fine.suit_packets());
+  EXPECT_TRUE(fine.mostly_fine());
+}
+
+TEST(SurfaceSizes, CountSurfacesOnceAndPiecesSingly) {
+  PatchScene builder;
+  builder.room(2, 1, {});
+  builder.sphere({0, 0, 0}, 1, 1, 1, {});
+  PatchSet& scene = builder.get();
+  scene.primitives[0].back = 1;
+  scene.primitives[1].back = 0;
+  scene.primitives[2].mask = 0;
+  auto region = std::make_shared<Region>();
+  region->pieces.resize(3);
+  scene.primitives[3].region = region;
+  EXPECT_EQ(SurfaceSizes(scene).count, 1u + 3u + 2u + 1u);
 }
 
 }  // namespace

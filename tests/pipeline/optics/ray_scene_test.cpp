@@ -131,11 +131,11 @@ TEST(PatchLookup, FindsThePatchThatContainsUv) {
 }
 
 TEST(RayScene, OffsetAvoidsSelfIntersectionOfABentQuad) {
-  for (const std::size_t max_packet_primitives : {RayScene::kMaxPacketPrimitives, std::size_t(0)})
+  for (const RayScene::Tracer tracer : {RayScene::Tracer::packets, RayScene::Tracer::embree})
     for (const double bend : {-1e-3, 1e-3}) {
       test::PatchScene builder;
       builder.quad({{{0, 0, 0}, {1, 0, bend}, {1, 1, 0}, {0, 1, bend}}}, 1, 1, {});
-      const RayScene ray_scene(builder.get(), max_packet_primitives);
+      const RayScene ray_scene(builder.get(), tracer);
       EXPECT_LT(ray_scene.offset(0), 1e-3f);
       RayPacket packet;
       for (int k = 0; k < 100; ++k) {

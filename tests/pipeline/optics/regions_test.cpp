@@ -40,8 +40,8 @@ PatchSet plate() {
 
 TEST(Regions, RaysHitThemAndPassThroughTheirHoles) {
   const PatchSet scene = plate();
-  for (const std::size_t most : {RayScene::kMaxPacketPrimitives, std::size_t(0)}) {
-    const RayScene rays(scene, most);
+  for (const RayScene::Tracer tracer : {RayScene::Tracer::packets, RayScene::Tracer::embree}) {
+    const RayScene rays(scene, tracer);
     for (const bool from_above : {true, false})
       for (double x = -0.97; x < 1; x += 0.1)
         for (double z = -0.95; z < 1; z += 0.1) {

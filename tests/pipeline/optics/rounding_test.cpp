@@ -16,7 +16,7 @@ namespace {
 
 using test::PatchScene;
 
-constexpr std::size_t kTracers[] = {RayScene::kMaxPacketPrimitives, 0};  // packets, Embree
+constexpr RayScene::Tracer kTracers[] = {RayScene::Tracer::packets, RayScene::Tracer::embree};
 
 class Random {
  public:
@@ -74,7 +74,7 @@ struct Box {
 enum class Aim { edges, corners };
 
 /// Fraction of the rays from inside of closed boxes exactly at points of their edges that hit nothing.
-double escaping_fraction(std::size_t tracer, double far, int cuts, Aim aim) {
+double escaping_fraction(RayScene::Tracer tracer, double far, int cuts, Aim aim) {
   constexpr int kBoxes = 20, kPackets = 300;
   Random random(1);
   int escaping = 0;
@@ -157,7 +157,7 @@ double open_width(const RayScene& ray_scene, double slope) {
 }
 
 TEST(Rounding, KeepsGapsOpenBesideGroundOfAnyExtent) {
-  for (const std::size_t tracer : kTracers)
+  for (const RayScene::Tracer tracer : kTracers)
     for (const double half : {5.0, 50.0, 500.0, 5000.0})
       for (const bool aside : {false, true}) {
         const double from = aside ? -0.1 * half : -half, w = 0.0015;
@@ -175,12 +175,14 @@ TEST(Rounding, KeepsGapsOpenBesideGroundOfAnyExtent) {
 /// The gap between two halves of the ground itself, which meet it with their first corners.
 TEST(Rounding, KeepsAGapInGroundOfTenKilometresOpen) {
   constexpr double kHalf = 5000, w = 0.0015;
-  for (const std::size_t tracer : kTracers) {
+  for (const RayScene::Tracer tracer : kTracers) {
     PatchScene scene;
     scene.quad({{{-w, 1, -kHalf}, {-kHalf, 1, -kHalf}, {-kHalf, 1, kHalf}, {-w, 1, kHalf}}}, 1, 1, {});
     scene.quad({{{w, 1, -kHalf}, {w, 1, kHalf}, {kHalf, 1, kHalf}, {kHalf, 1, -kHalf}}}, 1, 1, {});
     EXPECT_NEAR(open_width(RayScene(scene.get(), tracer), 0), 2 * w,
-                tracer > 0 ? 1e-5 : 4 * kUnitRoundoff * 2 * kHalf);  // Embree's overlap grows with the quad
+                tracer == RayScene::Tracer::packets
+                    ? 1e-5
+                    : 4 * kUnitRoundoff * 2 * kHalf);  // Embree's overlap grows with the quad
   }
 }
 
@@ -245,7 +247,7 @@ int self_hits(const RayScene& ray_scene, const PatchSet& scene, int packets, Ran
 
 TEST(Rounding, OffsetsAvoidSelfIntersection) {
   Random random(4);
-  for (const std::size_t tracer : kTracers)
+  for (const RayScene::Tracer tracer : kTracers)
     for (int k = 0; k < 400; ++k) {
       const double size = std::pow(10.0, random(-2, 4)), far = std::pow(10.0, random(-2, 4));
       const auto [x, y, z] = random_frame(random);
@@ -266,7 +268,7 @@ TEST(Rounding, OffsetsAvoidSelfIntersection) {
 
 TEST(Rounding, OffsetOfAnAxisAlignedGroundDependsOnItsHeightAlone) {
   Random random(5);
-  for (const std::size_t tracer : kTracers)
+  for (const RayScene::Tracer tracer : kTracers)
     for (const double half : {5e-3, 1.0, 5000.0})
       for (const double height : {0.0, 2.0}) {  // of the centre of the scene over the ground
         PatchScene scene;
