@@ -1,5 +1,6 @@
 #include "tests/bench/plain_embree.h"
 
+#include <array>
 #include <limits>
 
 #include "pipeline/optics/sampling/patch_sampling.h"
@@ -8,8 +9,10 @@ namespace patchlight {
 
 namespace {
 
+using Quad = std::array<Vec3f, 4>;
+
 template <class Packet, int kWidth>
-std::int64_t trace(RTCScene scene, const std::vector<EmbreeRay>& rays,
+std::int64_t trace(RTCScene scene, const std::vector<EmbreeRay>& rays, bool coherent,
                    void (*intersect)(const int*, RTCScene, RTCIntersectContext*, Packet*)) {
   alignas(64) std::array<int, kWidth> valid;
   valid.fill(-1);
@@ -32,45 +35,67 @@ std::int64_t trace(RTCScene scene, const std::vector<EmbreeRay>& rays,
     }
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
+    context.flags = coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
     intersect(valid.data(), scene, &context, &packet);
     for (int lane = 0; lane < kWidth; ++lane) hits += packet.hit.geomID[lane] != RTC_INVALID_GEOMETRY_ID;
   }
   return hits;
 }
 
-}  // namespace
-
-std::vector<Triangle> triangles_of(const PatchSet& scene, const RayScene& rays) {
-  std::vector<Triangle> triangles;
-  for (const Primitive& primitive : scene.primitives) {
-    const bool sphere = primitive.shape == Primitive::Shape::sphere;
-    const int columns = sphere ? 64 : 1, rows = sphere ? 32 : 1;
-    const auto corner = [&](int i, int j) {
-      return rays.to_local(point_at(primitive, float(i) / float(columns), float(j) / float(rows)).position);
+std::vector<Quad> quads_of(const PatchSet& scene, const RayScene& rays) {
+  std::vector<Quad> quads;
+  for (const Primitive& p : scene.primitives) {
+    if (p.back >= 0 && &p > &scene.primitives[p.back]) continue;  // the other side of a surface
+    const auto add = [&](double u0, double v0, double u1, double v1) {
+      const auto at = [&](double u, double v) { return rays.to_local(point_at(p, u, v).position); };
+      quads.push_back({at(u0, v0), at(u1, v0), at(u1, v1), at(u0, v1)});
     };
-    for (int i = 0; i < columns; ++i)
-      for (int j = 0; j < rows; ++j) {
-        triangles.push_back({corner(i, j), corner(i + 1, j), corner(i + 1, j + 1)});
-        if (!primitive.is_triangle()) triangles.push_back({corner(i, j), corner(i + 1, j + 1), corner(i, j + 1)});
+    if (p.region) {
+      for (const auto& uv : p.region->pieces) {
+        Quad& quad = quads.emplace_back();
+        for (int k = 0; k < 4; ++k) quad[k] = rays.to_local(position_at(p.corners, uv[k].x, uv[k].y));
       }
+    } else if (p.shape == Primitive::Shape::sphere) {
+      constexpr int kColumns = 64, kRows = 32;
+      for (int i = 0; i < kColumns; ++i)
+        for (int j = 0; j < kRows; ++j)
+          add(double(i) / kColumns, double(j) / kRows, double(i + 1) / kColumns, double(j + 1) / kRows);
+    } else {
+      quads.push_back(rays.to_local(p.corners));
+    }
   }
-  return triangles;
+  return quads;
 }
 
-PlainEmbree::PlainEmbree(const std::vector<Triangle>& triangles) : device_(rtcNewDevice(nullptr)) {
-  RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
-  auto* vertices = static_cast<Vec3f*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                                               sizeof(Vec3f), 3 * triangles.size()));
-  auto* indices = static_cast<std::array<unsigned, 3>*>(rtcSetNewGeometryBuffer(
-      geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(unsigned), triangles.size()));
-  for (unsigned t = 0; t < triangles.size(); ++t) {
-    for (unsigned k = 0; k < 3; ++k) vertices[3 * t + k] = triangles[t][k];
-    indices[t] = {3 * t, 3 * t + 1, 3 * t + 2};
+}  // namespace
+
+PlainEmbree::PlainEmbree(const PatchSet& scene, const RayScene& rays, Variant variant)
+    : device_(rtcNewDevice(nullptr)), scene_(rtcNewScene(device_)) {
+  const bool as_quads = variant == Variant::quads;
+  const std::vector<Quad> quads = quads_of(scene, rays);
+  std::vector<unsigned> corners;  // of triangles or quads
+  for (unsigned q = 0; q < 4 * quads.size(); q += 4) {
+    if (as_quads)
+      corners.insert(corners.end(), {q, q + 1, q + 2, q + 3});
+    else
+      corners.insert(corners.end(), {q, q + 1, q + 3});
+    if (!as_quads && quads[q / 4][2] != quads[q / 4][3]) corners.insert(corners.end(), {q + 2, q + 3, q + 1});
   }
+  const unsigned each = as_quads ? 4 : 3;
+  RTCGeometry geometry = rtcNewGeometry(device_, as_quads ? RTC_GEOMETRY_TYPE_QUAD : RTC_GEOMETRY_TYPE_TRIANGLE);
+  void* const vertices =
+      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3f), 4 * quads.size());
+  std::copy(quads.begin(), quads.end(), static_cast<Quad*>(vertices));
+  void* const indices =
+      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, as_quads ? RTC_FORMAT_UINT4 : RTC_FORMAT_UINT3,
+                              each * sizeof(unsigned), corners.size() / each);
+  std::copy(corners.begin(), corners.end(), static_cast<unsigned*>(indices));
   rtcCommitGeometry(geometry);
-  scene_ = rtcNewScene(device_);
   rtcAttachGeometry(scene_, geometry);
   rtcReleaseGeometry(geometry);
+  if (variant == Variant::robust) rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
+  if (variant == Variant::compact) rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_COMPACT);
+  if (variant == Variant::high_quality) rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_HIGH);
   rtcCommitScene(scene_);
 }
 
@@ -79,9 +104,9 @@ PlainEmbree::~PlainEmbree() {
   rtcReleaseDevice(device_);
 }
 
-std::int64_t PlainEmbree::count_hits(const std::vector<EmbreeRay>& rays, int width) const {
-  return width == 16 ? trace<RTCRayHit16, 16>(scene_, rays, rtcIntersect16)
-                     : trace<RTCRayHit8, 8>(scene_, rays, rtcIntersect8);
+std::int64_t PlainEmbree::count_hits(const std::vector<EmbreeRay>& rays, int width, bool coherent) const {
+  return width == 16 ? trace<RTCRayHit16, 16>(scene_, rays, coherent, rtcIntersect16)
+                     : trace<RTCRayHit8, 8>(scene_, rays, coherent, rtcIntersect8);
 }
 
 }  // namespace patchlight

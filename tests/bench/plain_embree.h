@@ -1,7 +1,6 @@
 #pragma once
 #include <embree3/rtcore.h>
 
-#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -10,25 +9,24 @@
 
 namespace patchlight {
 
-using Triangle = std::array<Vec3f, 3>;
-
 struct EmbreeRay {
   Vec3f origin, direction;
 };
 
-/// The primitives of a scene as triangles, spheres as 64 x 32 facets, in the coordinates of `rays`.
-std::vector<Triangle> triangles_of(const PatchSet& scene, const RayScene& rays);
-
 /// Embree as its users run it, for comparison.
 class PlainEmbree {
  public:
-  explicit PlainEmbree(const std::vector<Triangle>& triangles);
+  /// Triangles with Embree's default settings, or what differs from that.
+  enum class Variant { triangles, quads, robust, compact, high_quality };
+
+  /// The scene's primitives, regions as their pieces and spheres as 64 x 32 quads, in the coordinates of `rays`.
+  PlainEmbree(const PatchSet& scene, const RayScene& rays, Variant variant);
   ~PlainEmbree();
   PlainEmbree(const PlainEmbree&) = delete;
   PlainEmbree& operator=(const PlainEmbree&) = delete;
 
   /// Traces the rays in packets of `width`, 8 or 16; their number must be a multiple of 16.
-  std::int64_t count_hits(const std::vector<EmbreeRay>& rays, int width) const;
+  std::int64_t count_hits(const std::vector<EmbreeRay>& rays, int width, bool coherent) const;
 
  private:
   RTCDevice device_;
