@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <array>
 
+#include "pipeline/formats/patches/patch_cameras.h"
 #include "pipeline/formats/patches/patch_check.h"
 #include "pipeline/formats/patches/patch_clusters.h"
 #include "pipeline/formats/patches/patch_cuts.h"
 #include "pipeline/formats/patches/patch_environment.h"
 #include "pipeline/formats/patches/patch_lights.h"
-#include "pipeline/formats/patches/patch_motions.h"
 #include "pipeline/formats/patches/patch_regions.h"
+#include "pipeline/formats/patches/patch_rows.h"
 #include "pipeline/formats/patches/patch_shaders.h"
 #include "pipeline/formats/patches/patch_textures.h"
 #include "pipeline/hdf5/h5_store.h"
@@ -22,32 +23,6 @@ namespace patchlight {
 namespace {
 
 constexpr std::int32_t kClusterType = 2, kRegionType = 3;  // in /primitives/type; others: Primitive::Shape
-
-template <class T, class Entries, class Fill>
-void write_rows(H5Writer& writer, const std::string& name, const Entries& items, int columns, Fill fill,
-                int planes = 1) {
-  const std::size_t width = columns > 0 ? std::size_t(columns) * planes : 1;
-  std::vector<T> values(items.size() * width);
-  for (std::size_t i = 0; i < items.size(); ++i) fill(items[i], values.data() + i * width);
-  writer.dataset<T>(name, values, columns, planes);
-}
-
-template <class T, class Vector>
-void put3(T* row, const Vector& v) {
-  for (int k = 0; k < 3; ++k) row[k] = T(v[k]);
-}
-
-template <class Vector, class T>
-Vector get3(const T* row) {
-  return Vector(typename Vector::BaseType(row[0]), typename Vector::BaseType(row[1]),
-                typename Vector::BaseType(row[2]));
-}
-
-template <class T, class Entries, class Fill>
-void read_rows(const H5Reader& reader, const std::string& name, Entries& items, int columns, Fill fill,
-               int planes = 1) {
-  reader.read_into<T>(name, items, columns, fill, planes);
-}
 
 void write_primitives(H5Writer& writer, const PatchSet& scene) {
   const auto& all = scene.primitives;
@@ -103,21 +78,6 @@ void write_materials(H5Writer& writer, const std::vector<Material>& materials) {
   writer.strings("/materials/name", names);
   write_rows<float>(writer, "/materials/specular", materials, 3, [](M m, auto* r) { put3(r, m.specular); });
   write_rows<float>(writer, "/materials/roughness", materials, 0, [](M m, auto* r) { *r = m.roughness; });
-}
-
-void write_cameras(H5Writer& writer, const std::vector<Camera>& cameras) {
-  using C = const Camera&;
-  std::vector<std::string> names;
-  for (const auto& c : cameras) names.push_back(c.name);
-  writer.strings("/cameras/name", names);
-  write_rows<std::int32_t>(writer, "/cameras/projection", cameras, 0,
-                           [](C c, auto* r) { *r = std::int32_t(c.projection); });
-  write_rows<double>(writer, "/cameras/to_world", cameras, 16,
-                     [](C c, auto* r) { std::copy_n(&c.to_world.x[0][0], 16, r); });
-  write_rows<double>(writer, "/cameras/lens", cameras, 2, [](C c, auto* r) {
-    r[0] = c.vertical;
-    r[1] = c.aspect;
-  });
 }
 
 void write_sources(H5Writer& writer, const std::vector<SourceFile>& sources) {
@@ -189,21 +149,6 @@ void read_materials(const H5Reader& reader, std::vector<Material>& materials) {
   read_rows<float>(reader, "/materials/roughness", materials, 0, [](M m, auto* r) { m.roughness = *r; });
 }
 
-void read_cameras(const H5Reader& reader, std::vector<Camera>& cameras) {
-  using C = Camera&;
-  for (const auto& name : reader.strings("/cameras/name", -1)) cameras.emplace_back().name = name;
-  read_rows<std::int32_t>(reader, "/cameras/projection", cameras, 0, [&](C c, auto* r) {
-    if (*r != 0 && *r != 1) reader.refuse("unknown projection", "/cameras/projection");
-    c.projection = Camera::Projection(*r);
-  });
-  read_rows<double>(reader, "/cameras/to_world", cameras, 16,
-                    [](C c, auto* r) { std::copy_n(r, 16, &c.to_world.x[0][0]); });
-  read_rows<double>(reader, "/cameras/lens", cameras, 2, [](C c, auto* r) {
-    c.vertical = r[0];
-    c.aspect = r[1];
-  });
-}
-
 }  // namespace
 
 void write_patches(const std::filesystem::path& file, PatchSet& scene) {
@@ -214,8 +159,7 @@ void write_patches(const std::filesystem::path& file, PatchSet& scene) {
   write_primitives(writer, scene);
   write_region_datasets(writer, scene);
   write_materials(writer, scene.materials);
-  write_cameras(writer, scene.cameras);
-  write_motion_datasets(writer, scene);
+  write_camera_datasets(writer, scene);
   write_sources(writer, scene.sources);
   writer.strings("/light_groups/name", scene.light_groups);
   write_light_datasets(writer, scene);
@@ -301,8 +245,7 @@ PatchSet read_patches(const std::filesystem::path& file) {
   const std::vector<bool> is_cluster = read_primitives(reader, scene);
   read_cut_datasets(reader, scene);
   read_materials(reader, scene.materials);
-  read_cameras(reader, scene.cameras);
-  read_motion_datasets(reader, scene);
+  read_camera_datasets(reader, scene);
   scene.light_groups = reader.strings("/light_groups/name", -1);
   read_light_datasets(reader, scene);
   read_environment_datasets(reader, scene);

@@ -48,7 +48,7 @@ class Place {
     Progress progress({"test", true, ""});
     Transport transport;
     energy_ = patchlight::solve(scene, config, transport, progress);
-    surfaces_.emplace(scene, energy_, mixes_, trace_);
+    surfaces_.emplace(scene, energy_, mixes_, trace_, SmoothEdges(scene.primitives));
   }
 
   /// Irradiance at a point of a node's surface that faces `normal`, W/m2, without the lamps' own light.

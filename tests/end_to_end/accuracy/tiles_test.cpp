@@ -37,7 +37,7 @@ class Floor {
     Progress progress({"test", true, ""});
     Transport transport;
     energy_ = solve(scene, SolveConfig(), transport, progress);
-    surfaces_.emplace(scene, energy_, mixes_, config_);
+    surfaces_.emplace(scene, energy_, mixes_, config_, SmoothEdges(scene.primitives));
   }
 
   double at(double x, double z) const {

@@ -1,7 +1,9 @@
-#include "pipeline/formats/patches/patch_motions.h"
+#include "pipeline/formats/patches/patch_cameras.h"
 
 #include <algorithm>
 #include <cmath>
+
+#include "pipeline/formats/patches/patch_rows.h"
 
 namespace patchlight {
 
@@ -18,9 +20,22 @@ std::vector<double> take(std::span<const double>& values, std::int64_t count, co
   return {taken.begin(), taken.end()};
 }
 
-}  // namespace
+void write_cameras(H5Writer& writer, const std::vector<Camera>& cameras) {
+  using C = const Camera&;
+  std::vector<std::string> names;
+  for (const auto& c : cameras) names.push_back(c.name);
+  writer.strings("/cameras/name", names);
+  write_rows<std::int32_t>(writer, "/cameras/projection", cameras, 0,
+                           [](C c, auto* r) { *r = std::int32_t(c.projection); });
+  write_rows<double>(writer, "/cameras/to_world", cameras, 16,
+                     [](C c, auto* r) { std::copy_n(&c.to_world.x[0][0], 16, r); });
+  write_rows<double>(writer, "/cameras/lens", cameras, 2, [](C c, auto* r) {
+    r[0] = c.vertical;
+    r[1] = c.aspect;
+  });
+}
 
-void write_motion_datasets(H5Writer& writer, const PatchSet& scene) {
+void write_motions(H5Writer& writer, const PatchSet& scene) {
   std::vector<std::int32_t> cameras, kinds, interpolations, keys;
   std::vector<double> times, values;
   for (std::size_t i = 0; i < scene.cameras.size(); ++i)
@@ -41,7 +56,22 @@ void write_motion_datasets(H5Writer& writer, const PatchSet& scene) {
   writer.dataset<double>("/motions/value", values);
 }
 
-void read_motion_datasets(const H5Reader& reader, PatchSet& scene) {
+void read_cameras(const H5Reader& reader, std::vector<Camera>& cameras) {
+  using C = Camera&;
+  for (const auto& name : reader.strings("/cameras/name", -1)) cameras.emplace_back().name = name;
+  read_rows<std::int32_t>(reader, "/cameras/projection", cameras, 0, [&](C c, auto* r) {
+    if (*r != 0 && *r != 1) reader.refuse("unknown projection", "/cameras/projection");
+    c.projection = Camera::Projection(*r);
+  });
+  read_rows<double>(reader, "/cameras/to_world", cameras, 16,
+                    [](C c, auto* r) { std::copy_n(r, 16, &c.to_world.x[0][0]); });
+  read_rows<double>(reader, "/cameras/lens", cameras, 2, [](C c, auto* r) {
+    c.vertical = r[0];
+    c.aspect = r[1];
+  });
+}
+
+void read_motions(const H5Reader& reader, PatchSet& scene) {
   if (!reader.has("/motions/camera")) return;
   const std::vector<std::int32_t> cameras = reader.dataset<std::int32_t>("/motions/camera", -1);
   const auto count = std::int64_t(cameras.size());
@@ -70,6 +100,18 @@ void read_motion_datasets(const H5Reader& reader, PatchSet& scene) {
       reader.refuse("keyframe times that are not ascending", "/motions/time");
     scene.cameras[cameras[i]].motion.push_back(std::move(factor));
   }
+}
+
+}  // namespace
+
+void write_camera_datasets(H5Writer& writer, const PatchSet& scene) {
+  write_cameras(writer, scene.cameras);
+  write_motions(writer, scene);
+}
+
+void read_camera_datasets(const H5Reader& reader, PatchSet& scene) {
+  read_cameras(reader, scene.cameras);
+  read_motions(reader, scene);
 }
 
 }  // namespace patchlight
