@@ -1,6 +1,9 @@
 #include "solver/display/display_solution.h"
 
+#include <ImathBox.h>
+
 #include <algorithm>
+#include <cmath>
 
 #include "pipeline/optics/sampling/random.h"
 #include "pipeline/optics/surface/smooth_normals.h"
@@ -17,11 +20,12 @@ namespace patchlight {
 
 namespace {
 
-constexpr int kPatchRaysPerVertexRay = 2;     // vertices are dense where irradiance varies
-constexpr int kMinVertexRays = 128;           // with fewer rays vertices show as blotches
-constexpr double kLargeFace = 1.0 / 64;       // area of a large face over the median of patches, weighted by area
-constexpr std::uint8_t kLargeFaceFactor = 4;  // of rays
-constexpr int kVertexRaysPerShadowRay = 8;    // rays of a vertex over the sample budget of an element's direct light
+constexpr int kPatchRaysPerVertexRay = 2;  // vertices are dense where irradiance varies
+constexpr int kMinVertexRays = 128;        // with fewer rays vertices show as blotches
+// Squared sizes of faces over the median area of patches, weighted by area, and factors of rays under an environment.
+constexpr double kSmallFace = 1.0 / 256, kMediumFace = 1.0 / 64, kLargeFace = 1.0 / 16;
+constexpr std::uint8_t kMediumFaceFactor = 2, kLargeFaceFactor = 4;
+constexpr int kVertexRaysPerShadowRay = 8;  // rays of a vertex over the sample budget of an element's direct light
 
 std::uint64_t display_seed(const SolveConfig& config) {
   return hash64(std::uint64_t(config.seed));
@@ -35,20 +39,53 @@ std::vector<Patch> receivers(const PatchSet& scene, const DisplayMesh& mesh) {
   return points;
 }
 
-/// Factors of the rays of gathering vertices: more where faces are large, since there are few of them and their noise
-/// covers most of a frame.
+/// Squared length of the diagonal of some points' box in (u,v), over the squared side of a square of the given area.
+/// The noise of slivers shows along their length.
+class FaceSize {
+ public:
+  explicit FaceSize(const Primitive& primitive)
+      : along_((primitive.corners[1] - primitive.corners[0]).length() + 2 * kPi * std::abs(primitive.sphere_radius)),
+        across_((primitive.corners[3] - primitive.corners[0]).length() + kPi * std::abs(primitive.sphere_radius)) {}
+
+  void add(const DisplayMesh::Vertex& vertex) { box_.extendBy(Vec2f(vertex.u, vertex.v)); }
+
+  double over(double area) const {
+    const Vec2f size = box_.size();
+    const double u = along_ * double(size.x), v = across_ * double(size.y);
+    return (u * u + v * v) / (2 * area);
+  }
+
+ private:
+  double along_, across_;
+  Imath::Box2f box_;
+};
+
+/// Factors of the rays of gathering vertices, by the largest face around each: where faces are large there are few
+/// vertices, and their noise covers most of a frame; where they are small, neighbours' noise cancels.
 std::vector<std::uint8_t> ray_factors(const PatchSet& scene, const DisplayMesh& mesh) {
   std::vector<std::pair<double, double>> areas;
   for (const Patch& patch : scene.patches) areas.emplace_back(patch.area, patch.area);
-  const double large = kLargeFace * weighted_percentile(std::move(areas), 0.5);
-  std::vector<std::uint8_t> factors(mesh.gathered, kLargeFaceFactor);
-  for (const DisplayMesh::Face& face : mesh.faces)
-    if (double(face.part) * scene.patches[face.patch].area < large)
-      for (const std::int32_t vertex : mesh.corners_of(face))
-        if (vertex < mesh.gathered) factors[vertex] = 1;
-  for (const DisplayMesh::Facet& facet : mesh.facets)
-    for (const std::int32_t vertex : facet.corners)
-      if (vertex >= 0 && vertex < mesh.gathered) factors[vertex] = 1;
+  const double median = weighted_percentile(std::move(areas), 0.5);
+  std::vector<double> largest(std::size_t(mesh.gathered));
+  const auto grow = [&](std::int32_t vertex, double size) {
+    if (vertex >= 0 && vertex < mesh.gathered) largest[vertex] = std::max(largest[vertex], size);
+  };
+  for (const DisplayMesh::Face& face : mesh.faces) {
+    FaceSize size(scene.primitives[scene.patches[face.patch].primitive]);
+    for (const std::int32_t vertex : mesh.corners_of(face)) size.add(mesh.vertices[vertex]);
+    for (const std::int32_t vertex : mesh.corners_of(face)) grow(vertex, size.over(median));
+  }
+  for (const DisplayMesh::Facet& facet : mesh.facets) {
+    FaceSize size(scene.primitives[scene.patches[facet.patch].primitive + facet.facet]);
+    for (int k = 0; k < 4; ++k) size.add({0, float(k % 2), float(k / 2)});
+    for (const std::int32_t vertex : facet.corners) grow(vertex, std::min(size.over(median), kSmallFace));
+  }
+  std::vector<std::uint8_t> factors;
+  for (const double size : largest)
+    factors.push_back(size < kSmallFace                          ? RayRows::kQuarter
+                      : !scene.environment || size < kMediumFace ? 1
+                      : size < kLargeFace                        ? kMediumFaceFactor
+                                                                 : kLargeFaceFactor);
   return factors;
 }
 
@@ -140,8 +177,7 @@ std::int64_t cast_display(const PatchSet& scene, const RayScene& ray_scene, cons
   display.mesh = build_display_mesh(scene, ray_scene, PatchLookup(scene), seed, mesh_rays);
   const std::vector<Patch> points = receivers(scene, display.mesh);
   const Elements elements(scene, display.mesh);
-  std::vector<std::uint8_t> factors;
-  if (scene.environment) factors = ray_factors(scene, display.mesh);
+  const std::vector<std::uint8_t> factors = ray_factors(scene, display.mesh);
   return RayRows(scene, ray_scene, points, elements, seed, false, factors).cast(rays, display.rows, progress, shard);
 }
 

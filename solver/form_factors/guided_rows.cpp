@@ -9,7 +9,7 @@ namespace patchlight {
 
 namespace {
 
-constexpr int kLearningRays = 32;   // of a sample set in each sweep
+constexpr int kLearningRays = 16;   // of a sample set in each sweep
 constexpr std::size_t kKnown = 32;  // directions that a sample set of a row keeps
 constexpr std::size_t kTaken = 12;  // directions that a guide takes from a neighbour
 constexpr std::size_t kNeighbours = 12;
@@ -17,7 +17,7 @@ constexpr float kMinAlike = 0.7f;  // cosine between the normals of neighbours
 constexpr float kMaxGuide = 0.5f;  // form factor of a guide that is worth more rays
 constexpr int kGuidedBlock = 16;   // of the sequence, beyond the blocks of other rays
 constexpr int kPatchBlocks = 1;    // guided blocks of a patch's sample set
-constexpr int kPointBlocks = 4;    // of a point's, whose noise no area evens out
+constexpr int kPointBlocks = 2;    // least number of a point's, whose noise no area evens out
 constexpr int kLearningBlock = 1 << 20;
 
 /// Step by which at most `count` of `all` are taken.
@@ -161,7 +161,7 @@ void RayRows::add_guided(std::span<const SkyRow> rows, std::int32_t first, const
       SampleSet set(*this, block.first + std::int32_t(k / 2), s, scratch);
       const DirectionTable& table = tables.of(*this, set.row);
       set.density = row.density ? &*row.density : nullptr;
-      const int guided_blocks = set.patch.area > 0 ? kPatchBlocks : kPointBlocks;
+      const int guided_blocks = set.patch.area > 0 ? kPatchBlocks : std::max(kPointBlocks, least_blocks(set.row));
       for (int b = 0; b < guided_blocks; ++b) {
         set.begin(table, kGuidedBlock + s * guided_blocks + b);
         cast_guided(set, *open, table, [&](const Vec2f&, const Vec3f& direction) {

@@ -142,7 +142,7 @@ void RayRows::cast_row(std::int32_t row, const Tables& tables, Scratch& scratch,
     const int hit_count = int(other.columns.size()) + other.back_hits;
     return hit_count == 0 ? 1 : std::min(kMaxSequenceBlocks, (table.count() + hit_count / 2) / hit_count);
   };
-  const int least = ray_factors_.empty() ? 1 : ray_factors_[row];
+  const int least = least_blocks(row);
   const std::array<int, 2> block_counts{std::max(least, block_count(sets[1])), std::max(least, block_count(sets[0]))};
   for (SampleSet& set : sets) {
     for (int block = 1; block < block_counts[set.index]; ++block) cast_block(set, table, block);

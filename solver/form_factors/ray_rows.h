@@ -30,7 +30,7 @@ class RayRows {
  public:
   /// From `receivers`, patches of the scene's primitives or points (patches of no size), to `elements`.
   /// `visible_fractions`: whether form factors of partly covered patches are those of their visible part: see
-  /// VisibleDensity. `ray_factors`: how many times as many rays each receiver casts at least; empty: 1.
+  /// VisibleDensity. `ray_factors`: how many times as many rays each receiver casts at least, or kQuarter; empty: 1.
   RayRows(const PatchSet& scene, const RayScene& ray_scene, std::span<const Patch> receivers, const Elements& elements,
           std::uint64_t seed, bool visible_fractions = false, std::span<const std::uint8_t> ray_factors = {});
 
@@ -40,6 +40,8 @@ class RayRows {
   /// `shard`: casts only its part of the receivers, numbered from its first. Returns the number of rays cast, reflected
   /// ones included. Throws: Error (interrupted).
   std::int64_t cast(int rays, TransportRows& rows, Progress& progress, Shard shard = {}) const;
+
+  static constexpr std::uint8_t kQuarter = 0;  ///< A ray factor: a quarter.
 
  private:
   struct SampleSet;
@@ -53,6 +55,10 @@ class RayRows {
   void cast_row(std::int32_t row, const Tables& tables, Scratch& scratch, RowBlock& result) const;
   void cast_block(SampleSet& set, const DirectionTable& table, int block) const;
   void start_packet(const SampleSet& set, QuadSamples& samples, int first, RayPacket& packet) const;
+  /// The least number of a row's blocks.
+  int least_blocks(std::int32_t row) const {
+    return ray_factors_.empty() || ray_factors_[row] == kQuarter ? 1 : ray_factors_[row];
+  }
   std::int32_t certain_element(const RayPacket& packet, int lane, SurfaceHit hit) const;
   void trace_reflections(SampleSet& set, int first, RayPacket& packet) const;
 

@@ -16,7 +16,9 @@ struct RayRows::Tables {
   explicit Tables(int rays) : all(rays), few(std::max(16, rays / kFewer / 16 * 16)) {}
 
   const DirectionTable& of(const RayRows& rows, std::int32_t row) const {
-    return is_small(rows.scene_, rows.receivers_[row]) ? few : all;
+    const bool is_few =
+        rows.ray_factors_.empty() ? is_small(rows.scene_, rows.receivers_[row]) : rows.ray_factors_[row] == kQuarter;
+    return is_few ? few : all;
   }
 
   /// Whether a patch is small in all directions: the noise of slivers would show as streaks.
