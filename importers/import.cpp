@@ -15,6 +15,7 @@
 #include "importers/patches/patch_builder.h"
 #include "importers/patches/patch_colors.h"
 #include "importers/patches/patch_cuts.h"
+#include "importers/patches/patch_grid.h"
 #include "importers/patches/primitive_builder.h"
 #include "pipeline/job/stage_keys.h"
 #include "pipeline/model/error.h"
@@ -70,6 +71,13 @@ std::int64_t masked_primitives(const PatchSet& set) {
   return std::count_if(set.primitives.begin(), set.primitives.end(), [](const Primitive& p) { return p.mask >= 0; });
 }
 
+/// The target area of a primitive's patches, m2; that of its grid's cells if it has one of its own.
+double target_area(const Primitive& primitive, const PatchTarget& target) {
+  if (target.grid.columns == 0) return target.area;
+  const double whole = primitive_area(primitive) / (primitive.region ? primitive.region->area() : 1.0);
+  return std::min(target.area, whole / (static_cast<double>(target.grid.columns) * target.grid.rows));
+}
+
 std::string clusters_text(const PatchSet& set) {
   std::size_t clusters = 0;
   std::int64_t facets = 0;
@@ -118,7 +126,8 @@ PatchSet import_scene(const Job& job, Progress& progress) {
   const std::vector<FacetCluster> clusters = cluster_facets(scene.materials, targets, list);
   set.patches = build_patches(list.primitives, scene.materials, targets, clusters);
   set.primitives = std::move(list.primitives);
-  for (std::size_t i = 0; i < targets.size(); ++i) set.primitives[i].patch_area = targets[i].area;
+  for (std::size_t i = 0; i < targets.size(); ++i)
+    set.primitives[i].patch_area = target_area(set.primitives[i], targets[i]);
   set.texcoords = std::move(list.texcoords);
   set.emission_texcoords = std::move(list.emission_texcoords);
   set.metallic_roughness_texcoords = std::move(list.metallic_roughness_texcoords);

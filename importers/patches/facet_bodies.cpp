@@ -63,7 +63,7 @@ void FacetBodies::find_bodies(const std::vector<Primitive>& primitives) {
       sizes_.push_back(0);
     }
     body_.push_back(body);
-    ++sizes_[body];
+    if (primitives[i].back < 0 || i < primitives[i].back) ++sizes_[body];
     for (const Vec3d& corner : primitives[i].corners) boxes[body].extendBy(corner);
   }
   for (const Imath::Box3d& box : boxes) extents_.push_back(box.size().length());

@@ -20,6 +20,7 @@ namespace patchlight {
 namespace {
 
 constexpr int kRowsPerTask = 64;
+constexpr int kClusterPilots = 8;
 
 /// Samples of each sample set: of the pilot pass, and where visibility is partial. More than four emitters share the
 /// samples that four would take.
@@ -56,7 +57,7 @@ class DirectFactors::EmitterSampler {
       unoccluded_[row] =
           float(mean_form_factor(light_, parent_.receivers_[row], sampler, parent_.densities_.find(row)));
       for (int sample_set = 0; sample_set < 2; ++sample_set)
-        add_samples(row, sample_set, 0, sampler, counts_.pilot, pilots_[2 * row + sample_set], rays);
+        add_samples(row, sample_set, 0, sampler, pilot_samples(row), pilots_[2 * row + sample_set], rays);
     });
     const double rms = rms_of_partially_visible();
     for_each_row([&](std::int32_t row, ShadowRays& rays) {
@@ -118,6 +119,11 @@ class DirectFactors::EmitterSampler {
     for (int k = 0; k < 4; ++k)
       corners[k] = position_at(primitive.corners, k % 2 ? patch.u1 : patch.u0, k / 2 ? patch.v1 : patch.v0);
     return light_.cannot_illuminate(corners, patch.normal) || (mirror_ && mirror_->is_behind(corners));
+  }
+
+  /// More of a cluster, of which only some facets may face the light.
+  int pilot_samples(std::int32_t row) const {
+    return parent_.receivers_[row].facets > 0 ? kClusterPilots * counts_.pilot : counts_.pilot;
   }
 
   bool is_dark(std::int32_t row) const { return parent_.receivers_[row].primitive == dark_; }

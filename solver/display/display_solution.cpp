@@ -22,7 +22,7 @@ namespace {
 
 constexpr int kPatchRaysPerVertexRay = 2;  // vertices are dense where irradiance varies
 constexpr int kMinVertexRays = 128;        // with fewer rays vertices show as blotches
-// Squared sizes of faces over the median area of patches, weighted by area, and factors of rays under an environment.
+// Squared sizes of faces over the target of patches, and factors of rays under an environment.
 constexpr double kSmallFace = 1.0 / 256, kMediumFace = 1.0 / 64, kLargeFace = 1.0 / 16;
 constexpr std::uint8_t kMediumFaceFactor = 2, kLargeFaceFactor = 4;
 constexpr int kVertexRaysPerShadowRay = 8;  // rays of a vertex over the sample budget of an element's direct light
@@ -47,7 +47,7 @@ class FaceSize {
       : along_((primitive.corners[1] - primitive.corners[0]).length() + 2 * kPi * std::abs(primitive.sphere_radius)),
         across_((primitive.corners[3] - primitive.corners[0]).length() + kPi * std::abs(primitive.sphere_radius)) {}
 
-  void add(const DisplayMesh::Vertex& vertex) { box_.extendBy(Vec2f(vertex.u, vertex.v)); }
+  void add(float u, float v) { box_.extendBy(Vec2f(u, v)); }
 
   double over(double area) const {
     const Vec2f size = box_.size();
@@ -61,24 +61,34 @@ class FaceSize {
 };
 
 /// Factors of the rays of gathering vertices, by the largest face around each: where faces are large there are few
-/// vertices, and their noise covers most of a frame; where they are small, neighbours' noise cancels.
+/// vertices, and their noise covers most of a frame; on patches that are small for their scale, it hardly shows.
 std::vector<std::uint8_t> ray_factors(const PatchSet& scene, const DisplayMesh& mesh) {
   std::vector<std::pair<double, double>> areas;
   for (const Patch& patch : scene.patches) areas.emplace_back(patch.area, patch.area);
   const double median = weighted_percentile(std::move(areas), 0.5);
   std::vector<double> largest(std::size_t(mesh.gathered));
+  const auto target = [&](const Primitive& p) { return p.patch_area > 0 ? p.patch_area : median; };
   const auto grow = [&](std::int32_t vertex, double size) {
     if (vertex >= 0 && vertex < mesh.gathered) largest[vertex] = std::max(largest[vertex], size);
   };
   for (const DisplayMesh::Face& face : mesh.faces) {
-    FaceSize size(scene.primitives[scene.patches[face.patch].primitive]);
-    for (const std::int32_t vertex : mesh.corners_of(face)) size.add(mesh.vertices[vertex]);
-    for (const std::int32_t vertex : mesh.corners_of(face)) grow(vertex, size.over(median));
+    const Patch& patch = scene.patches[face.patch];
+    const Primitive& primitive = scene.primitives[patch.primitive];
+    FaceSize of_face(primitive), of_patch(primitive);
+    of_patch.add(patch.u0, patch.v0);
+    of_patch.add(patch.u1, patch.v1);
+    for (const std::int32_t vertex : mesh.corners_of(face))
+      of_face.add(mesh.vertices[vertex].u, mesh.vertices[vertex].v);
+    const double least = of_patch.over(target(primitive)) < kSmallFace ? 0 : kSmallFace;
+    for (const std::int32_t vertex : mesh.corners_of(face))
+      grow(vertex, std::max(least, of_face.over(target(primitive))));
   }
   for (const DisplayMesh::Facet& facet : mesh.facets) {
-    FaceSize size(scene.primitives[scene.patches[facet.patch].primitive + facet.facet]);
-    for (int k = 0; k < 4; ++k) size.add({0, float(k % 2), float(k / 2)});
-    for (const std::int32_t vertex : facet.corners) grow(vertex, std::min(size.over(median), kSmallFace));
+    const Primitive& primitive = scene.primitives[scene.patches[facet.patch].primitive + facet.facet];
+    FaceSize size(primitive);
+    size.add(0, 0);
+    size.add(1, 1);
+    for (const std::int32_t vertex : facet.corners) grow(vertex, std::min(size.over(target(primitive)), kSmallFace));
   }
   std::vector<std::uint8_t> factors;
   for (const double size : largest)

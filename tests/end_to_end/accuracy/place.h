@@ -38,6 +38,7 @@ class Place {
   void solve(const std::map<std::string, double>& finer = {}, int rays = 256) {
     Importer importer;
     importer.job.environment.color = sky;
+    importer.job.import.accuracy = accuracy;
     for (const auto& [name, area] : finer) {
       importer.job.nodes.emplace_back().pattern = name;
       importer.job.nodes.back().patch_area = area;
@@ -69,7 +70,10 @@ class Place {
     return 0;
   }
 
+  const EnergyField& energy() const { return energy_; }
+
   std::optional<Color> sky{};  ///< Radiance, W/m2/sr.
+  double accuracy = 1;
   PatchSet scene;
 
  private:
