@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "pipeline/optics/sampling/patch_lookup.h"
 #include "tests/patch_scene.h"
 
 namespace patchlight {
@@ -69,6 +70,30 @@ TEST(PatchSampling, FramesAreOrthonormalAndRightHanded) {
     EXPECT_NEAR(t.length(), 1, 1e-6);
     EXPECT_LT((t % b - n).length(), 1e-6f);
   }
+}
+
+TEST(PatchSampling, IsUniformOverACluster) {
+  test::PatchScene builder;
+  builder.quad({{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}, 1, 1, {});
+  builder.cluster({{{{0, 0, 0}, {3, 0, 0}, {3, 1, 0}, {0, 1, 0}}}, {{{3, 0, 0}, {3, 0, 2}, {3, 1, 2}, {3, 1, 0}}}}, {});
+  const PatchSet& scene = builder.get();
+  const PatchLookup lookup(scene);
+  EXPECT_EQ(lookup.patch(0, 0.5f, 0.5f), 0);
+  EXPECT_EQ(lookup.patch(1, 0.5f, 0.5f), 1);
+  EXPECT_EQ(lookup.patch(2, 0.5f, 0.5f), 1);
+  const PatchSampler sample(scene.primitives, scene.patches[1]);
+  Vec3d sum(0.0);
+  constexpr int kSide = 100;
+  for (int k = 0; k < kSide * kSide; ++k) {
+    const float x = (float(k % kSide) + 0.5f) / kSide, y = (float(k / kSide) + 0.5f) / kSide;
+    const SurfacePoint point = sample(x, y);
+    const auto [primitive, uv] = sample.place(x, y);
+    sum += point.position / (kSide * kSide);
+    EXPECT_EQ(primitive, x < 0.6f ? 1 : 2);
+    EXPECT_LT((position_at(scene.primitives[primitive].corners, uv.x, uv.y) - point.position).length(), 1e-9);
+    EXPECT_LT((point.normal - point_at(scene.primitives[primitive], 0.5, 0.5).normal).length(), 1e-6f);
+  }
+  EXPECT_LT((sum - Vec3d(0.6 * 1.5 + 0.4 * 3, 0.5, 0.4)).length(), 1e-3);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <set>
 
 #include "tests/solver/display/display_scenes.h"
 
@@ -70,6 +71,42 @@ TEST(DisplayFacets, VerticesAreWhereTheLargestFacetIsOpen) {
   scene.patches.push_back(builder.get().patches[0]);
   scene.patches.back().primitive = std::int32_t(scene.primitives.size()) - 1;
   for (const double x : places_along_rail(scene)) EXPECT_LT(std::abs(x), 0.25);
+}
+
+TEST(DisplayFacets, OfClustersTakeTheirLightFromFewVertices) {
+  constexpr int kAround = 24, kUp = 24;
+  std::vector<std::array<Vec3d, 4>> pole;
+  const auto at = [](int k, int j) {
+    const double angle = 2 * kPi * (k % kAround) / kAround;
+    return Vec3d(0.1 * std::cos(angle), -0.5 + double(j) / kUp, -0.1 * std::sin(angle));
+  };
+  for (int j = 0; j < kUp; ++j)
+    for (int k = 0; k < kAround; ++k) pole.push_back({at(k, j), at(k + 1, j), at(k + 1, j + 1), at(k, j + 1)});
+  PatchScene builder;
+  builder.room(2, 4, {});
+  builder.cluster(pole, {});
+  for (Primitive& p : builder.get().primitives) p.patch_area = 0.25;
+  const DisplayMesh mesh = mesh_of(builder.get());
+  ASSERT_EQ(mesh.facets.size(), pole.size());
+  std::set<std::int32_t> vertices;
+  for (std::size_t i = 0; i < mesh.facets.size(); ++i) {
+    EXPECT_EQ(mesh.facets[i].facet, std::int32_t(i));
+    for (const std::int32_t corner : mesh.facets[i].corners) {
+      ASSERT_GE(corner, 0);
+      if (corner < mesh.gathered) vertices.insert(corner);
+    }
+  }
+  EXPECT_GT(vertices.size(), 8u);
+  EXPECT_LT(vertices.size(), 100u) << "of 600 corners";
+  ASSERT_EQ(mesh.blends.size() + vertices.size(), std::size_t(kAround * (kUp + 1)));
+  for (const DisplayMesh::Blend& blend : mesh.blends) {
+    float sum = 0;
+    for (const DisplayMesh::Part& part : mesh.parts_of(blend)) {
+      sum += part.weight;
+      EXPECT_TRUE(vertices.contains(part.vertex));
+    }
+    EXPECT_NEAR(sum, 1, 1e-5);
+  }
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "tests/end_to_end/accuracy/place.h"
+#include "tests/end_to_end/accuracy/places/place.h"
 
 namespace patchlight::test {
 namespace {
