@@ -82,16 +82,22 @@ std::string describe(const PatchSet& scene) {
     backs += p.back >= 0;
   }
   double area = 0;
+  std::size_t clusters = 0;
+  std::int64_t facets = 0;
   Imath::Box3d bounds;
   for (const Patch& patch : scene.patches) {
     area += patch.covered_area();
+    clusters += patch.facets > 0;
+    facets += patch.facets;
     bounds.extendBy(patch.center);
   }
   std::string text = fmt::format("primitives  {} quads, {} triangles, {} spheres", quads, triangles, spheres);
   if (regions > 0) text += fmt::format(", {} planar regions", regions);
   if (backs > 0) text += fmt::format(" ({} are two-sided, counted twice)", backs / 2);
-  text += fmt::format("\npatches     {}, {:.4g} m2 in all, {:.3g} m2 each\n", scene.patches.size(), area,
+  text += fmt::format("\npatches     {}, {:.4g} m2 in all, {:.3g} m2 each", scene.patches.size(), area,
                       area / double(scene.patches.size()));
+  if (clusters > 0) text += fmt::format("; {} are clusters of {} quads and triangles", clusters, facets);
+  text += "\n";
   text += fmt::format("extent      {} to {} m\n", triple(bounds.min), triple(bounds.max));
   text += describe_materials(scene);
   if (!scene.shaders.empty()) text += describe_shaders(scene);

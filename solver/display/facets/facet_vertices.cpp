@@ -65,10 +65,12 @@ class Chooser {
     const Vec3f& normal = graph_.nodes[from].normal;
     using Entry = std::pair<float, std::int32_t>;
     std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
-    const auto visit = [&](std::int32_t node, float length) {
-      if (length >= distance_[node]) return;
+    const auto part_of_reach = [&](std::int32_t node, float length) {
       const float turn = std::sqrt(std::max(0.0f, 2.0f - 2.0f * graph_.nodes[node].normal.dot(normal)));
-      if (length / reach + turn / kMostTurn >= 1.0f) return;
+      return length / reach + turn / kMostTurn;
+    };
+    const auto visit = [&](std::int32_t node, float length) {
+      if (length >= distance_[node] || part_of_reach(node, length) >= 1.0f) return;
       if (distance_[node] == kFar) touched_.push_back(node);
       distance_[node] = length;
       queue.push({length, node});
@@ -81,8 +83,7 @@ class Chooser {
       for (const FacetGraph::Way& way : graph_.ways_from(node)) visit(way.to, length + way.length);
     }
     for (const std::int32_t node : touched_) {
-      const float turn = std::sqrt(std::max(0.0f, 2.0f - 2.0f * graph_.nodes[node].normal.dot(normal)));
-      const float at = distance_[node] / reach + turn / kMostTurn;
+      const float at = part_of_reach(node, distance_[node]);
       const float root = 1.0f / std::max(at, 1e-3f) - 1.0f;
       if (root * root > kLeastWeight) services_.push_back({node, std::int32_t(result_.vertices.size()), root * root});
       nearest_[node] = std::min(nearest_[node], at);

@@ -4,6 +4,7 @@
 
 #include <limits>
 
+#include "pipeline/formats/describe.h"
 #include "tests/pipeline/formats/patch_sample.h"
 
 namespace patchlight {
@@ -77,6 +78,11 @@ TEST(PatchClustersFile, HasOnePrimitiveForACluster) {
   other.primitives[2].corners[2].y = 1.5;
   write_patches(folder / "other.h5", other);
   EXPECT_NE(other.geometry_key, scene.geometry_key);
+}
+
+TEST(PatchClustersFile, IsDescribedWithItsClusters) {
+  const std::string text = describe(scene_with_clusters());
+  EXPECT_NE(text.find("2 are clusters of 4 quads and triangles"), std::string::npos) << text;
 }
 
 TEST(PatchClustersFile, RefusesClustersThatAreNone) {
