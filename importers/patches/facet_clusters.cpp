@@ -12,12 +12,13 @@
 namespace patchlight {
 namespace {
 
-constexpr double kLargestFacet = 0.5;    // area over the target, and
-constexpr double kLongestFacet = 0.7;    // length over its root
-constexpr double kLargestCluster = 1.4;  // area of a cluster over its target
-constexpr double kLongestCluster = 0.6;  // standard deviation of positions over the root of the target
-constexpr double kMostTurn = 0.15;       // 1 minus the length of the mean normal: 45 degrees around it
-constexpr double kSmallCluster = 0.25;   // area over the target up to which normals count in proportion to the area
+constexpr std::int32_t kFewestFacets = 24;  // of a body: boxes stay quads
+constexpr double kLargestFacet = 0.5;       // area over the target, and
+constexpr double kLongestFacet = 0.7;       // length over its root
+constexpr double kLargestCluster = 1.4;     // area of a cluster over its target
+constexpr double kLongestCluster = 0.6;     // standard deviation of positions over the root of the target
+constexpr double kMostTurn = 0.15;          // 1 minus the length of the mean normal: 45 degrees around it
+constexpr double kSmallCluster = 0.25;      // area over the target up to which normals count in proportion to the area
 
 using Moments = Eigen::Matrix3d;
 
@@ -174,7 +175,7 @@ std::vector<FacetCluster> cluster_facets(const std::vector<SurfaceMaterial>& mat
   const FacetBodies bodies(primitives);
   std::vector<std::int32_t> facets, part_of(primitives.size(), -1);  // of the fronts
   for (std::int32_t i = 0; i < count; ++i)
-    if ((primitives[i].back < 0 || i < primitives[i].back) &&
+    if ((primitives[i].back < 0 || i < primitives[i].back) && bodies.size(bodies.body(i)) >= kFewestFacets &&
         may_be_clustered(primitives[i], materials[primitives[i].material], targets[i]))
       facets.push_back(i);
   std::stable_sort(facets.begin(), facets.end(), [&](auto a, auto b) { return bodies.body(a) < bodies.body(b); });

@@ -130,7 +130,7 @@ TEST(FacetClusters, AreConnected) {
   }
 }
 
-TEST(FacetClusters, AreNotOfLampsMetalsAndLargeFacets) {
+TEST(FacetClusters, AreNotOfLampsMetalsLargeFacetsAndBoxes) {
   PrimitiveList lamp = surface(20, 20, on_terrain);
   for (Primitive& p : lamp.primitives) p.light_group = 0;
   EXPECT_TRUE(Clustered(lamp, 0.05).clusters.empty());
@@ -138,6 +138,7 @@ TEST(FacetClusters, AreNotOfLampsMetalsAndLargeFacets) {
   metal.specular = Color(0.9f);
   EXPECT_TRUE(Clustered(surface(20, 20, on_terrain), 0.05, metal).clusters.empty());
   EXPECT_TRUE(Clustered(surface(20, 20, on_terrain), 0.002).clusters.empty());
+  EXPECT_TRUE(Clustered(surface(4, 4, on_terrain), 5).clusters.empty());
   EXPECT_FALSE(Clustered(surface(20, 20, on_terrain), 0.05).clusters.empty());
 }
 
