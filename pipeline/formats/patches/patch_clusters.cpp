@@ -207,7 +207,7 @@ void read_cluster_datasets(const H5Reader& reader, const std::vector<bool>& is_c
         reader.refuse("a vector that is not of unit length", "/facets/normals");
   std::int64_t last = -1, found = 0;
   for (Patch& patch : scene.patches) {
-    if (patch.primitive < last || patch.primitive >= std::int64_t(is_cluster.size()))
+    if (patch.primitive < std::max(last, std::int64_t(0)) || patch.primitive >= std::int64_t(is_cluster.size()))
       reader.refuse("an index out of order", "/patches/primitive");
     if (is_cluster[patch.primitive]) {
       if (patch.primitive == last) reader.refuse("a cluster of more than one patch", "/patches/primitive");
