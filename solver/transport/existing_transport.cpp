@@ -16,10 +16,10 @@ Transport read_existing_transport(const Job& job, const PatchSet& scene, Progres
     std::optional<Transport> existing =
         read_transport(job.transport_file(), transport_key(scene.geometry_key, job.solve));
     if (!existing) return {};
-    if (existing->display && !fits(existing->display->mesh, scene)) return {};
-    if (existing->rows() == std::int64_t(scene.patches.size())) return std::move(*existing);
+    const bool has_mesh_of_scene = !existing->display || fits(existing->display->mesh, scene);
+    if (has_mesh_of_scene && existing->rows() == std::int64_t(scene.patches.size())) return std::move(*existing);
     progress.transient_warning("casting all rays again: " + job.transport_file().string() +
-                               " has rows for a different number of patches");
+                               " has rows for other patches");
     return {};
   } catch (const Error& error) {
     progress.transient_warning(std::string("casting all rays again: ") + error.what());
