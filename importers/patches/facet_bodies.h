@@ -15,7 +15,6 @@ class FacetBodies {
 
   /// The body of a primitive: all facets that are connected through edges have the same number.
   std::int32_t body(std::int32_t i) const { return body_[i]; }
-  std::int32_t count() const { return std::int32_t(extents_.size()); }
   /// Diagonal of the box about a body, m, and its number of primitives; both sides of one count once.
   double extent(std::int32_t body) const { return extents_[body]; }
   std::int32_t size(std::int32_t body) const { return sizes_[body]; }
