@@ -14,8 +14,8 @@ namespace {
 constexpr double kClosed = 1e-3;  // length of the sum of area vectors over the area, below which it has no direction
 constexpr float kFacing = 1e-3f;  // cosine to the cluster's normal of facets at its centre
 
-/// The patch of a cluster. Its centre is the middle of the facet that is nearest to the mean position, of those that
-/// face as the cluster does.
+/// The patch of a cluster. Its centre is the middle of a facet: of the facets on the lit side of the cluster's normal,
+/// the one nearest to the cluster's centroid.
 Patch cluster_patch(const std::vector<Primitive>& primitives, const SurfaceMaterial& material,
                     const FacetCluster& cluster) {
   Patch patch;

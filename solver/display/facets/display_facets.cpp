@@ -28,7 +28,7 @@ std::vector<Facet> find_facets(const PatchSet& scene, const PatchLookup& lookup,
   return facets;
 }
 
-/// Adds vertices after those that gather light.
+/// Inserts vertices into the mesh behind its last gathering vertex, and renumbers the others.
 void add_vertices(const std::vector<DisplayMesh::Vertex>& vertices, DisplayMesh& mesh) {
   const auto count = std::int32_t(vertices.size());
   const auto shift_index = [&](std::int32_t& vertex) { vertex += vertex >= mesh.gathered ? count : 0; };
