@@ -98,9 +98,13 @@ std::string summary(const GltfScene& scene, const PrimitiveList& list, const Pat
   const auto moving = std::count_if(set.cameras.begin(), set.cameras.end(),
                                     [](const Camera& camera) { return !camera.motion.empty(); });
   return fmt::format(
-      "{} triangles read as {} quads, {} triangles, {} spheres{}{}; {} patches{}; modelled: {} metallic materials, "
+      "{} triangles{} read as {} quads, {} triangles, {} spheres{}{}; {} patches{}; modelled: {} metallic materials, "
       "{} light groups, {} cameras{}{}{}{}{}{}",
-      scene.triangles, list.quads, list.triangles, list.spheres,
+      scene.triangles,
+      list.added_triangles > 0
+          ? fmt::format(", {} when split at vertices on their edges,", scene.triangles + list.added_triangles)
+          : "",
+      list.quads, list.triangles, list.spheres,
       list.regions > 0 ? fmt::format(", {} planar regions", list.regions) : "",
       list.merged_facets == 0
           ? ""

@@ -82,10 +82,12 @@ class Seed {
     const Vec2f* t = &texcoords[first_corner_];
     const Vec2f& found = texcoords[corner];
     if (std::isnan(t[0].x) || std::isnan(found.x)) return std::isnan(t[0].x) == std::isnan(found.x);
-    const Imath::V2d start(t[0]);
-    const Imath::V2d expected = start + (Imath::V2d(t[1]) - start) * a + (Imath::V2d(t[2]) - start) * b;
+    const Imath::V2d start(t[0]), along = Imath::V2d(t[1]) - start, across = Imath::V2d(t[2]) - start;
+    const Imath::V2d expected = start + along * a + across * b;
     const double largest = std::max({Imath::V2d(t[0]).length(), Imath::V2d(t[1]).length(), Imath::V2d(t[2]).length()});
-    const double rounding = kFloatRounding * largest + topology_.texcoord_rounding;
+    const double slope = std::max(along.length() / edge1_.length(), across.length() / edge2_.length());  // 1/m
+    const double rounding =
+        kFloatRounding * largest + topology_.texcoord_rounding + kRoundingTolerance * topology_.rounding * slope;
     return (Imath::V2d(found) - expected).length() <=
            kTexcoordTolerance * (expected - start).length() + rounding * (1.0 + std::abs(a) + std::abs(b));
   }

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "importers/mesh/open_edges.h"
+#include "importers/mesh/t_vertices.h"
 #include "importers/mesh/vertex_welding.h"
 
 namespace patchlight {
@@ -193,12 +194,16 @@ bool flat_by_normals(const MeshTopology& topology, std::int32_t a, std::int32_t 
   return true;
 }
 
-MeshTopology build_topology(const TriangleSoup& soup) {
+MeshTopology build_topology(const TriangleSoup& of_file) {
+  std::vector<Vec3d> positions = with_closed_seams(of_file);
+  std::optional<TriangleSoup> split = split_at_t_vertices(of_file, positions);
+  if (split) positions = split->positions;
+  const TriangleSoup& soup = split ? *split : of_file;
   MeshTopology topology;
+  topology.added_triangles = (soup.positions.size() - of_file.positions.size()) / 3;
   topology.rounding = soup.rounding;
   topology.texcoord_rounding = soup.texcoord_rounding;
   topology.quantized = soup.quantized;
-  const std::vector<Vec3d> positions = with_closed_seams(soup);
   std::vector<std::int32_t> triangles;
   for (std::size_t i = 0; i + 2 < positions.size(); i += 3) {
     if (has_area(positions[i], positions[i + 1], positions[i + 2])) {

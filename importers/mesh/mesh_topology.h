@@ -36,6 +36,7 @@ struct MeshTopology {
   bool quantized = false;  ///< As in TriangleSoup.
   double texcoord_rounding = 0.0;        ///< As in TriangleSoup.
   std::size_t degenerate_triangles = 0;  ///< Omitted.
+  std::size_t added_triangles = 0;       ///< By splitting at vertices on open edges.
   std::size_t normals_behind = 0;        ///< Normals of the file that point behind their triangle.
 };
 
@@ -44,7 +45,8 @@ struct MeshTopology {
 bool flat_by_normals(const MeshTopology& topology, std::int32_t a, std::int32_t b);
 
 /// Makes one vertex of all corners at the same position, and of vertices of open edges at the same position within the
-/// file's precision (with_closed_seams()); connects the triangles by OpenMesh's half-edges.
+/// file's precision (with_closed_seams()); splits open edges at the vertices on them (split_at_t_vertices()); connects
+/// the triangles by OpenMesh's half-edges.
 ///
 /// Triangles whose height is below 1e-7 of their longest edge are degenerate. Surfaces that touch in a non-manifold
 /// edge or in a single vertex are not connected. An edge is smooth if its triangles are coplanar (within 1e-3 rad), or

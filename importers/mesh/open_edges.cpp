@@ -21,29 +21,18 @@ struct OpenVertex {
   double shortest = std::numeric_limits<double>::infinity();  ///< Length of the edges at it, m.
 };
 
-/// The vertices at edges that one triangle uses. `weld`: numbers of corners.
+/// The vertices at open edges. `weld`: numbers of corners.
 std::vector<OpenVertex> open_vertices(const TriangleSoup& soup, const std::vector<std::int32_t>& weld) {
-  struct Edge {
-    std::int32_t low, high;
-    bool operator==(const Edge&) const = default;
-    auto operator<=>(const Edge&) const = default;
-  };
-  std::vector<Edge> edges;
-  edges.reserve(weld.size());
   std::vector<double> shortest(weld.size(), std::numeric_limits<double>::infinity());
   for (std::size_t corner = 0; corner < weld.size(); ++corner) {
-    const std::size_t next = corner % 3 == 2 ? corner - 2 : corner + 1;
+    const std::size_t next = next_corner(corner);
     if (weld[corner] == weld[next]) continue;
-    edges.push_back({std::min(weld[corner], weld[next]), std::max(weld[corner], weld[next])});
     const double length = (soup.positions[next] - soup.positions[corner]).length();
     for (const std::size_t k : {corner, next}) shortest[weld[k]] = std::min(shortest[weld[k]], length);
   }
-  std::sort(edges.begin(), edges.end());
   std::vector<char> is_open(weld.size(), 0);
-  for (std::size_t first = 0, end = 0; first < edges.size(); first = end) {
-    while (end < edges.size() && edges[end] == edges[first]) ++end;
-    if (end - first == 1) is_open[edges[first].low] = is_open[edges[first].high] = 1;
-  }
+  for (const std::int32_t corner : open_edges(weld))
+    is_open[weld[corner]] = is_open[weld[next_corner(std::size_t(corner))]] = 1;
   std::vector<OpenVertex> vertices;
   for (std::size_t corner = 0; corner < weld.size(); ++corner) {
     char& open = is_open[weld[corner]];
@@ -86,9 +75,34 @@ void for_each_near_pair(const std::vector<OpenVertex>& vertices, double cell_siz
 
 }  // namespace
 
+std::vector<std::int32_t> open_edges(const std::vector<std::int32_t>& weld) {
+  struct Edge {
+    std::int32_t low, high, corner;
+    bool joins_same(const Edge& other) const { return low == other.low && high == other.high; }
+    auto operator<=>(const Edge&) const = default;
+  };
+  std::vector<Edge> edges;
+  edges.reserve(weld.size());
+  for (std::size_t corner = 0; corner < weld.size(); ++corner) {
+    const std::int32_t from = weld[corner], to = weld[next_corner(corner)];
+    if (from != to) edges.push_back({std::min(from, to), std::max(from, to), std::int32_t(corner)});
+  }
+  std::sort(edges.begin(), edges.end());
+  std::vector<std::int32_t> open;
+  for (std::size_t first = 0, end = 0; first < edges.size(); first = end) {
+    while (end < edges.size() && edges[end].joins_same(edges[first])) ++end;
+    if (end - first == 1) open.push_back(edges[first].corner);
+  }
+  return open;
+}
+
+double position_tolerance(const TriangleSoup& soup) {
+  return soup.rounding * (soup.quantized ? kQuantizedTolerance : kFloatTolerance);
+}
+
 std::vector<Vec3d> with_closed_seams(const TriangleSoup& soup) {
   std::vector<Vec3d> positions = soup.positions;
-  const double tolerance = soup.rounding * (soup.quantized ? kQuantizedTolerance : kFloatTolerance);
+  const double tolerance = position_tolerance(soup);
   if (!(tolerance > 0.0)) return positions;
   const std::vector<std::int32_t> weld = weld_corners(soup.positions);
   const std::vector<OpenVertex> vertices = open_vertices(soup, weld);

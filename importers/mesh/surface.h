@@ -88,6 +88,11 @@ struct TriangleSoup {
   std::vector<Vec4f> colors;
 };
 
+/// The corner after one, around its triangle.
+constexpr std::size_t next_corner(std::size_t corner) {
+  return corner % 3 == 2 ? corner - 2 : corner + 1;
+}
+
 /// Source of a facet corner's texture coordinates and colours: linear interpolation between two corners of the mesh, or
 /// the affine continuation of three.
 struct CornerSource {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 #include "importers/mesh/vertex_welding.h"
@@ -73,7 +74,7 @@ std::pair<Eigen::Vector3d, double> main_direction(const Moments& products, const
   return {solver.eigenvectors().col(2), std::max(0.0, solver.eigenvalues()[2])};
 }
 
-/// Divides the facets of a body into parts.
+/// Divides the facets of one kind of a body into parts.
 class Division {
  public:
   Division(const std::vector<Primitive>& primitives, const std::vector<PatchTarget>& targets,
@@ -127,10 +128,9 @@ bool may_be_clustered(const Primitive& p, const SurfaceMaterial& material, const
   return grid.columns == 1 && grid.rows == 1 && primitive_area(p) <= kLargestFacet * target.area;
 }
 
-/// Whether two facets have the same material and pictures.
-bool are_alike(const Primitive& a, const Primitive& b) {
-  return a.node == b.node && a.material == b.material && a.shader == b.shader && a.texture == b.texture &&
-         a.metallic_roughness_texture == b.metallic_roughness_texture && (a.back < 0) == (b.back < 0);
+/// Facets with the same value are of one node, with the same material and pictures.
+auto kind_of(const Primitive& p) {
+  return std::tuple(p.node, p.material, p.shader, p.texture, p.metallic_roughness_texture, p.back < 0);
 }
 
 /// Parts of bodies that are connected: facets of a part with a common neighbour are together. -1: not in a cluster.
@@ -146,8 +146,7 @@ std::vector<std::int32_t> connected_parts(const std::vector<Primitive>& primitiv
           if (part_of[other] >= 0 && bodies.body(other) == bodies.body(i)) near.push_back(other);
     std::sort(near.begin(), near.end(), [&](auto a, auto b) { return part_of[a] < part_of[b]; });
     for (std::size_t k = 1; k < near.size(); ++k)
-      if (part_of[near[k]] == part_of[near[k - 1]] && are_alike(primitives[near[k]], primitives[near[k - 1]]))
-        sets.join(near[k], near[k - 1]);
+      if (part_of[near[k]] == part_of[near[k - 1]]) sets.join(near[k], near[k - 1]);
   }
   std::vector<std::int32_t> part(primitives.size(), -1), sizes(primitives.size());
   for (std::size_t i = 0; i < primitives.size(); ++i)
@@ -178,11 +177,12 @@ std::vector<FacetCluster> cluster_facets(const std::vector<SurfaceMaterial>& mat
     if ((primitives[i].back < 0 || i < primitives[i].back) && bodies.size(bodies.body(i)) >= kFewestFacets &&
         may_be_clustered(primitives[i], materials[primitives[i].material], targets[i]))
       facets.push_back(i);
-  std::stable_sort(facets.begin(), facets.end(), [&](auto a, auto b) { return bodies.body(a) < bodies.body(b); });
+  const auto group = [&](std::int32_t i) { return std::tuple(bodies.body(i), kind_of(primitives[i])); };
+  std::stable_sort(facets.begin(), facets.end(), [&](auto a, auto b) { return group(a) < group(b); });
   std::int32_t parts = 0;
   Division division(primitives, targets, part_of);
   for (std::size_t first = 0, last = 0; first < facets.size(); first = last) {
-    while (last < facets.size() && bodies.body(facets[last]) == bodies.body(facets[first])) ++last;
+    while (last < facets.size() && group(facets[last]) == group(facets[first])) ++last;
     division.divide(std::span(facets).subspan(first, last - first), parts);
   }
   std::vector<std::int32_t> cluster_of = connected_parts(primitives, bodies, part_of);

@@ -145,6 +145,7 @@ void append_primitives(const Surface& surface, const SurfaceMaterial& material, 
                        PrimitiveList& list) {
   const MeshTopology topology = build_topology(soup);
   list.degenerate_triangles += static_cast<std::int64_t>(topology.degenerate_triangles);
+  list.added_triangles += static_cast<std::int64_t>(topology.added_triangles);
   list.invalid_normals += soup.invalid_normals + static_cast<std::int64_t>(topology.normals_behind);
   std::vector<char> in_sphere = append_spheres(surface, material, topology, list);
   // Lamps and mirrors are sampled by their corners, and masks have their own texture coordinates.

@@ -34,6 +34,7 @@ struct PrimitiveList {
   std::int64_t merged_triangles = 0;      ///< Triangles of merged coplanar regions,
   std::int64_t merged_facets = 0;         ///< and the facets that replace them.
   std::int64_t degenerate_triangles = 0;  ///< Skipped.
+  std::int64_t added_triangles = 0;       ///< By splitting at vertices on open edges.
   std::int64_t invalid_normals = 0;       ///< Of corners: of no use for shading.
 };
 

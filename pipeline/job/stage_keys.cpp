@@ -7,7 +7,7 @@ namespace patchlight {
 namespace {
 
 // Raised whenever a stage computes different results from the same inputs.
-constexpr int kImportVersion = 12;
+constexpr int kImportVersion = 13;
 constexpr int kTransportKeyVersion = 38;
 constexpr int kSolveVersion = 38;
 constexpr int kTraceVersion = 19;
