@@ -1,0 +1,162 @@
+"""Builds a scene of what is exported, writes it with Blender's glTF exporter, and completes the file."""
+import addon_utils
+import bpy
+
+from . import cameras, glb, meshes
+from .report import ExportError
+
+PRIVATE = "patchlight_"
+"""Custom properties that tell `complete` what to change in the file. They are not written."""
+
+
+class Build:
+    """The scene to export. It is removed by `close`."""
+
+    def __init__(self, source, frame):
+        self.scene = bpy.data.scenes.new("patchlight export")
+        render = self.scene.render
+        render.resolution_x, render.resolution_y, render.resolution_percentage = frame.width, frame.height, 100
+        render.pixel_aspect_x, render.pixel_aspect_y = source.render.pixel_aspect_x, source.render.pixel_aspect_y
+        render.fps, render.fps_base = source.render.fps, source.render.fps_base
+        self.scene.frame_start, self.scene.frame_end = source.frame_start, source.frame_end
+
+    def add(self, obj, name, matrix, source=None, extras=()):
+        """Puts an object into the scene, with the source's custom properties and `extras`."""
+        obj.matrix_world = matrix
+        for key in source.keys() if source else ():
+            if isinstance(source[key], (int, float, str)) and not key.startswith(PRIVATE) and key not in obj:
+                obj[key] = source[key]
+        for key, value in dict(extras).items():
+            obj[key] = value
+        obj[f"{PRIVATE}name"] = name
+        self.scene.collection.objects.link(obj)
+
+    def add_meshes(self, instances, materials, lamps, points, report):
+        """Adds the meshes with their exported materials."""
+        meshes.prepare(instances)
+        closed = {mesh for mesh in {item.mesh for item in instances} if meshes.is_closed(mesh)}
+        closed -= meshes.seen_from_inside(instances, closed, points)
+        ready = {}
+        for item in instances:
+            if item.mesh not in ready:
+                ready[item.mesh] = self._assign(item, materials, item.mesh in closed, report)
+            if ready[item.mesh]:
+                group = lamps.group(item.source, item.instancer)
+                obj = bpy.data.objects.new("patchlight mesh", item.mesh)
+                self.add(obj, item.name, item.matrix, item.source, {"light_group": group} if group else {})
+
+    def _assign(self, item, materials, is_closed, report):
+        """Gives a mesh its exported materials, and removes the faces that have none. Whether faces are left."""
+        mesh, colors, gone = item.mesh, set(), set()
+        if not mesh.materials:
+            mesh.materials.append(None)
+        made = [materials.get(original, mesh, index, item.matrix, is_closed)
+                if index in _used(mesh) else None for index, original in enumerate(list(mesh.materials))]
+        for index, result in enumerate(made):
+            if result is None:
+                gone.add(index)
+                mesh.materials[index] = None
+            else:
+                mesh.materials[index] = result.material
+                if result.colors is not None:
+                    result.material[f"{PRIVATE}colors"] = 1
+                    colors.add(result.colors)
+        if gone & _used(mesh):
+            meshes.remove_faces(mesh, gone)
+        if not mesh.polygons:
+            return False
+        _keep_colors(mesh, colors, item.source.name, report)
+        if mesh.uv_layers:
+            mesh.uv_layers[0].active_render = True
+        mesh[f"{PRIVATE}name"] = item.source.data.name if item.source.data else item.source.name
+        return True
+
+    def add_camera(self, source, frame, path):
+        """Adds a camera; `path` has its matrices by frame, or is empty."""
+        data = source.data.copy()
+        obj = bpy.data.objects.new("patchlight camera", data)
+        if data.animation_data:
+            data.animation_data_clear()
+        data[f"{PRIVATE}name"] = source.data.name
+        data[f"{PRIVATE}yfov"] = cameras.vertical_angle(data, frame)
+        self.add(obj, source.name, cameras.place(source.matrix_world), source, cameras.extras(source, frame))
+        obj.rotation_mode = "QUATERNION"
+        last = None
+        for number, matrix in path.items():
+            obj.location, obj.rotation_quaternion = matrix.to_translation(), matrix.to_quaternion()
+            if last and last.dot(obj.rotation_quaternion) < 0:
+                obj.rotation_quaternion.negate()
+            last = obj.rotation_quaternion.copy()
+            obj.keyframe_insert("location", frame=number)
+            obj.keyframe_insert("rotation_quaternion", frame=number)
+        if path:
+            for curve in obj.animation_data.action.fcurves:
+                for key in curve.keyframe_points:
+                    key.interpolation = "LINEAR"
+
+    def write(self, path, animated):
+        """Writes the scene to the binary glTF file `path`."""
+        if not addon_utils.check("io_scene_gltf2")[1] and not addon_utils.enable("io_scene_gltf2"):
+            raise ExportError("Blender's glTF add-on (io_scene_gltf2) is missing: install Blender with its add-ons")
+        bpy.context.window.scene = self.scene
+        bpy.context.view_layer.update()
+        known = bpy.ops.export_scene.gltf.get_rna_type().properties
+        lighting = next(key for key in ("export_import_convert_lighting_mode", "convert_lighting_mode") if key in known)
+        bpy.ops.export_scene.gltf(
+            filepath=str(path), export_format="GLB", check_existing=False, use_active_scene=True, export_yup=True,
+            export_apply=False, export_cameras=True, export_lights=True, export_extras=True, export_colors=True,
+            export_animations=animated, export_force_sampling=True, export_frame_range=True, export_skins=False,
+            export_morph=False, export_texcoords=True,
+            export_normals=True, **{lighting: "COMPAT"})
+        complete(path)
+
+    def close(self):
+        for obj in list(self.scene.objects):
+            bpy.data.objects.remove(obj)
+        bpy.data.scenes.remove(self.scene)
+
+
+def _used(mesh):
+    last = max(len(mesh.materials) - 1, 0)
+    return {min(int(k), last) for k in set(meshes.array(mesh.polygons, "material_index", 1, "int32"))}
+
+
+def _keep_colors(mesh, wanted, name, report):
+    """Leaves the one colour attribute that the materials use, since glTF multiplies all of a mesh's colours."""
+    attributes = mesh.color_attributes
+    chosen = None
+    for layer in sorted(wanted):
+        layer = layer or (attributes[attributes.render_color_index].name if len(attributes) else "")
+        if layer not in attributes:
+            report.warn(f"object '{name}': its material reads the colour attribute '{layer}', which is missing: it is white")
+        elif chosen and chosen != layer:
+            report.warn(f"object '{name}': of its colour attributes only '{chosen}' is exported, not '{layer}'")
+        else:
+            chosen = layer
+    for other in [a.name for a in attributes if a.name != chosen]:
+        attributes.remove(attributes[other])
+    if chosen:
+        attributes.render_color_index = attributes.find(chosen)
+
+
+def complete(path):
+    """Puts the names, angles and texture coordinates into the file that Blender's exporter cannot write."""
+    document, rest = glb.read(path)
+    for kind in ("nodes", "meshes", "materials", "cameras"):
+        for item in document.get(kind, []):
+            private = glb.take_private(item, PRIVATE)
+            item["name"] = private.get("name", item.get("name", ""))
+            if "yfov" in private and "perspective" in item:
+                item["perspective"]["yfov"] = private["yfov"]
+            for texture, index in private.get("uv", {}).items():
+                glb.set_coordinates(item, texture, index)
+            item["_colors"] = "colors" in private
+    for mesh in document.get("meshes", []):
+        for primitive in mesh["primitives"]:
+            material = primitive.get("material")
+            if material is None or not document["materials"][material]["_colors"]:
+                primitive["attributes"].pop("COLOR_0", None)
+    for kind in ("nodes", "meshes", "materials", "cameras"):
+        for item in document.get(kind, []):
+            item.pop("_colors", None)
+    glb.write(path, document, rest)

@@ -1,0 +1,128 @@
+"""The command: reads its options, exports the open scene, and puts all files in place at once."""
+import argparse
+import os
+import pathlib
+import shutil
+import sys
+import tempfile
+import traceback
+
+import bpy
+
+from . import cameras, capture, job
+from .build import Build
+from .lights import Lamps
+from .materials import Materials
+from .report import PREFIX, ExportError, Report, names
+from .world import World
+
+OLDEST = (3, 4, 0)
+
+
+def main(arguments):
+    """Exports as `arguments` say. Ends Blender with exit code 1 and one sentence after an error."""
+    try:
+        options = parse(arguments)
+        for path in export(bpy.context.scene, options, Report()):
+            print(f"{PREFIX}: wrote {path}")
+    except ExportError as error:
+        fail(str(error), 1)
+    except Exception as error:
+        traceback.print_exc()
+        fail(f"internal fault ({error}): please report it with the scene", 70)
+
+
+def fail(text, code):
+    """Ends Blender, which itself would end with exit code 0."""
+    print(f"{PREFIX}: error: {' '.join(text.split())}", file=sys.stderr, flush=True)
+    sys.stdout.flush()
+    os._exit(code)
+
+
+def parse(arguments):
+    parser = argparse.ArgumentParser(prog="blender -b SCENE.blend --python export.py --",
+                                     description="Exports what Cycles would render to a glTF file and a Patchlight job.")
+    parser.add_argument("--output", type=pathlib.Path, help="folder of the files; default: the folder of the scene")
+    parser.add_argument("--name", help="name of the files; default: that of the scene's file")
+    parser.add_argument("--resolution", type=int, nargs=2, metavar=("WIDTH", "HEIGHT"),
+                        help="pixels of the frame; default: the scene's. Blender's angle of view depends on them")
+    parser.add_argument("--bake-resolution", type=int, default=1024, help="pixels of a side of baked textures")
+    parser.add_argument("--sky-resolution", type=int, default=1024, help="pixels of a row of a baked sky")
+    parser.add_argument("--threads", type=int, default=0, help="threads of Cycles for baking; default: all")
+    try:
+        return parser.parse_args(arguments)
+    except SystemExit as end:
+        os._exit(end.code and 2)
+
+
+def export(scene, options, report):
+    """Exports `scene` and returns the paths of the files. The scene and its data stay as they were."""
+    if bpy.app.version < OLDEST:
+        raise ExportError(f"Blender {bpy.app.version_string} is too old: install Blender 3.4 or newer")
+    blend = pathlib.Path(bpy.data.filepath) if bpy.data.filepath else None
+    name = options.name or (blend.stem if blend else "untitled")
+    folder = options.output or (blend.parent if blend else pathlib.Path.cwd())
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        work = pathlib.Path(tempfile.mkdtemp(prefix=f".{name}.", dir=folder))
+    except OSError as error:
+        raise ExportError(f"cannot write to '{folder}' ({error.strerror}): choose another folder with --output") from error
+    window = bpy.context.window
+    shown = window.scene
+    try:
+        window.scene = scene
+        write_all(scene, work, name, options, report)
+        written = sorted(work.iterdir(), key=lambda path: (path.suffix == ".yaml", path.name))
+        for path in written:
+            os.replace(path, folder / path.name)
+        return [folder / path.name for path in written]
+    finally:
+        window.scene = shown
+        shutil.rmtree(work, ignore_errors=True)
+
+
+def write_all(scene, folder, name, options, report):
+    """Writes all files of an export into `folder`."""
+    for library in bpy.data.libraries:
+        if not os.path.exists(bpy.path.abspath(library.filepath)):
+            report.warn(f"the library '{library.filepath}' is missing, with all that is linked from it: "
+                        "find it with File > External Data")
+    job.warn_of_render(scene, report)
+    frame = cameras.Frame(scene.render, options.resolution)
+    views = [obj for obj in scene.objects if obj.type == "CAMERA" and cameras.warn_of(obj, scene, report)]
+    paths = cameras.motion(scene, views)
+    found = capture.capture(scene, report)
+    warn_of_motion(found, report)
+    materials = Materials(report, options.bake_resolution, options.threads)
+    lamps = Lamps(scene, materials.baker, report)
+    world = World(scene, folder, name, options, materials.baker, report)
+    build = Build(scene, frame)
+    try:
+        points = [obj.matrix_world.translation for obj in views] + [item.matrix.translation for item in found.lamps]
+        build.add_meshes(found.meshes, materials, lamps, points, report)
+        for item in found.lamps:
+            lamp = lamps.add(item)
+            if lamp:
+                build.add(lamp, item.name, item.matrix, item.source)
+        for obj in world.suns():
+            build.add(obj, obj.name, obj.matrix_world.copy())
+        for obj in views:
+            build.add_camera(obj, frame, paths.get(obj, {}))
+        build.write(folder / f"{name}.glb", bool(paths))
+    finally:
+        build.close()
+        materials.baker.close()
+    for file, data in lamps.files.items():
+        (folder / file).write_bytes(data)
+    used = [obj for obj in cameras.active(scene, report) if obj in views]
+    (folder / f"{name}.yaml").write_text(
+        job.text(name, frame, used, any(obj in paths for obj in used), materials.excluded, world.environment,
+                 job.view_settings(scene, report), scene), encoding="utf-8")
+
+
+def warn_of_motion(found, report):
+    """Names the objects that move: Patchlight's scenes stand still."""
+    moving = {item.source.name for item in found.meshes + found.lamps if cameras.may_move(item.source)}
+    if moving:
+        report.warn(f"objects do not move in Patchlight: {names(moving)} stay as in frame "
+                    f"{bpy.context.scene.frame_current}")

@@ -1,0 +1,87 @@
+"""The job that renders an exported scene as Cycles would."""
+import json
+import math
+
+VIEWS = {"Standard": "sRGB", "Raw": "Raw"}
+"""Blender's view transforms that Patchlight has without a configuration of OpenColorIO."""
+
+
+def view_settings(scene, report):
+    """Lines below `trace` for the colours of the PNG. What they cannot say is warned of."""
+    view, lines = scene.view_settings, []
+    name = VIEWS.get(view.view_transform)
+    if name:
+        lines.append(f"  view: {name}")
+    else:
+        report.warn(f"view transform '{view.view_transform}': the PNG is shown in sRGB. With $OCIO set to Blender's "
+                    f"datafiles/colormanagement/config.ocio, set trace.view to '{view.view_transform}'")
+        lines.append(f"  # view: {quoted(view.view_transform)}    with $OCIO set to Blender's config.ocio")
+    if view.look not in {"None", ""}:
+        report.warn(f"look '{view.look}' of the view settings is left out")
+    if abs(view.gamma - 1) > 1e-4:
+        report.warn(f"gamma {view.gamma:.3g} of the view settings is left out")
+    if view.use_curve_mapping:
+        report.warn("the curves of the view settings are left out")
+    exposure = view.exposure
+    if scene.cycles.film_exposure != 1:
+        exposure += math.log2(max(scene.cycles.film_exposure, 1e-6))
+        report.warn(f"film exposure {scene.cycles.film_exposure:.3g} applies to the PNG, not to the EXR as in Cycles")
+    if abs(exposure) > 1e-6:
+        lines.append(f"  exposure: {exposure:.6g}")
+    return lines
+
+
+def warn_of_render(scene, report):
+    """Names the settings of the render that have no counterpart."""
+    render, cycles = scene.render, scene.cycles
+    if render.engine != "CYCLES":
+        report.warn(f"the scene's render engine is {render.engine}: it is exported as Cycles would render it")
+    if render.film_transparent:
+        report.warn("a transparent film is left out: the frame shows the sky")
+    if render.use_border:
+        report.warn("the render region is left out: the whole frame is rendered")
+    if render.use_motion_blur:
+        report.warn("motion blur is left out")
+    if scene.use_nodes and render.use_compositing and scene.node_tree and len(scene.node_tree.nodes) > 2:
+        report.warn("the compositor's nodes are left out")
+    if cycles.feature_set == "EXPERIMENTAL" and any(
+            obj.type == "MESH" and obj.cycles.use_adaptive_subdivision for obj in scene.objects):
+        report.warn("adaptive subdivision is left out: the modifier's render level is taken")
+
+
+def quoted(text):
+    """A YAML string. JSON's are a part of them."""
+    return json.dumps(str(text), ensure_ascii=False)
+
+
+def numbers(values):
+    return "[" + ", ".join(f"{value:.7g}" for value in values) + "]"
+
+
+def text(name, frame, cameras, animated, excluded, environment, view, scene):
+    """The job as YAML. `environment` has its keys and values, `excluded` names of materials."""
+    lines = [f"# Exported from {name}.blend. Keys: pipeline/README.md", f"scene: {quoted(name + '.glb')}",
+             f"output: {quoted(name + '.patchlight')}",
+             "import: {punctual_units: raw}    # W/sr and W/m2, as in Blender"]
+    if excluded:
+        lines.append("materials:")
+        lines += [f"  {quoted(escaped(item))}: {{exclude: true}}    # lets light through" for item in sorted(excluded)]
+    if environment:
+        lines.append("environment:")
+        for key, value in environment.items():
+            shown = quoted(value) if isinstance(value, str) else numbers(value) if hasattr(value, "__len__") else f"{value:.7g}"
+            lines.append(f"  {key}: {shown}")
+    lines.append("trace:")
+    if cameras:
+        lines.append("  cameras: [" + ", ".join(quoted(camera.name) for camera in cameras) + "]")
+    lines.append(f"  resolution: [{frame.width}, {frame.height}]")
+    if animated:
+        step = f"x{scene.frame_step}" if scene.frame_step > 1 else ""
+        lines.append(f"  frames: {scene.frame_start}-{scene.frame_end}{step}")
+        lines.append(f"  fps: {scene.render.fps}")
+    return "\n".join(lines + view) + "\n"
+
+
+def escaped(name):
+    """A glob that matches a name alone."""
+    return "".join(f"[{c}]" if c in "*?[" else c for c in name)

@@ -1,0 +1,111 @@
+"""Exported materials: what each material of the scene becomes on a mesh."""
+import bpy
+import numpy as np
+
+from . import closures, nodes, textures
+from .bake import UV_NAME, Baker
+from .closures import Surface
+from .values import Values, is_constant
+from .writer import Writer
+
+GREY = 0.8
+"""Reflectance that Cycles gives to objects without a material."""
+
+
+class Reduced:
+    """A material of the scene as a `Surface`, with the flat copy of its nodes that the values belong to."""
+
+    def __init__(self, original, user, baker, report):
+        self.original, self.baker, self.report = original, baker, report
+        self.name = original.name if original else "default"
+        self.one_sided = self.see_through = False
+        self.copy, self.values = None, None
+        if original is None or not original.use_nodes or not original.node_tree:
+            color = np.array(original.diffuse_color[:3]) if original else np.full(3, GREY)
+            self.surface = Surface(base=color)
+            return
+        uses = {node.type for node in nodes.all_nodes(original.node_tree)}
+        self.copy, self.values, self.surface = self._reduce(user, True)
+        if "LIGHT_PATH" in uses:
+            lit = self._reduce(user, False, rays=nodes.LIGHTING)[2]
+            self.see_through = lit.kind == "transparent"
+            self.warn("Light Path is read as the camera sees it" +
+                      (", but light passes the material" if self.see_through else ""))
+        if "NEW_GEOMETRY" in uses:
+            back = self._reduce(user, False, backfacing=1.0)[2]
+            dark = is_constant(back.emission) and not np.any(back.emission)
+            lit = not is_constant(self.surface.emission) or np.any(self.surface.emission)
+            self.one_sided = back.kind == "transparent" and self.surface.kind != "transparent" or dark and bool(lit)
+
+    def warn(self, text):
+        self.report.warn(f"material '{self.name}': {text}")
+
+    def _reduce(self, user, aloud, **settings):
+        copy = nodes.flat_copy(self.original, **settings)
+        values = Values(copy.node_tree, self.baker.probe)
+        reducer = closures.Reducer(values, lambda value: self.mean(values, value, user, copy),
+                                   self.warn if aloud else lambda text: None)
+        return copy, values, reducer.surface(copy.node_tree.get_output_node("CYCLES"))
+
+    def mean(self, values, value, user, copy):
+        """The mean of a value: exact for constants, of the image's pixels, or of a small baked image."""
+        if is_constant(value):
+            return value
+        found = textures.split(values, value, self.warn)
+        if found and not found.colors:
+            if not found.node:
+                return found.factor
+            data = textures.pixels(found.node.image)
+            return found.factor * (np.full(3, data[..., 3].mean()) if found.channel == "A" else
+                                   np.full(3, data[..., "RGB".index(found.channel)].mean()) if found.channel else
+                                   data[..., :3].mean(axis=(0, 1)))
+        mesh, index, matrix = user
+        if not self.baker.unwrap(mesh):
+            return np.full(3, 0.5)
+        extra = copy.copy()
+        socket = extra.node_tree.nodes[value.node.name].outputs[list(value.node.outputs).index(value)]
+        data = self.baker.colors(mesh, index, matrix, extra, socket, 64)
+        bpy.data.materials.remove(extra)
+        return _covered_mean(data)
+
+
+def _covered_mean(data):
+    inside = data[..., 3] > 0.5
+    return data[inside][:, :3].mean(axis=0).astype(np.float64) if inside.any() else np.full(3, 0.5)
+
+
+class Materials:
+    """Makes the exported materials. `excluded` collects the names of those that the job leaves out."""
+
+    def __init__(self, report, resolution, threads):
+        self.report, self.baker = report, Baker(resolution, threads)
+        self.reduced, self.made, self.excluded = {}, {}, {}
+
+    def reduce(self, original, mesh, index, matrix):
+        if original not in self.reduced:
+            self.reduced[original] = Reduced(original, (mesh, index, matrix), self.baker, self.report)
+        return self.reduced[original]
+
+    def get(self, original, mesh, index, matrix, closed):
+        """The material to export for slot `index` of `mesh`; None if its surface is left out."""
+        item = self.reduce(original, mesh, index, matrix)
+        surface = item.surface
+        if surface.kind == "holdout":
+            item.warn("is a holdout and is left out")
+            return None
+        if surface.kind == "transparent" or is_constant(surface.alpha) and not np.any(surface.alpha):
+            return None
+        opaque = is_constant(surface.alpha) and np.all(surface.alpha >= 1)
+        two_sided = not (closed and opaque or item.one_sided)
+        transmission = float(np.mean(item.mean(item.values, surface.transmission, (mesh, index, matrix), item.copy)))
+        if transmission > 0.5 or item.see_through:
+            self.excluded[item.name] = True
+            item.warn("is glass, which is opaque in Patchlight: the job leaves it out, see 'materials' there")
+        maps = tuple(layer.name for layer in mesh.uv_layers if layer.name != UV_NAME)
+        shared, own = (original, two_sided, maps), (original, two_sided, mesh, index)
+        for key in (shared, own):
+            if key in self.made:
+                return self.made[key]
+        made = Writer(item, (mesh, index, matrix)).write(surface, two_sided, opaque, transmission)
+        self.made[own if made.is_baked else shared] = made
+        return made

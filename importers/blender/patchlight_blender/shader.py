@@ -1,0 +1,92 @@
+"""Builds the node tree of an exported material: a Principled BSDF that Blender's glTF exporter understands."""
+import bpy
+import numpy as np
+
+from . import textures
+
+
+class Shader:
+    """A new material. `uv` collects which UV map each glTF texture reads."""
+
+    def __init__(self, name, two_sided):
+        self.material = bpy.data.materials.new("patchlight material")
+        self.material.use_nodes = True
+        self.material.use_backface_culling = not two_sided
+        self.material["patchlight_name"] = name
+        self.tree = self.material.node_tree
+        self.tree.nodes.clear()
+        self.principled = self.tree.nodes.new("ShaderNodeBsdfPrincipled")
+        output = self.tree.nodes.new("ShaderNodeOutputMaterial")
+        self.tree.links.new(self.principled.outputs[0], output.inputs["Surface"])
+        self.uv = {}
+        self.number("Emission Strength", 0)
+
+    def number(self, socket, value):
+        self.principled.inputs[socket].default_value = float(value)
+
+    def color(self, socket, value):
+        self.principled.inputs[socket].default_value = (*map(float, value), 1.0)
+
+    def image_node(self, texture):
+        """A new image node for `texture`, with the mapping that the exporter reads."""
+        node = self.tree.nodes.new("ShaderNodeTexImage")
+        node.image, node.extension = texture.node.image, texture.node.extension
+        node.interpolation = texture.node.interpolation
+        _, offset, rotation, scale = textures.mapping_of(texture.node)
+        if (offset, rotation, scale) != ((0.0, 0.0), 0.0, (1.0, 1.0)):
+            mapping = self.tree.nodes.new("ShaderNodeMapping")
+            mapping.inputs["Location"].default_value = (*offset, 0)
+            mapping.inputs["Rotation"].default_value = (0, 0, rotation)
+            mapping.inputs["Scale"].default_value = (*scale, 1)
+            self.tree.links.new(mapping.outputs[0], node.inputs["Vector"])
+        return node
+
+    def new_image_node(self, values, name):
+        """An image node for linear colours, rows from below; the image is kept as eight-bit sRGB."""
+        height, width = values.shape[:2]
+        image = bpy.data.images.new(name, width, height, alpha=True)
+        image.alpha_mode = "CHANNEL_PACKED"
+        data = values.astype(np.float32).copy()
+        color = np.clip(data[..., :3], 0, 1)
+        data[..., :3] = np.where(color <= 0.0031308, color * 12.92, 1.055 * color ** (1 / 2.4) - 0.055)
+        image.pixels.foreach_set(np.clip(data, 0, 1).ravel())
+        image.update()
+        image.pack()
+        node = self.tree.nodes.new("ShaderNodeTexImage")
+        node.image = image
+        return node
+
+    def link_color(self, socket, node, factor):
+        """Links an image times a factor to a colour input."""
+        out = node.outputs["Color"]
+        if not np.allclose(factor, 1):
+            multiply = self.tree.nodes.new("ShaderNodeMix")
+            multiply.data_type, multiply.blend_type = "RGBA", "MULTIPLY"
+            multiply.inputs[0].default_value = 1.0
+            self.tree.links.new(out, multiply.inputs[6])
+            multiply.inputs[7].default_value = (*map(float, factor), 1.0)
+            out = multiply.outputs[2]
+        self.tree.links.new(out, self.principled.inputs[socket])
+
+    def link_number(self, socket, node, channel, factor):
+        """Links a channel of an image, times a factor, to a number input."""
+        if channel == "A":
+            out = node.outputs["Alpha"]
+        else:
+            separate = self.tree.nodes.new("ShaderNodeSeparateColor")
+            self.tree.links.new(node.outputs["Color"], separate.inputs[0])
+            out = separate.outputs["RGB".index(channel or "R")]
+        if not np.isclose(factor, 1):
+            multiply = self.tree.nodes.new("ShaderNodeMath")
+            multiply.operation = "MULTIPLY"
+            self.tree.links.new(out, multiply.inputs[0])
+            multiply.inputs[1].default_value = float(factor)
+            out = multiply.outputs[0]
+        self.tree.links.new(out, self.principled.inputs[socket])
+
+    def link_normal(self, source, strength):
+        node = self.image_node(source)
+        normal = self.tree.nodes.new("ShaderNodeNormalMap")
+        normal.inputs["Strength"].default_value = strength
+        self.tree.links.new(node.outputs["Color"], normal.inputs["Color"])
+        self.tree.links.new(normal.outputs[0], self.principled.inputs["Normal"])

@@ -1,0 +1,180 @@
+"""Writes a reduced material as a shader, and bakes what glTF cannot hold."""
+import bpy
+import numpy as np
+
+from . import nodes, textures
+from .bake import UV_NAME
+from .shader import Shader
+from .values import is_constant
+
+
+class Made:
+    """An exported material, the colour attribute that it uses or None, and whether it is for one mesh only."""
+
+    def __init__(self, material, colors, is_baked):
+        self.material, self.colors, self.is_baked = material, colors, is_baked
+
+
+class Writer:
+    """Writes one exported material."""
+
+    def __init__(self, item, user):
+        self.item, self.user = item, user
+        self.mesh, self.is_baked = user[0], False
+
+    def write(self, surface, two_sided, opaque, transmission):
+        item = self.item
+        shader = self.shader = Shader(item.name, two_sided)
+        base = textures.split(item.values, surface.base, item.warn)
+        alpha = textures.split(item.values, surface.alpha, item.warn)
+        colors = self._base(surface, base, alpha, opaque)
+        for name, value in (("Metallic", surface.metallic), ("Roughness", surface.roughness)):
+            self._number(name, value)
+        shader.number("Specular", self._mean(surface.specular)[0])
+        shader.number("Transmission", transmission)
+        shader.number("IOR", surface.ior)
+        shader.number("Clearcoat", surface.clearcoat[0])
+        shader.number("Clearcoat Roughness", surface.clearcoat[1])
+        self._emission(surface.emission)
+        self._normal(surface.normal)
+        material = shader.material
+        if item.original:
+            for name in item.original.keys():
+                if isinstance(item.original[name], (int, float, str)):
+                    material[name] = item.original[name]
+        material["patchlight_uv"] = shader.uv
+        return Made(material, colors, self.is_baked)
+
+    def _mean(self, value):
+        return self.item.mean(self.item.values, value, self.user, self.item.copy)
+
+    def _uv_index(self, name):
+        layers = self.mesh.uv_layers
+        if name and name not in layers:
+            self.item.warn(f"the UV map '{name}' is missing on mesh '{self.mesh.name}': the first one is used")
+        found = layers.find(name) if name else next((i for i, l in enumerate(layers) if l.active_render), 0)
+        return max(found, 0)
+
+    def _bake(self, value, what):
+        """Linear values of an output over this mesh; None, with a warning, where Cycles cannot bake."""
+        item, (mesh, index, matrix) = self.item, self.user
+        try:
+            if not item.baker.unwrap(mesh):
+                raise RuntimeError("the mesh has eight UV maps already")
+            copy = item.copy.copy()
+            socket = copy.node_tree.nodes[value.node.name].outputs[list(value.node.outputs).index(value)]
+            data = item.baker.colors(mesh, index, matrix, copy, socket)
+            bpy.data.materials.remove(copy)
+        except RuntimeError as error:
+            item.warn(f"its {what} cannot be baked ({error}): the mean is taken")
+            return None
+        self.is_baked = True
+        return data
+
+    def _base(self, surface, base, alpha, opaque):
+        """Base colour and alpha. Returns the name of the colour attribute that multiplies them, or None."""
+        shader, item = self.shader, self.item
+        good = base and (not base.node or textures.is_color_image(base)) and base.factor.max() <= 1
+        fits = opaque or alpha and (not alpha.node or alpha.channel == "A" and textures.is_data_image(alpha))
+        if good and fits and alpha.node and base.node:
+            fits = base.node.image == alpha.node.image and base.place() == alpha.place()
+        node, factor, colors = None, np.ones(3), base.colors if good else None
+        if good and fits:
+            factor = base.factor
+            if base.node or not opaque and alpha.node:
+                found = base if base.node else alpha
+                node = shader.image_node(found)
+                shader.uv["baseColorTexture"] = self._uv_index(textures.mapping_of(found.node)[0])
+            if base.node:
+                shader.link_color("Base Color", node, factor)
+            else:
+                shader.color("Base Color", factor)
+            if not opaque and alpha.node:
+                shader.link_number("Alpha", node, "A", 1)
+                if not np.isclose(alpha.factor[0], 1):
+                    item.warn(f"the factor {alpha.factor[0]:.3g} on its alpha image is left out")
+        else:
+            node = self._baked_base(surface, opaque, fits and not alpha.node)
+        shader.material.blend_method = "OPAQUE"
+        if not opaque:
+            shader.material.blend_method, shader.material.alpha_threshold = "CLIP", 0.5
+            if is_constant(surface.alpha):
+                shader.number("Alpha", surface.alpha[0])
+                item.warn(f"an alpha of {surface.alpha[0]:.2g} becomes {'opaque' if surface.alpha[0] >= 0.5 else 'a hole'}: "
+                          "Patchlight has holes, no partial transparency")
+        return colors
+
+    def _baked_base(self, surface, opaque, constant_alpha):
+        color = surface.base if is_constant(surface.base) else self._bake(surface.base, "base colour")
+        alpha = None if opaque or constant_alpha else self._bake(surface.alpha, "alpha")
+        if color is None:
+            color = self._mean(surface.base)
+        if isinstance(color, np.ndarray) and color.ndim == 1 and alpha is None:
+            self.shader.color("Base Color", np.clip(color, 0, 1))
+            return None
+        data = np.ones((alpha if color.ndim == 1 else color).shape, np.float32)
+        data[..., :3] = color if color.ndim == 1 else color[..., :3]
+        if alpha is not None:
+            data[..., 3] = alpha[..., 0]
+        if data[..., :3].max() > 1.001:
+            self.item.warn("its base colour is above 1 in places and is lowered to 1")
+        node = self.shader.new_image_node(data, f"{self.item.name} base")
+        self.shader.uv["baseColorTexture"] = self.mesh.uv_layers.find(UV_NAME)
+        self.shader.link_color("Base Color", node, np.ones(3))
+        if alpha is not None:
+            self.shader.link_number("Alpha", node, "A", 1)
+        return node
+
+    def _number(self, name, value):
+        found = textures.split(self.item.values, value, self.item.warn)
+        if found and not found.node and not found.colors:
+            self.shader.number(name, np.clip(found.factor[0], 0, 1))
+        elif found and not found.colors and textures.is_data_image(found) and found.factor.max() <= 1:
+            self.shader.link_number(name, self.shader.image_node(found), found.channel, found.factor[0])
+            self.shader.uv["metallicRoughnessTexture"] = self._uv_index(textures.mapping_of(found.node)[0])
+        else:
+            mean = float(np.clip(self._mean(value)[0], 0, 1))
+            self.item.warn(f"its {name.lower()} varies by other nodes than an image: the mean {mean:.2g} is taken")
+            self.shader.number(name, mean)
+
+    def _emission(self, value):
+        shader = self.shader
+        if is_constant(value):
+            strength = float(value.max())
+            if value.min() < 0:
+                self.item.warn("its emission is negative and becomes 0 there")
+            if strength > 0:
+                shader.color("Emission", np.clip(value, 0, None) / strength)
+                shader.number("Emission Strength", strength)
+            return
+        found = textures.split(self.item.values, value, self.item.warn)
+        if found and not found.colors and (not found.node or textures.is_color_image(found)):
+            strength = max(float(found.factor.max()), 1e-9)
+            shader.number("Emission Strength", strength)
+            if not found.node:
+                shader.color("Emission", found.factor / strength)
+                return
+            shader.link_color("Emission", shader.image_node(found), found.factor / strength)
+            shader.uv["emissiveTexture"] = self._uv_index(textures.mapping_of(found.node)[0])
+            return
+        data = self._bake(value, "emission")
+        if data is None:
+            return self._emission(self._mean(value))
+        strength = max(float(data[..., :3].max()), 1e-9)
+        data[..., :3] = np.clip(data[..., :3] / strength, 0, None)
+        data[..., 3] = 1
+        shader.number("Emission Strength", strength)
+        shader.link_color("Emission", shader.new_image_node(data, f"{self.item.name} emission"), np.ones(3))
+        shader.uv["emissiveTexture"] = self.mesh.uv_layers.find(UV_NAME)
+
+    def _normal(self, origin):
+        if origin is None:
+            return
+        node = origin.node
+        if node.type == "NORMAL_MAP" and node.space == "TANGENT" and not nodes.source(node.inputs["Strength"]):
+            found = textures.split(self.item.values, self.item.values.of(node.inputs["Color"]), self.item.warn)
+            if found and found.node and np.allclose(found.factor, 1) and textures.is_data_image(found):
+                self.shader.link_normal(found, node.inputs["Strength"].default_value)
+                self.shader.uv["normalTexture"] = self._uv_index(textures.mapping_of(found.node)[0])
+                return
+        self.item.warn(f"the normals of its node '{node.name}' ({node.bl_label}) are left out")
