@@ -107,7 +107,7 @@ class Build:
             export_apply=False, export_cameras=True, export_lights=True, export_extras=True, export_colors=True,
             export_animations=animated, export_force_sampling=True, export_frame_range=True, export_skins=False,
             export_morph=False, export_texcoords=True,
-            export_normals=True, **{lighting: "COMPAT"})
+            export_normals=True, **{lighting: "SPEC"})
         complete(path)
 
     def close(self):

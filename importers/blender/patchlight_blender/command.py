@@ -104,6 +104,9 @@ def write_all(scene, folder, name, options, report):
             lamp = lamps.add(item)
             if lamp:
                 build.add(lamp, item.name, item.matrix, item.source)
+        if lamps.unseen:
+            report.warn(f"cameras do not see the area lamps {names(lamps.unseen)} in Cycles, but see them in Patchlight: "
+                        "lower them out of the picture, or tick Ray Visibility > Camera to compare")
         for obj in world.suns():
             build.add(obj, obj.name, obj.matrix_world.copy())
         for obj in views:

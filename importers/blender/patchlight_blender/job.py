@@ -62,7 +62,7 @@ def text(name, frame, cameras, animated, excluded, environment, view, scene):
     """The job as YAML. `environment` has its keys and values, `excluded` names of materials."""
     lines = [f"# Exported from {name}.blend. Keys: pipeline/README.md", f"scene: {quoted(name + '.glb')}",
              f"output: {quoted(name + '.patchlight')}",
-             "import: {punctual_units: raw}    # W/sr and W/m2, as in Blender"]
+             "import: {punctual_units: blender}    # the unit of the lamps in the file"]
     if excluded:
         lines.append("materials:")
         lines += [f"  {quoted(escaped(item))}: {{exclude: true}}    # lets light through" for item in sorted(excluded)]

@@ -13,10 +13,11 @@ RAYS = ("diffuse", "glossy", "transmission")
 
 
 class Lamps:
-    """Reads lamps. `files` collects photometric files to write: name to bytes."""
+    """Reads lamps. `files` collects photometric files to write: name to bytes. `unseen` has the area lamps' names that
+    cameras do not see."""
 
     def __init__(self, scene, baker, report):
-        self.scene, self.baker, self.report, self.files = scene, baker, report, {}
+        self.scene, self.baker, self.report, self.files, self.unseen = scene, baker, report, {}, []
         holders = {group for obj in scene.objects if obj.type == "LIGHT" and not obj.hide_render
                    for group in [self._collection(obj)] if group}
         self.by_collection = len(holders) > 1
@@ -107,11 +108,15 @@ class Lamps:
             return None
         if not lamp.cycles.cast_shadow:
             warn("casts no shadow in Cycles, but does in Patchlight")
+        if lamp.type == "AREA" and not obj.visible_camera:
+            self.unseen.append(obj.name)
         unseen = [ray for ray in RAYS if not getattr(obj, f"visible_{ray}")]
         if unseen:
             warn(f"is invisible to {', '.join(unseen)} rays in Cycles, but lights all surfaces in Patchlight")
         made = self._area(item, power, warn) if lamp.type == "AREA" else self._punctual(obj, power, profile)
         made["light_group"] = self.group(obj, item.instancer) or obj.name
+        if not obj.visible_camera:
+            made["visible_camera"] = False
         return made
 
     def _punctual(self, obj, power, profile):

@@ -33,10 +33,10 @@ def split(values, value, warn):
     if is_constant(value):
         return Texture(value)
     node, name = value.node, value.name
-    if node.type == "TEX_IMAGE":
+    if node.type in {"TEX_IMAGE", "TEX_ENVIRONMENT"}:
         if is_missing(node.image):
             warn(f"the image of its node '{node.name}' is missing{_path(node.image)}: "
-                 "find it with File > External Data, the surface is magenta until then")
+                 "find it with File > External Data; it is magenta until then")
             return Texture(MISSING if name == "Color" else np.ones(3))
         return Texture(np.ones(3), node, "A" if name == "Alpha" else None)
     if node.type == "VERTEX_COLOR" and name == "Color":
@@ -85,15 +85,15 @@ def is_missing(image):
 def is_color_image(texture):
     """Whether a texture's colours are as glTF reads them: eight bits a channel, sRGB, flat."""
     image, node = texture.node.image, texture.node
-    return (image.source in {"FILE", "GENERATED"} and not image.is_float and node.projection == "FLAT"
-            and image.colorspace_settings.name == "sRGB" and texture.channel is None and _is_placed(node))
+    return (node.type == "TEX_IMAGE" and image.source in {"FILE", "GENERATED"} and not image.is_float
+            and node.projection == "FLAT" and image.colorspace_settings.name == "sRGB" and texture.channel is None and _is_placed(node))
 
 
 def is_data_image(texture):
     """Whether a texture's numbers are as glTF reads them: eight bits a channel, not a colour."""
     image, node = texture.node.image, texture.node
-    return (image.source in {"FILE", "GENERATED"} and not image.is_float and node.projection == "FLAT"
-            and (texture.channel == "A" or image.colorspace_settings.name in {"Non-Color", "Raw", "Linear"})
+    return (node.type == "TEX_IMAGE" and image.source in {"FILE", "GENERATED"} and not image.is_float
+            and node.projection == "FLAT" and (texture.channel == "A" or image.colorspace_settings.name in {"Non-Color", "Raw", "Linear"})
             and _is_placed(node))
 
 
