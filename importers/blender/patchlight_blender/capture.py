@@ -70,9 +70,10 @@ def _render_with(scene, reader):
     """Runs the capturing engine on `scene`, and restores the settings that it needs."""
     render, camera = scene.render, None
     kept = {key: getattr(render, key) for key in
-            ("engine", "use_compositing", "use_sequencer", "resolution_percentage", "use_multiview", "use_border")}
-    simple = dict(kept, engine=_Engine.bl_idname, use_compositing=False, use_sequencer=False, resolution_percentage=1,
-                  use_multiview=False, use_border=False)
+            ("engine", "use_compositing", "use_sequencer", "resolution_x", "resolution_y", "resolution_percentage",
+             "use_multiview", "use_border")}
+    simple = dict(kept, engine=_Engine.bl_idname, use_compositing=False, use_sequencer=False, resolution_x=64,
+                  resolution_y=64, resolution_percentage=100, use_multiview=False, use_border=False)
     bpy.utils.register_class(_Engine)
     try:
         if scene.camera is None:
@@ -128,6 +129,9 @@ def _copy_mesh(obj, layer):
     if isinstance(data, bpy.types.Mesh):
         mesh.use_auto_texspace = False
         mesh.texspace_location, mesh.texspace_size = data.texspace_location, data.texspace_size
+    for index, slot in enumerate(obj.material_slots):
+        if slot.link == "OBJECT" and index < len(mesh.materials):
+            mesh.materials[index] = slot.material.original if slot.material else None
     if layer.material_override:
         override = layer.material_override.original
         for index in range(len(mesh.materials)):

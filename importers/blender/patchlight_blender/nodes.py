@@ -154,18 +154,26 @@ def _constant(tree, socket):
     return node.outputs[0]
 
 
-def source(socket):
-    """The output that feeds an input, through reroutes and muted nodes; None if the input is unlinked."""
-    while socket and socket.is_linked:
+def trace(socket):
+    """(The output that feeds an input, through reroutes and muted nodes, or None; the last input on that way)."""
+    while socket.is_linked:
         origin = socket.links[0].from_socket
         node = origin.node
         if node.type == "REROUTE":
             socket = node.inputs[0]
         elif node.mute:
-            socket = next((link.from_socket for link in node.internal_links if link.to_socket == origin), None)
+            inside = next((link.from_socket for link in node.internal_links if link.to_socket == origin), None)
+            if inside is None:
+                break
+            socket = inside
         else:
-            return origin
-    return None
+            return origin, socket
+    return None, socket
+
+
+def source(socket):
+    """The output that feeds an input; None if the input is unlinked."""
+    return trace(socket)[0]
 
 
 def upstream(socket):

@@ -34,14 +34,18 @@ class Panorama:
         return self._render(world, width, width // 2, samples)
 
     def part(self, world, direction, angle, size, samples):
-        """Radiance around `direction`, in a square of `angle` (rad), and the solid angles of its pixels."""
+        """Radiance around `direction`, in a square of `angle` (rad), with its pixels' directions and solid angles."""
         data = self.camera.data
         data.type, data.angle, data.clip_start = "PERSP", angle, 0.01
         self.camera.matrix_world = direction.to_track_quat("-Z", "Y").to_matrix().to_4x4()
         edge = math.tan(angle / 2)
         side = ((np.arange(size) + 0.5) / size * 2 - 1) * edge
         solid = (2 * edge / size) ** 2 / (1 + side[:, None] ** 2 + side[None, :] ** 2) ** 1.5
-        return self._render(world, size, size, samples), solid
+        x, y = np.meshgrid(side, side)
+        axes = np.array(self.camera.matrix_world.to_3x3())
+        vectors = np.stack([x, y, -np.ones_like(x)], axis=-1) @ axes.T
+        vectors /= np.linalg.norm(vectors, axis=-1, keepdims=True)
+        return self._render(world, size, size, samples), vectors, solid
 
     def _render(self, world, width, height, samples):
         self.scene.world = world

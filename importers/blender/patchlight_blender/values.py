@@ -21,9 +21,9 @@ class Values:
 
     def of(self, socket):
         """The value of an input socket. Numbers come as three equal ones."""
-        origin = nodes.source(socket)
+        origin, last = nodes.trace(socket)
         if origin is None:
-            value = socket.default_value
+            value = last.default_value
             if not hasattr(value, "__len__"):
                 value = [value] * 3
             return np.array([float(v) for v in value[:3]])

@@ -136,14 +136,14 @@ class World:
             return
         direction = mathutils.Vector((vectors * weight[..., None]).sum(axis=(0, 1))).normalized()
         size = max(node.sun_size for node in discs)
-        angle = size + 8 * math.pi / width
         parts = []
         for shown in (True, False):
             for node in discs:
                 node.sun_disc = shown
-            values, pixel = studio.part(copy, direction, angle, 128, SAMPLES)
-            parts.append((values * pixel[..., None]).sum(axis=(0, 1)))
-        self.sun = (direction, np.clip(parts[0] - parts[1], 0, None).astype(float), size)
+            parts.append(studio.part(copy, direction, size + 8 * math.pi / width, 128, SAMPLES))
+        disc = np.clip(parts[0][0] - parts[1][0], 0, None) * parts[0][2][..., None]
+        center = mathutils.Vector((parts[0][1] * disc.sum(axis=2)[..., None]).sum(axis=(0, 1))).normalized()
+        self.sun = (center, disc.sum(axis=(0, 1)).astype(float), size)
 
     def suns(self):
         """The disc of a Nishita sky as a sun."""
