@@ -121,6 +121,7 @@ std::string summary(const GltfScene& scene, const PrimitiveList& list, const Pat
 }  // namespace
 
 PatchSet import_scene(const Job& job, Progress& progress) {
+  for (const std::string& warning : job.export_warnings) progress.warning(warning);
   GltfScene scene = read_gltf_scene(job, progress);
   PrimitiveList list = build_primitives(scene, job, progress);
 

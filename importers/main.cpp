@@ -3,6 +3,8 @@
 #include "importers/import.h"
 #include "pipeline/formats/describe.h"
 #include "pipeline/formats/patches/patch_file.h"
+#include "pipeline/job/reader/job_reader.h"
+#include "pipeline/job/reader/scene_file.h"
 #include "pipeline/stage/stage.h"
 #include "pipeline/system/standard_streams.h"
 
@@ -12,6 +14,7 @@ int main(int argc, char** argv) {
     return with_progress("import", {}, [&](Progress& progress) {
       Job job;
       job.scene = argv[2];
+      if (is_blender_file(job.scene)) job = read_job(job.scene);
       print(describe(import_scene(job, progress)));
     });
   }

@@ -2,6 +2,7 @@
 #include "pipeline/driver/clean/clean.h"
 #include "pipeline/driver/commands/batch.h"
 #include "pipeline/driver/commands/diff.h"
+#include "pipeline/driver/commands/from_blend.h"
 #include "pipeline/driver/commands/info.h"
 #include "pipeline/driver/commands/init.h"
 #include "pipeline/driver/commands/preview.h"
@@ -55,7 +56,7 @@ Action make_init() {
       {.name = "init",
        .purpose = "Print a commented job for a scene, with its cameras, light groups and materials: init "
                   "A.glb > A.yaml",
-       .options = {file_argument("SCENE", init.scene, "The scene, .glb or .gltf")}},
+       .options = {file_argument("SCENE", init.scene, "The scene, .glb, .gltf or .blend")}},
       init.common, [](Progress& progress) { return print_starter_job(init, progress); });
 }
 
@@ -133,11 +134,22 @@ Action make_bench() {
                      bench.common, [](Progress& progress) { return bench_job(bench, progress); });
 }
 
+Action make_from_blend() {
+  static FromBlendCommand from_blend;
+  static CommonOptions common;
+  return make_action(
+      {.name = "from-blend",
+       .purpose = "Write the glTF scene and the job of a Blender file beside it, as Cycles would render it",
+       .options = {file_argument("FILE", from_blend.blend, "The Blender file"),
+                   {.name = "--force", .value = &from_blend.force, .help = "Replace a job that is there already"}}},
+      common, [](Progress& progress) { return export_from_blend(from_blend, progress); });
+}
+
 Action make_info() {
   static InfoCommand info;
   static CommonOptions common;
   return make_action({.name = "info",
-                      .purpose = "Show what is in a glTF scene, patches.h5, energy.h5 or a frame",
+                      .purpose = "Show what is in a scene, patches.h5, energy.h5 or a frame",
                       .options = {file_argument("FILE", info.file, "")}},
                      common, [](Progress&) { return show_info(info); });
 }
@@ -163,8 +175,9 @@ Action make_diff() {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const std::vector<Action> actions{make_run(),     make_init(),   make_status(), make_clean(), make_preview(),
-                                    make_relight(), make_report(), make_bench(),  make_info(),  make_diff()};
+  const std::vector<Action> actions{make_run(),        make_init(),    make_status(), make_clean(),
+                                    make_preview(),    make_relight(), make_report(), make_bench(),
+                                    make_from_blend(), make_info(),    make_diff()};
   Command program{.name = "patchlight",
                   .purpose = "Patchlight: radiosity from glTF scenes, in stages that run again only when they must."};
   for (const Action& action : actions) program.subcommands.push_back(action.command);

@@ -144,7 +144,8 @@ struct SlurmConfig {
 /// A job file with its overrides applied and checked.
 struct Job {
   std::filesystem::path file;
-  std::filesystem::path scene;
+  std::filesystem::path scene;               ///< glTF; of a Blender file, its export.
+  std::vector<std::string> export_warnings;  ///< Of the export of a Blender file.
   std::filesystem::path output;
   ImportConfig import;
   std::vector<MaterialOverride> materials;

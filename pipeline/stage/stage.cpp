@@ -17,7 +17,7 @@ namespace patchlight {
 Option job_argument(std::string& file) {
   return {.name = "JOB.yaml",
           .value = &file,
-          .help = "The job file, or a scene (.glb, .gltf) to run with all defaults",
+          .help = "The job file, or a scene (.glb, .gltf, .blend) to run with all defaults",
           .required = true,
           .completion = Option::Completion::file};
 }
@@ -25,7 +25,7 @@ Option job_argument(std::string& file) {
 Option job_argument(std::vector<std::string>& files) {
   return {.name = "JOB.yaml",
           .value = &files,
-          .help = "The job files, or scenes (.glb, .gltf) to run with all defaults",
+          .help = "The job files, or scenes (.glb, .gltf, .blend) to run with all defaults",
           .required = true,
           .completion = Option::Completion::file};
 }

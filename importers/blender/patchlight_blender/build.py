@@ -3,7 +3,7 @@ import addon_utils
 import bpy
 
 from . import cameras, glb, meshes
-from .report import ExportError
+from .report import UNAVAILABLE, ExportError
 
 PRIVATE = "patchlight_"
 """Custom properties that tell `complete` what to change in the file. They are not written."""
@@ -97,7 +97,8 @@ class Build:
     def write(self, path, animated):
         """Writes the scene to the binary glTF file `path`."""
         if not addon_utils.check("io_scene_gltf2")[1] and not addon_utils.enable("io_scene_gltf2"):
-            raise ExportError("Blender's glTF add-on (io_scene_gltf2) is missing: install Blender with its add-ons")
+            raise ExportError("Blender's glTF add-on (io_scene_gltf2) is missing: install Blender with its add-ons",
+                              UNAVAILABLE)
         bpy.context.window.scene = self.scene
         bpy.context.view_layer.update()
         known = bpy.ops.export_scene.gltf.get_rna_type().properties

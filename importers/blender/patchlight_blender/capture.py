@@ -9,7 +9,7 @@ import dataclasses
 
 import bpy
 
-from .report import ExportError, names
+from .report import BAD_DATA, ExportError, names
 
 LEFT_OUT = {"CURVES": "hair curves", "POINTCLOUD": "a point cloud", "VOLUME": "a volume", "GPENCIL": "grease pencil"}
 RAYS = ("camera", "diffuse", "glossy", "transmission", "shadow")
@@ -49,7 +49,8 @@ def capture(scene, report):
     """Reads `scene` in its current frame. New meshes are left in `bpy.data.meshes`; the scene stays as it was."""
     layers = [layer for layer in scene.view_layers if layer.use]
     if not layers:
-        raise ExportError("no view layer is used for rendering: tick 'Use for Rendering' in the view layer's properties")
+        raise ExportError("no view layer is used for rendering: tick 'Use for Rendering' in the view layer's properties",
+                          BAD_DATA)
     if len(layers) > 1:
         report.warn(f"view layers {names(l.name for l in layers[1:])} are ignored: '{layers[0].name}' is exported")
     result, failure = Capture(), []

@@ -9,27 +9,30 @@ import traceback
 
 import bpy
 
-from . import cameras, capture, job
+from . import cameras, capture, job, record
 from .build import Build
 from .lights import Lamps
 from .materials import Materials
-from .report import PREFIX, ExportError, Report, names
+from .report import CANNOT_CREATE, INTERNAL, PREFIX, UNAVAILABLE, ExportError, Report, names
 from .world import World
 
 OLDEST = (3, 4, 0)
 
 
 def main(arguments):
-    """Exports as `arguments` say. Ends Blender with exit code 1 and one sentence after an error."""
+    """Exports as `arguments` say. Ends Blender with an exit code and one sentence after an error."""
     try:
         options = parse(arguments)
-        for path in export(bpy.context.scene, options, Report()):
+        written = export(bpy.context.scene, options, Report())
+        for path in written:
             print(f"{PREFIX}: wrote {path}")
+        if options.record:
+            record.write(options.record, written)
     except ExportError as error:
-        fail(str(error), 1)
+        fail(str(error), error.code)
     except Exception as error:
         traceback.print_exc()
-        fail(f"internal fault ({error}): please report it with the scene", 70)
+        fail(f"internal fault ({error}): please report it with the scene", INTERNAL)
 
 
 def fail(text, code):
@@ -48,6 +51,7 @@ def parse(arguments):
                         help="pixels of the frame; default: the scene's. Blender's angle of view depends on them")
     parser.add_argument("--bake-resolution", type=int, default=1024, help="pixels of a side of baked textures")
     parser.add_argument("--sky-resolution", type=int, default=1024, help="pixels of a row of a baked sky")
+    parser.add_argument("--record", type=pathlib.Path, help="JSON file to write: the files that were read and written")
     parser.add_argument("--threads", type=int, default=0, help="threads of Cycles for baking; default: all")
     try:
         return parser.parse_args(arguments)
@@ -58,7 +62,7 @@ def parse(arguments):
 def export(scene, options, report):
     """Exports `scene` and returns the paths of the files. The scene and its data stay as they were."""
     if bpy.app.version < OLDEST:
-        raise ExportError(f"Blender {bpy.app.version_string} is too old: install Blender 3.4 or newer")
+        raise ExportError(f"Blender {bpy.app.version_string} is too old: install Blender 3.4 or newer", UNAVAILABLE)
     blend = pathlib.Path(bpy.data.filepath) if bpy.data.filepath else None
     name = options.name or (blend.stem if blend else "untitled")
     folder = options.output or (blend.parent if blend else pathlib.Path.cwd())
@@ -66,7 +70,8 @@ def export(scene, options, report):
         folder.mkdir(parents=True, exist_ok=True)
         work = pathlib.Path(tempfile.mkdtemp(prefix=f".{name}.", dir=folder))
     except OSError as error:
-        raise ExportError(f"cannot write to '{folder}' ({error.strerror}): choose another folder with --output") from error
+        raise ExportError(f"cannot write to '{folder}' ({error.strerror}): choose another folder with --output",
+                          CANNOT_CREATE) from error
     window = bpy.context.window
     shown = window.scene
     try:

@@ -8,6 +8,7 @@
 #include "pipeline/driver/clean/own_files.h"
 #include "pipeline/driver/slurm/slurm_script.h"
 #include "pipeline/driver/stages/job_variants.h"
+#include "pipeline/job/blender/blender_export.h"
 #include "pipeline/job/reader/job_reader.h"
 #include "pipeline/model/error.h"
 
@@ -68,7 +69,9 @@ std::uintmax_t remove_outputs(const Job& job) {
   for (const fs::path& file : slurm_files(slurm_folder(job))) size += discard(file);
   for (const fs::path& file : own_previews(job.output / "preview")) size += discard(file);
   size += remove_bench(bench_folder(job));
-  for (const fs::path& folder : {slurm_folder(job), job.output / "preview", cache_folder(job)}) remove_if_empty(folder);
+  for (const fs::path& file : files_of_export(job.output)) size += discard(file);
+  for (const fs::path& folder : {slurm_folder(job), job.output / "preview", job.output / "blend", cache_folder(job)})
+    remove_if_empty(folder);
   return size;
 }
 

@@ -8,6 +8,7 @@
 #include "pipeline/driver/stages/stage_program.h"
 #include "pipeline/formats/patches/patch_file.h"
 #include "pipeline/job/reader/job_reader.h"
+#include "pipeline/job/reader/scene_file.h"
 #include "pipeline/model/error.h"
 #include "pipeline/system/standard_streams.h"
 
@@ -47,7 +48,7 @@ int print_starter_job(const InitCommand& command, Progress&) {
   Progress::catch_signals();
   const fs::path scene_file = command.scene;
   if (!is_scene_file(scene_file))
-    throw Error(ExitCode::usage, "not a scene", command.scene, "name a .glb or .gltf file");
+    throw Error(ExitCode::usage, "not a scene", command.scene, "name a .glb, .gltf or .blend file");
   if (!command.common.sets.empty())
     throw Error(ExitCode::usage, "`patchlight init` has no overrides", "--set " + command.common.sets.front(),
                 "leave it out, and edit the job that is printed");

@@ -12,8 +12,15 @@ install(FILES ${PROJECT_SOURCE_DIR}/README.md DESTINATION ${CMAKE_INSTALL_DOCDIR
 install(FILES ${PROJECT_SOURCE_DIR}/configs/cornell_box.yaml ${PROJECT_SOURCE_DIR}/configs/cornell_box.glb
   DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples)
 
-# Every program writes its own completions.
 set(share ${CMAKE_BINARY_DIR}/share)
+
+# Blender runs the exporter; programs look in ../share/patchlight/blender.
+file(MAKE_DIRECTORY ${share}/patchlight)
+file(CREATE_LINK ${PROJECT_SOURCE_DIR}/importers/blender ${share}/patchlight/blender SYMBOLIC)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/importers/blender/ DESTINATION share/patchlight/blender
+  FILES_MATCHING PATTERN *.py PATTERN __pycache__ EXCLUDE)
+
+# Every program writes its own completions.
 file(MAKE_DIRECTORY ${share}/bash ${share}/zsh ${share}/man)
 find_program(HELP2MAN help2man)
 if(NOT HELP2MAN)

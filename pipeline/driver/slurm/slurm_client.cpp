@@ -6,9 +6,9 @@
 #include <array>
 #include <sstream>
 
-#include "pipeline/driver/stages/stage_program.h"
 #include "pipeline/model/error.h"
 #include "pipeline/stage/progress.h"
+#include "pipeline/system/child_process.h"
 #include "pipeline/system/content_hash.h"
 
 namespace patchlight {

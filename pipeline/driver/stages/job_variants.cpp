@@ -17,7 +17,7 @@ constexpr std::size_t kLongestName = 200;
 
 std::string folder_name(const std::string& name, std::set<std::string>& taken) {
   // Names that would collide with folders of the job.
-  if (taken.empty()) taken = {"frames", "relit", "cache", "preview", "bench", "slurm", ".", ".."};
+  if (taken.empty()) taken = {"frames", "relit", "cache", "preview", "bench", "slurm", "blend", ".", ".."};
   std::string plain = name.substr(0, kLongestName);
   for (char& c : plain)
     if (!std::isalnum(static_cast<unsigned char>(c)) && std::string("._-=,+").find(c) == std::string::npos) c = '_';

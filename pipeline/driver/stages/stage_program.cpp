@@ -1,28 +1,19 @@
 #include "pipeline/driver/stages/stage_program.h"
 
-#include <fcntl.h>
 #include <poll.h>
-#include <spawn.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <chrono>
-#include <csignal>
-#include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <memory>
 
-#include "pipeline/model/error.h"
-
-extern char** environ;
+#include "pipeline/system/child_process.h"
 
 namespace patchlight {
 
@@ -56,66 +47,21 @@ int wait_for(pid_t child, rusage& usage, std::int64_t& peak) {
   return status;
 }
 
-int exit_code_of(int status) {
-  if (WIFEXITED(status)) return WEXITSTATUS(status);
-  const int signal = WTERMSIG(status);
-  return int(signal == SIGINT || signal == SIGTERM ? ExitCode::interrupted : ExitCode::internal);
-}
-
 double seconds(const timeval& time) {
   return double(time.tv_sec) + 1e-6 * double(time.tv_usec);
-}
-
-/// Throws: Error (unavailable), with `mend`.
-pid_t spawn(const std::string& program, const std::vector<std::string>& arguments,
-            const posix_spawn_file_actions_t* files, const std::string& mend) {
-  std::vector<char*> argv{const_cast<char*>(program.c_str())};
-  for (const auto& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
-  argv.push_back(nullptr);
-  pid_t child = 0;
-  if (const int fault = posix_spawnp(&child, program.c_str(), files, nullptr, argv.data(), environ))
-    throw Error(ExitCode::unavailable, std::string("cannot start the program: ") + std::strerror(fault), program, mend);
-  return child;
-}
-
-std::string all_of(std::FILE* stream) {
-  std::string text;
-  std::rewind(stream);
-  for (std::array<char, 4096> part; const std::size_t count = std::fread(part.data(), 1, part.size(), stream);)
-    text.append(part.data(), count);
-  return text;
 }
 
 }  // namespace
 
 ProgramRun run_program(const std::string& program, const std::vector<std::string>& arguments) {
   const auto start = std::chrono::steady_clock::now();
-  const pid_t child = spawn(program, arguments, nullptr, "build all programs into one folder");
+  const pid_t child = start_program(program, arguments, nullptr, "build all programs into one folder");
   Progress::pass_signals_to(child);
   rusage usage{};
   std::int64_t peak = 0;
   const int status = wait_for(child, usage, peak);
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
   return {exit_code_of(status), seconds(usage.ru_utime) + seconds(usage.ru_stime), wall.count(), peak};
-}
-
-ProgramOutput capture_program(const std::string& program, const std::vector<std::string>& arguments,
-                              const std::string& mend) {
-  using Stream = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
-  const Stream out(std::tmpfile(), std::fclose), err(std::tmpfile(), std::fclose);
-  if (!out || !err) throw Error(ExitCode::cannot_create, "cannot make a temporary file", program, "is /tmp full?");
-  posix_spawn_file_actions_t files;
-  posix_spawn_file_actions_init(&files);
-  const std::unique_ptr<posix_spawn_file_actions_t, int (*)(posix_spawn_file_actions_t*)> owner(
-      &files, posix_spawn_file_actions_destroy);
-  posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_adddup2(&files, fileno(out.get()), STDOUT_FILENO);
-  posix_spawn_file_actions_adddup2(&files, fileno(err.get()), STDERR_FILENO);
-  const pid_t child = spawn(program, arguments, &files, mend);
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
-  return {exit_code_of(status), all_of(out.get()), all_of(err.get())};
 }
 
 std::vector<std::string> stage_arguments(const std::string& job_file, const CommonOptions& options) {

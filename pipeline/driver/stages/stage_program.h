@@ -9,7 +9,7 @@ namespace patchlight {
 
 /// Exit code and resource use of a process.
 struct ProgramRun {
-  int exit_code = 0;       ///< 75 if SIGINT or SIGTERM killed it, 70 after any other signal.
+  int exit_code = 0;       ///< As from exit_code_of().
   double cpu_seconds = 0;  ///< User and system.
   double wall_seconds = 0;
   std::int64_t peak_bytes = 0;  ///< Largest resident set.
@@ -19,17 +19,6 @@ struct ProgramRun {
 /// once Progress catches them.
 /// Throws: Error (unavailable) if it cannot be started.
 ProgramRun run_program(const std::string& program, const std::vector<std::string>& arguments);
-
-/// Output and exit code of a program.
-struct ProgramOutput {
-  int exit_code = 0;  ///< As in ProgramRun.
-  std::string out, err;
-};
-
-/// Runs a short program without input and waits for it. Throws: Error (unavailable), with the remedy `mend`, if it
-/// cannot be started.
-ProgramOutput capture_program(const std::string& program, const std::vector<std::string>& arguments,
-                              const std::string& mend);
 
 /// The arguments that pass a job and these options to a stage program.
 std::vector<std::string> stage_arguments(const std::string& job_file, const CommonOptions& options);

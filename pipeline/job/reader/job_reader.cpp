@@ -3,12 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <fstream>
 #include <set>
 #include <sstream>
 
+#include "pipeline/job/blender/blender_export.h"
 #include "pipeline/job/nearest_word.h"
+#include "pipeline/job/reader/scene_file.h"
 #include "pipeline/job/schema/job_override.h"
 #include "pipeline/job/schema/job_schema.h"
 #include "pipeline/model/error.h"
@@ -176,22 +177,8 @@ class JobReader {
   const std::string* set_ = nullptr;  ///< The override that is being read; null: the file.
 };
 
-/// The extension in lower case.
-std::string extension(const fs::path& file) {
-  std::string text = file.extension().string();
-  for (char& c : text) c = char(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
-
-void refuse_blender_file(const fs::path& file, const std::string& place) {
-  if (extension(file) == ".blend")
-    throw Error(ExitCode::bad_config, "a Blender file is not a glTF scene", place,
-                "export it from Blender as glTF (File > Export > glTF 2.0) and name the .glb");
-}
-
 /// The job that a scene stands for; its paths are relative to the scene's folder.
 Job scene_job(const fs::path& scene) {
-  refuse_blender_file(scene, scene.string());
   std::error_code fault;
   if (!fs::is_regular_file(scene, fault))
     throw Error(ExitCode::missing_input, "missing scene", scene.string(), "check the path");
@@ -203,10 +190,6 @@ Job scene_job(const fs::path& scene) {
 }
 
 }  // namespace
-
-bool is_scene_file(const fs::path& file) {
-  return extension(file) == ".glb" || extension(file) == ".gltf" || extension(file) == ".blend";
-}
 
 Job read_job(const fs::path& file, const std::vector<std::string>& sets, const fs::path& output) {
   return JobTemplate(file).job(sets, output);
@@ -229,18 +212,34 @@ Job JobTemplate::job(const std::vector<std::string>& sets, const fs::path& outpu
   JobReader reader(file, job, merges_);
   for (const auto& set : sets) reader.apply(set);
   if (job.scene.empty()) throw Error(ExitCode::bad_config, "no `scene`", file.string(), "add `scene: FILE.glb`");
-  refuse_blender_file(job.scene, file.string() + ", scene");
   if (!output.empty()) job.output = fs::absolute(output);
   if (job.output.empty()) throw Error(ExitCode::bad_config, "no `output`", file.string(), "add `output: FOLDER`");
   const fs::path folder = fs::absolute(file).parent_path();
   job.scene = folder / job.scene;
   job.output = folder / job.output;
+  if (is_blender_file(job.scene)) job = job_over_export(job, sets);
   for (fs::path* path : {&job.environment.image, &job.bench.reference})
     if (!path->empty()) *path = folder / *path;
   if (std::int64_t(job.trace.resolution[0]) * job.trace.resolution[1] > kMaxPixels)
     throw Error(ExitCode::over_limit, fmt::format("a frame of more than {} pixels", kMaxPixels),
                 file.string() + ", trace.resolution", "lower it");
   return job;
+}
+
+Job JobTemplate::job_over_export(const Job& job, const std::vector<std::string>& sets) const {
+  BlenderExport blender = cached_blender_export(job.scene, job.output);
+  Job result;
+  int budget = kMaxIncludes;
+  JobReader(blender.job, result).read_file(budget);
+  const fs::path scene = result.scene;
+  if (!is_scene_file(job_.file)) JobReader(job_.file, result, true).read_file(budget);
+  JobReader reader(job_.file, result, true);
+  for (const auto& set : sets) reader.apply(set);
+  result.file = job_.file;
+  result.scene = scene;
+  result.output = job.output;
+  result.export_warnings = std::move(blender.warnings);
+  return result;
 }
 
 std::string effective_job(const Job& job) {

@@ -7,16 +7,14 @@
 
 namespace patchlight {
 
-/// Whether a file's name is that of a scene, not of a job: .glb, .gltf or .blend, in letters of either case.
-bool is_scene_file(const std::filesystem::path& file);
-
 /// Reads a job file. Included files are read first, and the job file overrides their keys; entries of `materials` and
 /// `lights` are merged. If `file` is a scene, every key has its default, and the output folder is `<scene>.patchlight`
-/// beside the scene, without the scene's extension. Relative paths are relative to the folder of the file that contains
-/// them; paths in `sets` are relative to the folder of `file`. `output` replaces the job's output folder, relative to
-/// the working directory; empty: no replacement. `sets`: `key.path=value` overrides; double quotes enclose a key with
-/// dots. Throws: Error (missing_input) without a file; (usage) for a malformed override; (bad_config), with key and
-/// line, for broken YAML, an unknown key or a bad value; (over_limit) for a frame too large.
+/// beside the scene, without the scene's extension. If the scene is a Blender file, Blender exports it first, and the
+/// job overrides that of the export. Relative paths are relative to the folder of the file that contains them; paths in
+/// `sets` are relative to the folder of `file`. `output` replaces the job's output folder, relative to the working
+/// directory; empty: no replacement. `sets`: `key.path=value` overrides; double quotes enclose a key with dots. Throws:
+/// Error (missing_input) without a file; (usage) for a malformed override; (bad_config), with key and line, for broken
+/// YAML, an unknown key or a bad value; (over_limit) for a frame too large.
 Job read_job(const std::filesystem::path& file, const std::vector<std::string>& sets = {},
              const std::filesystem::path& output = {});
 
@@ -33,6 +31,9 @@ class JobTemplate {
   void drop_matrix() { job_.matrix.clear(); }
 
  private:
+  /// The job again, where its scene is a Blender file: over that of its export.
+  Job job_over_export(const Job& job, const std::vector<std::string>& sets) const;
+
   Job job_;
   bool merges_ = false;  ///< Whether the file includes others.
 };

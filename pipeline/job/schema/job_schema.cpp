@@ -94,7 +94,7 @@ JobKey include_key() {
 
 std::vector<JobKey> job_keys(Job& job) {
   std::vector<JobKey> keys{
-      path_key("scene", job.scene, "the glTF scene, .gltf or .glb"),
+      path_key("scene", job.scene, "the scene, .gltf, .glb or .blend"),
       path_key("output", job.output, "folder of all outputs"),
   };
   const auto add = [&](std::vector<JobKey> section) {

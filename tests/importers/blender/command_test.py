@@ -28,7 +28,7 @@ class Command(ExportTest):
         (self.folder / "file").write_text("")
         done = self.run_blender("--factory-startup", "--python", str(ENTRY), "--", "--output",
                                 str(self.folder / "file" / "out"))
-        self.assertEqual(done.returncode, 1)
+        self.assertEqual(done.returncode, 73)
         lines = [line for line in done.stderr.splitlines() if line.startswith("patchlight-export: error: ")]
         self.assertEqual(len(lines), 1, done.stderr)
         self.assertIn("--output", lines[0])

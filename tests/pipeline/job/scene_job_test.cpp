@@ -28,11 +28,5 @@ TEST_F(JobFile, IsNotReplacedByASceneThatIsMissing) {
   EXPECT_ERROR(read_job(folder_ / "none.glb"), ExitCode::missing_input, "missing scene");
 }
 
-TEST_F(JobFile, RefusesABlenderFile) {
-  EXPECT_ERROR(read_job(folder_.write("room.blend", "BLENDER")), ExitCode::bad_config,
-               "export it from Blender as glTF");
-  EXPECT_ERROR(read("scene: room.Blend\noutput: out\n"), ExitCode::bad_config, "export it from Blender as glTF");
-}
-
 }  // namespace
 }  // namespace patchlight::test
