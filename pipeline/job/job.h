@@ -81,6 +81,15 @@ struct CameraConfig {
 inline constexpr std::array<const char*, 10> kExrCompressions{"none",  "rle", "zips", "zip",  "piz",
                                                               "pxr24", "b44", "b44a", "dwaa", "dwab"};
 
+/// How the PNG of a frame shows its radiance.
+struct PictureConfig {
+  std::filesystem::path ocio;  ///< Config of OpenColorIO; empty: that of $OCIO, or the shipped one.
+  std::string view = "sRGB";
+  std::string look;       ///< Empty: none.
+  double exposure = 0.0;  ///< Stops.
+  double gamma = 1.0;     ///< Display values are raised to its inverse.
+};
+
 struct TraceConfig {
   std::vector<std::string> cameras;  ///< Empty: all.
   std::string frames = "1";          ///< For frame_numbers().
@@ -93,8 +102,7 @@ struct TraceConfig {
   std::vector<std::string> layers;  ///< Of the EXR, besides beauty; `light_groups`: one per light group.
   std::string pixel_type = "half";  ///< half or float, of the EXR's radiance and colour layers.
   std::string compression = "zip";  ///< Of the EXR, by OpenImageIO's name.
-  std::string view = "sRGB";
-  double exposure = 0.0;  ///< Stops; only for the PNG.
+  PictureConfig picture;
 
   bool asks_for(std::string_view layer) const { return std::find(layers.begin(), layers.end(), layer) != layers.end(); }
 };

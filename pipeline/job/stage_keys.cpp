@@ -108,7 +108,8 @@ std::string frame_key(const PatchSet& scene, const std::string& energy_key, cons
       .add(trace.quality)
       .add(trace.quality == "gather" ? trace.gather_rays : 0)
       .add(view_config);
-  hasher.add(trace.cull_backfaces).add(trace.view).add(trace.exposure);
+  hasher.add(trace.cull_backfaces).add(trace.picture.view).add(trace.picture.look);
+  hasher.add(trace.picture.exposure).add(trace.picture.gamma);
   hasher.add(trace.pixel_type).add(trace.compression);
   for (const std::string& layer : trace.layers) hasher.add(layer);
   for (const auto& [name, light] : job.lights) {

@@ -117,12 +117,19 @@ class ConfigWalk {
 
 }  // namespace
 
-std::string view_config_key() {
-  const char* file = std::getenv("OCIO");
-  if (!file || !*file) return "shipped";
+fs::path view_config_file(const fs::path& chosen) {
+  const char* variable = std::getenv("OCIO");
+  const fs::path file = !chosen.empty() ? chosen : variable ? variable : "";
   std::error_code fault;
-  if (!fs::is_regular_file(file, fault))
-    throw Error(ExitCode::missing_input, "missing OpenColorIO config", file, "set or unset $OCIO");
+  if (!file.empty() && !fs::is_regular_file(file, fault))
+    throw Error(ExitCode::missing_input, "missing OpenColorIO config", file,
+                chosen.empty() ? "set or unset $OCIO" : "mend `trace.ocio`");
+  return file;
+}
+
+std::string view_config_key(const fs::path& chosen) {
+  const fs::path file = view_config_file(chosen);
+  if (file.empty()) return "shipped";
   KeyHasher key;
   key.add("view config").add(hash_file(file));
   for (const char* name : {"OCIO_ACTIVE_DISPLAYS", "OCIO_ACTIVE_VIEWS"}) {
@@ -130,7 +137,7 @@ std::string view_config_key() {
     key.add(value ? value : "");
   }
   try {
-    const YAML::Node config = YAML::LoadFile(file);
+    const YAML::Node config = YAML::LoadFile(file.string());
     if (config.IsMap()) ConfigWalk(config, fs::absolute(file).parent_path(), key);
   } catch (const YAML::Exception&) {  // an archive, which holds its files itself, or broken, as the trace will tell
   }

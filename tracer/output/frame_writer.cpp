@@ -62,8 +62,8 @@ FrameWriter::FrameWriter(const Job& job, const PatchSet& scene, std::string ener
     : job_(job),
       scene_(scene),
       energy_key_(std::move(energy_key)),
-      view_(job.trace.view, job.trace.exposure),
-      view_config_(view_config_key()) {}
+      view_(job.trace.picture),
+      view_config_(view_config_key(job.trace.picture.ocio)) {}
 
 void FrameWriter::state_error(const EnergyField::Estimate& estimate) {
   stated_errors_ = {{"patchlight:error_bound", fmt::format("{:.4g}", estimate.error_bound)},

@@ -21,7 +21,7 @@ namespace {
 
 constexpr const char* kRemedy = "render it by `patchlight run`";
 
-/// Throws unless the frame was traced with the job's settings; `lights`, view and exposure may differ.
+/// Throws unless the frame was traced with the job's settings; `lights` and how the PNG shows it may differ.
 void check_source(const Frame& frame, const Image& source, const Job& job, const PatchSet& scene) {
   const auto text = [&](const char* name) {
     const auto found = source.metadata.find(name);
@@ -32,8 +32,7 @@ void check_source(const Frame& frame, const Image& source, const Job& job, const
   const auto key_of = [&](const Job& other) {
     Job candidate = other;
     candidate.lights = source_settings.lights;
-    candidate.trace.view = source_settings.trace.view;
-    candidate.trace.exposure = source_settings.trace.exposure;
+    candidate.trace.picture = source_settings.trace.picture;
     return frame_key(scene, energy_key(scene.key, other.solve), candidate, frame.camera, frame.number,
                      text("patchlight:view_config"));
   };

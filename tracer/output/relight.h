@@ -6,8 +6,8 @@
 namespace patchlight {
 
 /// Writes relit frames, EXR and PNG, into the job's relit folder without tracing: each is the sum of the light group
-/// layers of a traced frame, each times its setting. The traced frame may differ from the job in `lights`, `trace.view`
-/// and `trace.exposure` only. Layers by transport path (direct, indirect, ...) are left out, since light groups cannot
+/// layers of a traced frame, each times its setting. The traced frame may differ from the job in `lights` and `trace.picture`
+/// only. Layers by transport path (direct, indirect, ...) are left out, since light groups cannot
 /// give them. Warns of each frame that cannot be used and continues. `skip_fresh`: keeps relit frames that are up to
 /// date.
 /// Throws: Error (bad_config) for an unknown camera, light group or view, or without the layer `light_groups`;

@@ -10,6 +10,7 @@
 #include <sstream>
 #include <vector>
 
+#include "pipeline/job/view_config.h"
 #include "pipeline/model/error.h"
 #include "tracer/output/shipped_config.h"
 
@@ -19,17 +20,43 @@ namespace patchlight {
 
 namespace {
 
-ocio::ConstConfigRcPtr load_config(std::string& name) {
-  const char* file = std::getenv("OCIO");
-  if (!file || !*file) {
-    name = "the shipped config.ocio";
-    std::istringstream text(kShippedOcioConfig);
-    return ocio::Config::CreateFromStream(text);
+ocio::ConstConfigRcPtr load_config(const std::filesystem::path& file) {
+  if (!file.empty()) return ocio::Config::CreateFromFile(file.c_str());
+  std::istringstream text(kShippedOcioConfig);
+  return ocio::Config::CreateFromStream(text);
+}
+
+/// Throws: Error (bad_config) unless the job's name is one of the config's.
+void check_name(const std::string& name, const std::vector<std::string>& known, const std::string& kind,
+                const std::string& config) {
+  if (std::find(known.begin(), known.end(), name) == known.end())
+    throw Error(ExitCode::bad_config, fmt::format("unknown {} `{}`", kind, name), "trace." + kind,
+                fmt::format("{} has: {}", config, known.empty() ? "none" : fmt::format("{}", fmt::join(known, ", "))));
+}
+
+/// From scene-linear radiance to display values, as Blender does: look, view, gamma.
+ocio::ConstTransformRcPtr transform_of(const ocio::Config& config, const PictureConfig& picture, const char* display) {
+  const ocio::GroupTransformRcPtr group = ocio::GroupTransform::Create();
+  if (!picture.look.empty()) {
+    const ocio::LookTransformRcPtr look = ocio::LookTransform::Create();
+    look->setSrc(ocio::ROLE_SCENE_LINEAR);
+    look->setDst(ocio::ROLE_SCENE_LINEAR);
+    look->setLooks(picture.look.c_str());
+    group->appendTransform(look);
   }
-  name = file;
-  if (std::error_code fault; !std::filesystem::is_regular_file(file, fault))
-    throw Error(ExitCode::missing_input, "missing OpenColorIO config", name, "set or unset $OCIO");
-  return ocio::Config::CreateFromFile(file);
+  const ocio::DisplayViewTransformRcPtr view = ocio::DisplayViewTransform::Create();
+  view->setSrc(ocio::ROLE_SCENE_LINEAR);
+  view->setDisplay(display);
+  view->setView(picture.view.c_str());
+  view->setLooksBypass(!picture.look.empty());
+  group->appendTransform(view);
+  if (picture.gamma != 1.0) {
+    const ocio::ExponentTransformRcPtr exponent = ocio::ExponentTransform::Create();
+    const double power = 1.0 / picture.gamma;
+    exponent->setValue({power, power, power, 1.0});
+    group->appendTransform(exponent);
+  }
+  return group;
 }
 
 float displayable(float x) {
@@ -43,22 +70,22 @@ struct ViewTransform::Processor {
   ocio::ConstCPUProcessorRcPtr cpu;
 };
 
-ViewTransform::ViewTransform(const std::string& view, double exposure)
-    : processor_(std::make_unique<Processor>()), gain_(float(std::exp2(exposure))) {
-  std::string name;
+ViewTransform::ViewTransform(const PictureConfig& picture)
+    : processor_(std::make_unique<Processor>()), gain_(float(std::exp2(picture.exposure))) {
+  const std::filesystem::path file = view_config_file(picture.ocio);
+  const std::string name = file.empty() ? "the shipped config.ocio" : file.string();
   try {
-    const ocio::ConstConfigRcPtr config = load_config(name);
+    const ocio::ConstConfigRcPtr config = load_config(file);
     const char* display = config->getDefaultDisplay();
-    std::vector<std::string> views;
+    std::vector<std::string> views, looks;
     for (int i = 0; i < config->getNumViews(display); ++i) views.emplace_back(config->getView(display, i));
-    if (std::find(views.begin(), views.end(), view) == views.end())
-      throw Error(ExitCode::bad_config, "unknown view `" + view + "`", "trace.view",
-                  fmt::format("{} has: {}", name, fmt::join(views, ", ")));
-    processor_->cpu = config->getProcessor(ocio::ROLE_SCENE_LINEAR, display, view.c_str(), ocio::TRANSFORM_DIR_FORWARD)
-                          ->getDefaultCPUProcessor();
+    for (int i = 0; i < config->getNumLooks(); ++i) looks.emplace_back(config->getLookNameByIndex(i));
+    check_name(picture.view, views, "view", name);
+    if (!picture.look.empty()) check_name(picture.look, looks, "look", name);
+    processor_->cpu = config->getProcessor(transform_of(*config, picture, display))->getDefaultCPUProcessor();
   } catch (const ocio::Exception& error) {
     throw Error(ExitCode::bad_data, std::string("bad OpenColorIO config: ") + error.what(), name,
-                "mend it or unset $OCIO");
+                "mend it, or choose another with `trace.ocio` or $OCIO");
   }
 }
 

@@ -1,18 +1,18 @@
 #pragma once
 #include <memory>
-#include <string>
 
 #include "pipeline/image/image_file.h"
+#include "pipeline/job/job.h"
 
 namespace patchlight {
 
-/// Converts scene-linear Rec.709 radiance to display values by a view of the OpenColorIO config in $OCIO, or of the
-/// config that Patchlight ships.
+/// Converts scene-linear Rec.709 radiance to display values by a look and a view of an OpenColorIO config,
+/// view_config_file().
 class ViewTransform {
  public:
-  /// `exposure`: in stops.
-  /// Throws: Error (bad_config) for a view that the config does not have; (missing_input, bad_data) for a bad $OCIO.
-  ViewTransform(const std::string& view, double exposure);
+  /// Throws: Error (bad_config) for a view or look that the config does not have; (missing_input, bad_data) for a bad
+  /// config.
+  explicit ViewTransform(const PictureConfig& picture);
   ~ViewTransform();
 
   /// Values in [0,1]. NaN and negative radiance count as 0, infinity as the largest half float.

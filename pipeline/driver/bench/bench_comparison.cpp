@@ -164,8 +164,8 @@ void draw_comparison(const Job& job, const Reference& reference, const std::vect
     const int scale = scale_of(row);
     draw_text(sheet, column(0), top + kLine - 8, row.label, 15, kInk);
     top += kLine;
-    place(sheet, displayed(row.frame, job.trace.exposure), column(0), top, scale);
-    place(sheet, displayed(row.reference, job.trace.exposure), column(1), top, scale);
+    place(sheet, displayed(row.frame, job.trace.picture.exposure), column(0), top, scale);
+    place(sheet, displayed(row.reference, job.trace.picture.exposure), column(1), top, scale);
     place(sheet, error_map(row, range), column(2), top, scale);
     top += row.frame.height * scale + kGap;
   }

@@ -31,7 +31,7 @@ int relight_job(const RelightCommand& command, const JobVariant& variant, Progre
   const PatchSet scene = fresh_patches(job);
   check_names(job, scene);
   const OutputLock lock(job, progress);
-  const std::string view_config = view_config_key();
+  const std::string view_config = view_config_key(job.trace.picture.ocio);
   JointFreshness frames;
   for (const Frame& frame : job_frames(job, scene))
     frames.add(frame.exr.filename().string(), relit_freshness(job, scene, frame, view_config));

@@ -147,7 +147,7 @@ std::string trace_lines(const PatchSet& scene) {
   text += fmt::format("  # resolution: [{}, {}]  # the camera's own shape; absent: [{}, {}]\n", width, height, longest,
                       usual_height);
   text += fmt::format("  # samples: {}  # of a pixel\n", defaults.samples);
-  return text + fmt::format("  # exposure: {}  # stops, of the PNG alone\n", defaults.exposure);
+  return text + fmt::format("  # exposure: {}  # stops, of the PNG alone\n", defaults.picture.exposure);
 }
 
 }  // namespace

@@ -38,7 +38,7 @@ bool report_job(const JobVariant& variant) {
   }
   check_names(job, scene);
   bool fresh = report("solve", "energy.h5", energy_freshness(job, scene));
-  const std::string view_config = view_config_key();
+  const std::string view_config = view_config_key(job.trace.picture.ocio);
   for (const Frame& frame : job_frames(job, scene))
     fresh &=
         report("trace", "frames/" + frame.exr.filename().string(), frame_freshness(job, scene, frame, view_config));

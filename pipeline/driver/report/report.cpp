@@ -87,7 +87,7 @@ std::string traced_frames(const std::vector<FrameRecord>& frames) {
 /// The relit frames, fresh or stale; empty if `relight` never ran.
 std::string relit_frames(const Job& job, const PatchSet& scene, const std::vector<FrameRecord>& frames) {
   if (std::error_code fault; !fs::exists(job.relit_folder(), fault)) return "";
-  const std::string view_config = view_config_key();
+  const std::string view_config = view_config_key(job.trace.picture.ocio);
   JointFreshness all;
   std::vector<std::string> states;
   for (const FrameRecord& f : frames) {

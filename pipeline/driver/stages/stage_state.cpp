@@ -9,7 +9,7 @@ namespace patchlight {
 StageState frames_state(const Job& job, const PatchSet& scene, const OutputCache* cache, std::vector<bool>* fresh) {
   JointFreshness before, now;
   bool restored = false;
-  const std::string view_config = view_config_key();
+  const std::string view_config = view_config_key(job.trace.picture.ocio);
   const std::vector<Frame> frames = job_frames(job, scene);
   for (const Frame& frame : frames) {
     const std::string name = frame.exr.filename().string();
@@ -28,7 +28,7 @@ StageState frames_state(const Job& job, const PatchSet& scene, const OutputCache
 }
 
 void keep_frames(const Job& job, const PatchSet& scene, const OutputCache& cache) {
-  const std::string energy = energy_key(scene.key, job.solve), view_config = view_config_key();
+  const std::string energy = energy_key(scene.key, job.solve), view_config = view_config_key(job.trace.picture.ocio);
   for (const Frame& frame : job_frames(job, scene))
     cache.keep_frame(frame, frame_key(scene, energy, job, frame.camera, frame.number, view_config));
 }

@@ -96,7 +96,8 @@ class JobReader {
       merges_ = true;
     }
     read_section(root, "");
-    for (fs::path* path : {&job_.scene, &job_.output, &job_.environment.image, &job_.bench.reference})
+    for (fs::path* path :
+         {&job_.scene, &job_.output, &job_.environment.image, &job_.trace.picture.ocio, &job_.bench.reference})
       if (!path->empty()) *path = folder / *path;  // as they stand: `link/..` is not the folder that holds the link
   }
 
@@ -218,7 +219,7 @@ Job JobTemplate::job(const std::vector<std::string>& sets, const fs::path& outpu
   job.scene = folder / job.scene;
   job.output = folder / job.output;
   if (is_blender_file(job.scene)) job = job_over_export(job, sets);
-  for (fs::path* path : {&job.environment.image, &job.bench.reference})
+  for (fs::path* path : {&job.environment.image, &job.trace.picture.ocio, &job.bench.reference})
     if (!path->empty()) *path = folder / *path;
   if (std::int64_t(job.trace.resolution[0]) * job.trace.resolution[1] > kMaxPixels)
     throw Error(ExitCode::over_limit, fmt::format("a frame of more than {} pixels", kMaxPixels),
@@ -245,7 +246,8 @@ Job JobTemplate::job_over_export(const Job& job, const std::vector<std::string>&
 std::string effective_job(const Job& job) {
   const fs::path folder = fs::absolute(job.file).parent_path();
   Job copy = job;
-  for (fs::path* path : {&copy.scene, &copy.output, &copy.environment.image, &copy.bench.reference})
+  for (fs::path* path :
+       {&copy.scene, &copy.output, &copy.environment.image, &copy.trace.picture.ocio, &copy.bench.reference})
     if (path->string().starts_with(folder.string() + "/")) *path = path->string().substr(folder.string().size() + 1);
   YAML::Node root(YAML::NodeType::Map);
   for (const JobKey& key : job_keys(copy)) {

@@ -72,10 +72,10 @@ JobKey layers_key(std::vector<std::string>& layers) {
           [&layers] { return Node(layers); }};
 }
 
-JobKey view_key(std::string& view) {
-  return {"trace.view", "OpenColorIO view of the PNG: sRGB, ACES or Raw of the shipped config, or one of $OCIO's",
-          [&view](const Node& n) { view = parse<std::string>(n, "the name of a view"); },
-          [&view] { return Node(view); }};
+JobKey name_key(const char* path, std::string& name, const char* what, const char* help) {
+  return {path, help,
+          [&name, what](const Node& n) { name = parse<std::string>(n, std::string("the name of ") + what); },
+          [&name] { return Node(name); }};
 }
 
 }  // namespace
@@ -98,8 +98,13 @@ std::vector<JobKey> trace_keys(TraceConfig& trace) {
                  "type of light and colour channels in the EXR"),
       choice_key("trace.compression", trace.compression, {kExrCompressions.begin(), kExrCompressions.end()},
                  "compression of the EXR"),
-      view_key(trace.view),
-      number_key("trace.exposure", trace.exposure, -100, 100, "exposure of the PNG in stops"),
+      path_key("trace.ocio", trace.picture.ocio,
+               "OpenColorIO config of the PNG; absent: that of $OCIO, or the shipped one"),
+      name_key("trace.view", trace.picture.view, "a view",
+               "OpenColorIO view of the PNG: sRGB, ACES or Raw of the shipped config, or one of another config"),
+      name_key("trace.look", trace.picture.look, "a look", "look of the OpenColorIO config for the PNG"),
+      number_key("trace.exposure", trace.picture.exposure, -100, 100, "exposure of the PNG in stops"),
+      number_key("trace.gamma", trace.picture.gamma, 0.01, 100, "display values of the PNG are raised to its inverse"),
   };
 }
 

@@ -151,7 +151,7 @@ TEST_F(Rerun, WritesKeyAndEffectiveJobIntoEveryOutput) {
   EXPECT_EQ(energy.key, energy_key(scene.key, job.solve));
   EXPECT_EQ(read_transport_key(folder_ / "out/transport.h5"), transport_key(scene.geometry_key, job.solve));
   EXPECT_EQ(frame.metadata["patchlight:key"],
-            frame_key(scene, energy.key, job, scene.cameras.at(0), 1, view_config_key()));
+            frame_key(scene, energy.key, job, scene.cameras.at(0), 1, view_config_key(job.trace.picture.ocio)));
   ASSERT_TRUE(energy.estimate);
   EXPECT_EQ(frame.metadata["patchlight:error_bound"], fmt::format("{:.4g}", energy.estimate->error_bound));
   EXPECT_EQ(frame.metadata["patchlight:error_local"], fmt::format("{:.4g}", energy.estimate->error_local));

@@ -67,7 +67,10 @@ const std::vector<Setting> kSettings{
     {"trace.pixel_type", "float", "trace"},
     {"trace.compression", "piz", "trace"},
     {"trace.view", "Raw", "trace"},
+    {"trace.ocio", "x.ocio", ""},  // its content counts: view_config_key()
+    {"trace.look", "High", "trace"},
     {"trace.exposure", "1", "trace"},
+    {"trace.gamma", "2", "trace"},
     {"cache", "1GiB", ""},
     {"matrix.mood", "{day: {trace.samples: 1}}", ""},
     {"executor", "slurm", ""},

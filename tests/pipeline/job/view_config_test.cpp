@@ -22,20 +22,20 @@ class ViewConfig : public ::testing::Test {
   bool covers(const std::string& file) {
     std::filesystem::create_directories((folder_ / file).parent_path());
     folder_.write(file, "1");
-    const std::string key = view_config_key();
+    const std::string key = view_config_key({});
     folder_.write(file, "2");
-    return view_config_key() != key;
+    return view_config_key({}) != key;
   }
 
   test::TemporaryFolder folder_;
 };
 
 TEST_F(ViewConfig, KeyCoversItsContent) {
-  EXPECT_EQ(view_config_key(), "shipped");
+  EXPECT_EQ(view_config_key({}), "shipped");
   use_config("a");
   EXPECT_TRUE(covers("config.ocio"));
   setenv("OCIO", folder_.path().c_str(), 1);
-  EXPECT_ERROR(view_config_key(), ExitCode::missing_input, "$OCIO");
+  EXPECT_ERROR(view_config_key({}), ExitCode::missing_input, "$OCIO");
 }
 
 TEST_F(ViewConfig, KeyCoversTheContentOfAnArchive) {
@@ -82,9 +82,9 @@ TEST_F(ViewConfig, KeyFollowsVariablesThatTheConfigUses) {
   std::filesystem::create_directories(folder_ / "luts/second");
   folder_.write("luts/first/c.cc", "1");
   folder_.write("luts/second/c.cc", "2");
-  const std::string key = view_config_key();
+  const std::string key = view_config_key({});
   setenv("SHOT", "second", 1);
-  EXPECT_NE(view_config_key(), key);
+  EXPECT_NE(view_config_key({}), key);
   EXPECT_TRUE(covers("luts/second/c.cc"));
   EXPECT_FALSE(covers("luts/first/c.cc"));
   unsetenv("SHOT");
