@@ -61,10 +61,12 @@ struct SolveConfig {
 /// Prefix of the layers of light groups, as in Blender.
 inline constexpr const char* kLightGroupLayer = "Combined_";
 
-/// How frames show one light group.
+/// Settings of one light group: how frames show it, and the size of its lights without a surface.
 struct LightSetting {
   double scale = 1.0;
   Color color{1.0f};
+  std::optional<double> radius{};  ///< Of point lights and spots, m; absent: the scene's.
+  std::optional<double> angle{};   ///< Apparent diameter of suns, degrees; absent: the scene's.
 };
 
 /// A camera defined by the job.

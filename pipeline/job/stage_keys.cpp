@@ -45,6 +45,9 @@ std::string import_inputs_key(const std::vector<SourceFile>& sources, const Job&
       hasher.add(change.exclude.value_or(false));
     }
   }
+  for (const auto& [name, light] : job.lights)
+    if (light.radius || light.angle)
+      hasher.add("light").add(name).add(light.radius.value_or(-1.0)).add(light.angle.value_or(-1.0));
   if (const EnvironmentConfig& sky = job.environment; sky.is_set()) {
     hasher.add("environment");
     add_color(hasher, sky.color);

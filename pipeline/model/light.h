@@ -7,8 +7,11 @@
 
 namespace patchlight {
 
-/// A light without a surface (KHR_lights_punctual): invisible to cameras and mirrors. Point lights, spot lights, and
-/// suns of radius 0 cast sharp shadows.
+constexpr double kMaxLightRadius = 1e6;  ///< m
+constexpr double kMaxSunAngle = 180.0;   ///< Degrees.
+
+/// A light without a surface (KHR_lights_punctual): invisible to cameras and mirrors. Point lights, spots and suns
+/// of radius 0 cast sharp shadows.
 struct Light {
   enum class Kind : std::int32_t { point = 0, spot = 1, sun = 2 };
   static constexpr std::array kKindNames{"point", "spot", "sun"};  ///< By Kind.
@@ -20,6 +23,7 @@ struct Light {
   Vec3d position{0.0};           ///< m; zero for a sun.
   Vec3d direction{0.0, 0.0, -1.0};  ///< Unit vector along which a spot or a sun emits.
   double inner = 0.0, outer = 0.0;  ///< Spot: half angles of its cones, rad. Sun: `outer` is its angular radius.
+  double radius = 0.0;              ///< Of a point light or spot, m: a sphere of uniform radiance, which hides nothing.
 };
 
 }  // namespace patchlight

@@ -65,7 +65,7 @@ struct Transport : TransportRows {
     std::vector<float> display{};  ///< [2 mesh elements] For the display mesh; empty without one.
     /// [2 rows] Extended form factors over metals, times their reflectance; empty: no metals, or they are ignored.
     std::vector<Color> mirrored{};
-    std::int64_t light = 0;  ///< Hash of kind, position, direction and cone of a Light; 0: a surface.
+    std::int64_t light = 0;  ///< Hash of kind, place and shape of a Light; 0: a surface.
   };
 
   /// Form factors of the display mesh.

@@ -92,6 +92,7 @@ std::int64_t light_id(const PatchSet& scene, const Emitter& emitter) {
     for (int k = 0; k < 3; ++k) add(v[k]);
   add(light.inner);
   add(light.outer);
+  if (light.radius > 0) add(light.radius);
   return std::max<std::int64_t>(std::int64_t(id >> 1), 1);
 }
 

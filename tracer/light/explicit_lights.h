@@ -28,7 +28,7 @@ class ExplicitLights {
     DirectLight light;
     Emitter emitter;
     std::int32_t group;
-    Color unscaled;  ///< Exitance at the scene's own strength, W/m2; for a light without extent, its strength.
+    Color unscaled;  ///< Exitance at the scene's own strength, W/m2; for a Light, its strength.
     Color exitance;  ///< `unscaled` times the group's setting.
 
     float brightness() const { return unscaled.x + unscaled.y + unscaled.z; }

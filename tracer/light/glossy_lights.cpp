@@ -55,7 +55,7 @@ GlossyLights::Sample GlossyLights::sample(const Vertex& vertex, float choice, co
   if (ray.weight <= 0) return {};
   const MetalLobe lobe = metal_lobe(vertex.roughness, vertex.normal, vertex.direction, ray.direction);
   if (lamp.emitter.light >= 0) {  // no path hits it
-    const auto irradiance = float(kPi * lamp.light.perpendicular_factor(vertex.position));
+    const auto irradiance = float(kPi * view.perpendicular_weight(ray));
     return {ray.direction, ray.distance, lobe.value * irradiance * sum / weights[l], lamp.group, lamp.unscaled};
   }
   const float density = float(view.density(ray.direction)) * weights[l] / sum;

@@ -28,8 +28,7 @@ class GlossyLights {
     float distance = 0.0f;
     float weight = 0.0f;  ///< Factor of the emitter's radiance times the metal's reflectance; 0: no contribution.
     std::int32_t group = 0;
-    Color exitance{
-        0.0f};  ///< Of the emitter at the scene's own strength, W/m2; of a light without extent, its strength.
+    Color exitance{0.0f};  ///< Of the emitter at the scene's own strength, W/m2; of a Light, its strength.
   };
   /// `choice`, in [0,1), selects the emitter, `at`, in [0,1)^2, the point on it.
   Sample sample(const Vertex& vertex, float choice, const Vec2f& at) const;

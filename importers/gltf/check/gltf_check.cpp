@@ -215,6 +215,7 @@ CheckedGltf check_gltf(std::string_view json, const std::string& file, const Glt
   check_nodes(gltf, result.parents, result.hidden);
   result.lights = checked_lights(gltf);
   result.node_lights = checked_node_lights(gltf, result.lights);
+  result.node_light_extras = checked_light_extras(gltf, result.node_lights, result.parents);
   std::set<std::string> animation_warnings;
   result.camera_channels = checked_camera_channels(gltf, result.parents, animation_warnings);
   if (options.animations) {

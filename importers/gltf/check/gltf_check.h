@@ -1,5 +1,6 @@
 #pragma once
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -30,12 +31,19 @@ struct GltfInstances {
   std::size_t count = 0;
 };
 
+/// Custom properties (extras) of a light or of its node.
+struct GltfLightExtras {
+  std::optional<double> radius;  ///< Of a point light or spot, m.
+  std::optional<double> angle;   ///< Apparent diameter of a sun, degrees.
+};
+
 /// A light of KHR_lights_punctual.
 struct GltfLight {
   Light light;  ///< Position and direction unset; strength in the file's unit.
   std::string name;
   std::string light_group;  ///< From its extras; empty: none.
-  bool known = true;        ///< Its type is supported.
+  GltfLightExtras extras;
+  bool known = true;  ///< Its type is supported.
 };
 
 /// A glTF file that is safe to parse.
@@ -51,8 +59,9 @@ struct CheckedGltf {
   std::vector<char> hidden;                ///< By node: hidden by itself, and everything below it.
   std::vector<NodeChannel> camera_channels;
   std::vector<GltfLight> lights;
-  std::map<int, int> node_lights;    ///< Indices into `lights`, by node.
-  std::vector<std::string> ignored;  ///< Warnings of contents that are not imported.
+  std::map<int, int> node_lights;                    ///< Indices into `lights`, by node.
+  std::map<int, GltfLightExtras> node_light_extras;  ///< Of nodes with a light, and of their parents.
+  std::vector<std::string> ignored;                  ///< Warnings of contents that are not imported.
 };
 
 /// Checks every part of a glTF file's JSON that the importer and tinygltf read: version, required extensions, types,

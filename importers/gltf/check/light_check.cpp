@@ -42,6 +42,22 @@ void read_cone(const Json& item, Light& light, const GltfPlace& place) {
         place, "spot");
 }
 
+std::optional<double> number_in_extras(const Json& extras, const char* key, double most, const GltfPlace& place) {
+  const Json* member = find_member(extras, key);
+  if (!member) return std::nullopt;
+  const double value = member->is_number() ? member->get<double>() : -1.0;
+  if (!(value >= 0.0 && value <= most))
+    refuse_gltf(fmt::format("must be a number in [0, {}]", most), place, fmt::format("extras.{}", key));
+  return value;
+}
+
+GltfLightExtras checked_extras(const Json& item, const GltfPlace& place) {
+  const Json* extras = find_member(item, "extras");
+  if (!extras || !extras->is_object()) return {};
+  return {number_in_extras(*extras, "radius", kMaxLightRadius, place),
+          number_in_extras(*extras, "angle", kMaxSunAngle, place)};
+}
+
 GltfLight checked_light(const Json& item, const GltfPlace& place) {
   GltfLight result;
   const std::optional<Light::Kind> kind = kind_of(item, place);
@@ -61,6 +77,7 @@ GltfLight checked_light(const Json& item, const GltfPlace& place) {
     refuse_gltf("must be greater than 0", place, "range");
   const Json* extras = find_member(item, "extras");
   if (extras && extras->is_object()) result.light_group = string_member(*extras, "light_group");
+  result.extras = checked_extras(item, place);
   result.known = kind.has_value();
   result.light.kind = kind.value_or(Light::Kind::point);
   if (result.light.kind == Light::Kind::spot) read_cone(item, result.light, place);
@@ -90,6 +107,18 @@ std::map<int, int> checked_node_lights(const GltfLists& gltf, const std::vector<
     const int light = extension ? index_member(*extension, "light", lights.size(), place) : -1;
     if (light >= 0 && lights[light].known) result.emplace(static_cast<int>(place.index), light);
   });
+  return result;
+}
+
+std::map<int, GltfLightExtras> checked_light_extras(const GltfLists& gltf, const std::map<int, int>& node_lights,
+                                                    const std::vector<int>& parents) {
+  std::map<int, GltfLightExtras> result;
+  for (const auto& [light_node, light] : node_lights)
+    for (const int node : {light_node, parents[light_node]})
+      if (node >= 0) {
+        const GltfPlace place = gltf.place("nodes", static_cast<std::size_t>(node));
+        result.emplace(node, checked_extras(*place.item, place));
+      }
   return result;
 }
 

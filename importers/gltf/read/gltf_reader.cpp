@@ -163,6 +163,7 @@ void place_lights(const GltfModel& model, const Job& job, const std::vector<Plac
     placed->light.light_group = groups.index_of(placed->group, placed->light.name, "light");
     scene.lights.push_back(std::move(placed->light));
   }
+  check_light_sizes(job, scene.lights, scene.light_groups);
 }
 
 /// Vertex colours apply unless the job or a shader sets the reflectance; vertex alpha applies if there is a mask.

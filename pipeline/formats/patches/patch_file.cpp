@@ -195,6 +195,7 @@ void write_patches(const std::filesystem::path& file, PatchSet& scene) {
                       "/lights/light_group",
                       "/lights/strength",
                       "/lights/shape",
+                      "/lights/radius",
                       "/environment/cells",
                       "/environment/light_group"});
   scene.geometry_key =

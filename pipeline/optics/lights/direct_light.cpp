@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "pipeline/optics/intersect/rounding.h"
+#include "pipeline/optics/lights/sphere_form_factor.h"
 #include "pipeline/optics/sampling/patch_sampling.h"
 
 namespace patchlight {
@@ -14,19 +15,9 @@ namespace {
 constexpr int kMaxExplicit = 64;
 constexpr double kMaxMasked = 0.01;    ///< Of the scene's area: a masked emitter that is sampled.
 constexpr double kRounding = 0x1p-22;  ///< Of coplanar points in files, relative to their coordinates.
-constexpr double kMinDistance = 1e-6;  ///< m; a point light does not light closer points.
 
 bool is_lit_outside(const Primitive& p) {
   return p.shape == Primitive::Shape::quad || p.sphere_radius > 0;
-}
-
-/// Form factor of a sphere, whose centre has this cosine to the normal; `ratio`: squared sine of its angular radius.
-double spherical_form_factor(double cosine, double ratio) {
-  if (cosine * cosine >= ratio) return ratio * std::max(cosine, 0.0);
-  const double sine = std::sqrt(1 - cosine * cosine);
-  const double x = std::sqrt(1 / ratio - 1), y = -x * cosine / sine;
-  const double z = sine * std::sqrt(std::max(0.0, 1 - y * y));
-  return std::max(0.0, ((cosine * std::acos(std::clamp(y, -1.0, 1.0)) - x * z) * ratio + std::atan(z / x)) / kPi);
 }
 
 using Double4 = double __attribute__((vector_size(32)));
@@ -193,16 +184,6 @@ DirectLight::DirectLight(const PatchSet& scene, const RayScene& ray_scene, const
   }
 }
 
-DirectLight::DirectLight(const Light& light) : kind_(Kind::point), center_(light.position), normal_(light.direction) {
-  if (light.kind == Light::Kind::sun) {
-    kind_ = light.outer > 0 ? Kind::disk : Kind::sun;
-    radius_ = std::sin(light.outer);
-  }
-  if (light.kind != Light::Kind::spot) return;
-  cos_outer_ = std::cos(light.outer);
-  inverse_cos_range_ = 1 / std::max(0.001, std::cos(light.inner) - cos_outer_);
-}
-
 DirectLight DirectLight::image(const PlaneMirror& mirror) const {
   DirectLight image = *this;
   image.center_ = mirror.image_of(center_);
@@ -227,23 +208,11 @@ double DirectLight::form_factor(const Vec3d& point, const Vec3f& normal) const {
       return sphere_form_factor(point, Vec3d(normal));
     case Kind::disk:
       return spherical_form_factor(center_direction(point) ^ Vec3d(normal), radius_ * radius_) / (radius_ * radius_);
+    case Kind::ball:
+      return ball_form_factor(point, Vec3d(normal));
     default:
       return perpendicular_factor(point) * std::max(0.0, center_direction(point) ^ Vec3d(normal));
   }
-}
-
-/// Unit vector towards the centre of a Light.
-Vec3d DirectLight::center_direction(const Vec3d& point) const {
-  return is_infinite() ? -normal_ : (center_ - point).normalized();
-}
-
-double DirectLight::perpendicular_factor(const Vec3d& point) const {
-  if (is_infinite()) return 1.0;
-  const Vec3d from = point - center_;
-  const double squared = from.length2();
-  if (squared < kMinDistance * kMinDistance) return 0.0;
-  const double part = std::clamp(((from ^ normal_) / std::sqrt(squared) - cos_outer_) * inverse_cos_range_, 0.0, 1.0);
-  return part * part / squared;
 }
 
 bool DirectLight::cannot_illuminate(std::span<const Vec3d> points, const Vec3f& normal) const {

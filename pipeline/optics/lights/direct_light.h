@@ -81,14 +81,17 @@ class DirectLight {
   /// Rough estimate of the fraction of directions that the emitter covers, in [0,1]; 0 on its unlit side. Of a Light:
   /// perpendicular_factor().
   double apparent_size(const Vec3d& point) const {
-    if (is_point() || is_infinite()) return perpendicular_factor(point);
+    if (is_point() || is_infinite() || kind_ == Kind::ball) return perpendicular_factor(point);
     const Vec3d from = point - center_;
     if (kind_ == Kind::polygon && height(point) <= 0) return 0.0;
     return radius_ * radius_ / std::max(from.length2(), radius_ * radius_);
   }
 
-  /// Form factor of a Light from a surface element that faces it.
+  /// Form factor of a Light from a surface element that faces its centre. Of a Light with a radius: as of its centre.
   double perpendicular_factor(const Vec3d& point) const;
+
+  /// Radiant intensity of a point light or a spot in a direction of unit length, over its strength.
+  double relative_intensity(const Vec3d& direction) const;
 
   /// Precomputed data for many samples from one point.
   class View {
@@ -98,6 +101,9 @@ class DirectLight {
 
     /// Probability density of sample() for a direction that hits the emitter, per sr; 0 without extent.
     double density(const Vec3f& direction) const;
+
+    /// Form factor of a Light from a surface element that faces a sample's direction, with the weight of the sample.
+    double perpendicular_weight(const Sample& sample) const;
 
    private:
     friend class DirectLight;
@@ -115,6 +121,7 @@ class DirectLight {
     Sample sample_polygon(double x, double y) const;
     Sample sample_sphere(double x, double y) const;
     Sample sample_disk(double x, double y) const;
+    Sample sample_ball(double x, double y) const;
     Sample sample_point() const;
 
     const DirectLight* light_ = nullptr;
@@ -135,7 +142,8 @@ class DirectLight {
   }
 
  private:
-  enum class Kind { polygon, sphere, point, sun, disk };  ///< `sun` and `disk` (a sun with a radius) are at infinity.
+  /// `ball` is a point light or a spot with a radius. `sun` and `disk`, a sun with a radius, are at infinity.
+  enum class Kind { polygon, sphere, point, sun, disk, ball };
 
   bool is_infinite() const { return kind_ == Kind::sun || kind_ == Kind::disk; }
 
@@ -144,6 +152,8 @@ class DirectLight {
   double height(const Vec3d& point) const { return ((point - center_) ^ normal_) - plane_tolerance_; }
 
   Vec3d center_direction(const Vec3d& point) const;
+  double ball_form_factor(const Vec3d& point, const Vec3d& normal) const;
+  bool is_at_edge_of_cone(const Vec3d& point) const;
   double polygon_form_factor(const Vec3d& point, const Vec3d& normal) const;
   double sphere_form_factor(const Vec3d& point, const Vec3d& normal) const;
 
@@ -159,6 +169,7 @@ class DirectLight {
   std::array<Vec3d, 3> edges_{Vec3d(0.0), Vec3d(0.0), Vec3d(0.0)};  ///< Of a polygon, from corner 0 to the others.
   double area_ = 0.0, first_triangle_part_ = 1.0;      ///< Of a polygon, m2; fraction of its triangle 0 1 2.
   double cos_outer_ = -2.0, inverse_cos_range_ = 1.0;  ///< Angular falloff of a spot.
+  bool is_directed_ = false;                           ///< Of a Light: its intensity depends on the direction.
 };
 
 }  // namespace patchlight

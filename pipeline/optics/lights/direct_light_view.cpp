@@ -71,13 +71,19 @@ DirectLight::Sample DirectLight::View::sample(float x, float y) const {
       return sample_sphere(x, y);
     case Kind::disk:
       return sample_disk(x, y);
+    case Kind::ball: {
+      Sample sample = sample_ball(x, y);
+      if (light_->is_directed_ && sample.weight > 0)
+        sample.weight *= float(light_->relative_intensity(-Vec3d(sample.direction)));
+      return sample;
+    }
     default:
       return sample_point();
   }
 }
 
 double DirectLight::View::density(const Vec3f& direction) const {
-  if (light_->is_point()) return 0.0;
+  if (light_->is_point() || light_->kind_ == Kind::ball) return 0.0;  // no path hits it
   if (light_->kind_ == Kind::sphere || light_->kind_ == Kind::disk) {
     const double r2 = light_->radius_ * light_->radius_;
     const double sine2 = light_->kind_ == Kind::disk ? r2 : r2 / (light_->center_ - point_).length2();
@@ -147,6 +153,32 @@ DirectLight::Sample DirectLight::View::sample_disk(double x, double y) const {
   const double cosine = direction ^ Vec3d(normal_);
   if (cosine <= 0) return {};
   return {Vec3f(direction), std::numeric_limits<float>::infinity(), float(2 * cosine * one_minus_cos / sine2)};
+}
+
+/// Of a ball that emits the same in all directions. Inside, directions towards its surface, by the cosine law.
+DirectLight::Sample DirectLight::View::sample_ball(double x, double y) const {
+  const Vec3d to = light_->center_ - point_, normal(normal_);
+  const double r2 = light_->radius_ * light_->radius_, squared = to.length2();
+  const bool is_inside = squared <= r2;
+  double one_minus_cos = 1.0;
+  Vec3d direction;
+  if (is_inside) {
+    direction = sample_cone(normal, 1 - std::sqrt(1 - y), x, 1.0);
+  } else {
+    const double sine2 = r2 / squared;
+    one_minus_cos = sine2 / (1 + std::sqrt(1 - sine2));
+    direction = sample_cone(to / std::sqrt(squared), one_minus_cos, x, y);
+  }
+  const double cosine = direction ^ normal;
+  if (cosine <= 0) return {};
+  const double half = to ^ direction, chord = std::sqrt(std::max(r2 - (to - direction * half).length2(), 0.0));
+  return {Vec3f(direction), float(std::max(0.0, is_inside ? half + chord : half - chord)),
+          float((is_inside ? 1.0 : 2 * cosine * one_minus_cos) / r2)};
+}
+
+double DirectLight::View::perpendicular_weight(const Sample& sample) const {
+  if (light_->kind_ != Kind::ball) return light_->perpendicular_factor(point_);
+  return double(sample.weight) / double(sample.direction ^ normal_);
 }
 
 DirectLight::Sample DirectLight::View::sample_point() const {

@@ -107,6 +107,55 @@ TEST(Lights, TakeTheNameOfTheLampAboveBlendersOrientationNode) {
   EXPECT_TRUE(importer.import(gltf).light_groups.empty());
 }
 
+TEST(Lights, HaveTheSizeThatTheJobTheNodeOrTheLightGives) {
+  const Json own = {{"extras", {{"radius", 0.25}, {"angle", 4}}}};
+  const Json point = {{"type", "point"}, {"name", "bulb"}, {"extras", {{"radius", 0.5}}}};
+  const Json sun = {{"type", "directional"}, {"name", "sun"}, {"extras", {{"angle", 2.0}}}};
+  EXPECT_EQ(imported({{"type", "point"}}).lights.at(0).radius, 0);
+  EXPECT_EQ(imported({{"type", "directional"}}).lights.at(0).outer, 0);
+  EXPECT_EQ(imported(point).lights.at(0).radius, 0.5);
+  EXPECT_EQ(imported(point, own).lights.at(0).radius, 0.25);
+  EXPECT_NEAR(imported(sun).lights.at(0).outer, kPi / 180, 1e-15) << "half of the angle";
+  EXPECT_NEAR(imported(sun, own).lights.at(0).outer, 2 * kPi / 180, 1e-15);
+  EXPECT_EQ(imported(sun, own).lights.at(0).radius, 0);
+  Importer importer;
+  importer.job.lights["bulb"].radius = 0.125;
+  GltfBuilder gltf = lit_scene(point, own);
+  EXPECT_EQ(importer.import(gltf).lights.at(0).radius, 0.125);
+  importer.job.lights["bulb"].radius = 0;
+  EXPECT_EQ(importer.import(gltf).lights.at(0).radius, 0);
+}
+
+TEST(Lights, HaveTheSizeOfTheLampAboveBlendersOrientationNode) {
+  Importer importer;
+  GltfBuilder gltf = lit_scene({{"type", "point"}}, {{"name", "Lamp_Orientation"}});
+  gltf.json["nodes"].push_back({{"name", "Lamp"}, {"children", {1}}, {"extras", {{"radius", 1}}}});
+  gltf.json["scenes"][0]["nodes"] = {0, 2};
+  EXPECT_EQ(importer.import(gltf).lights.at(0).radius, 1);
+}
+
+TEST(Lights, OfTheWrongSizeAreRefused) {
+  for (const Json& value : {Json(-1), Json("0.1"), Json(1e7), Json::array()}) {
+    expect_refused({{"type", "point"}, {"name", "bulb"}, {"extras", {{"radius", value}}}},
+                   "lights[0] 'bulb'.extras.radius");
+    Importer importer;
+    GltfBuilder gltf = lit_scene({{"type", "directional"}}, {{"name", "sun"}, {"extras", {{"angle", value}}}});
+    EXPECT_ERROR(importer.import(gltf), ExitCode::bad_data, "nodes[1] 'sun'.extras.angle");
+    gltf.json["nodes"][1].erase("extensions");
+    EXPECT_NO_THROW(importer.import(gltf)) << "properties of other nodes may mean anything";
+  }
+}
+
+TEST(Lights, SizesThatTheJobSetsForOtherLightsAreRefused) {
+  Importer importer;
+  GltfBuilder gltf = lit_scene({{"type", "point"}, {"name", "bulb"}});
+  importer.job.lights["bulb"].angle = 1;
+  EXPECT_ERROR(importer.import(gltf), ExitCode::bad_config, "the light group `bulb` has no sun");
+  importer.job.lights["bulb"].angle.reset();
+  importer.job.lights["blub"].radius = 1;
+  EXPECT_ERROR(importer.import(gltf), ExitCode::bad_config, "the scene's light groups are: bulb");
+}
+
 TEST(Lights, ShareGroupsWithSurfaces) {
   Importer importer;
   GltfBuilder gltf = lit_scene({{"type", "point"}, {"name", "lamp"}});

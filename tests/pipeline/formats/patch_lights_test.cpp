@@ -10,7 +10,7 @@ using test::sample;
 using test::TemporaryFolder;
 
 Light sample_light(Light::Kind kind) {
-  return {"lamp", kind, 0, Color(1.0f, 2.0f, 3.0f), Vec3d(4, 5, 6), Vec3d(0.6, 0, 0.8), 0.25, 0.5};
+  return {"lamp", kind, 0, Color(1.0f, 2.0f, 3.0f), Vec3d(4, 5, 6), Vec3d(0.6, 0, 0.8), 0.25, 0.5, 0.125};
 }
 
 Environment sample_sky() {
@@ -43,6 +43,7 @@ TEST(PatchFile, ReadsBackLights) {
     EXPECT_EQ(a.direction, b.direction);
     EXPECT_EQ(a.inner, b.inner);
     EXPECT_EQ(a.outer, b.outer);
+    EXPECT_EQ(a.radius, b.radius);
   }
   const std::string key = lit.key;
   lit.lights[0].name = "bulb";
@@ -51,6 +52,11 @@ TEST(PatchFile, ReadsBackLights) {
   lit.lights[0].position.x = 9;
   write_patches(folder / "b.h5", lit);
   EXPECT_NE(lit.key, key);
+  lit.lights[0].position.x = 4;
+  lit.lights[0].radius = 0.25;
+  write_patches(folder / "b.h5", lit);
+  EXPECT_NE(lit.key, key);
+  EXPECT_EQ(lit.geometry_key, dark.geometry_key);
 }
 
 TEST(PatchFile, ReadsBackAnEnvironment) {
@@ -86,6 +92,8 @@ TEST(PatchFile, RefusesBrokenLights) {
                             {"/lights/shape", [](PatchSet& s) { s.lights[0].position.z = 1e13; }},
                             {"/lights/shape", [](PatchSet& s) { s.lights[0].direction.z = 2; }},
                             {"/lights/shape", [](PatchSet& s) { s.lights[0].inner = 0.75; }},
+                            {"/lights/radius", [](PatchSet& s) { s.lights[0].radius = -1; }},
+                            {"/lights/radius", [](PatchSet& s) { s.lights[0].radius = NAN; }},
                             {"/lights/kind", [](PatchSet& s) { s.lights[0].kind = Light::Kind(3); }},
                         });
 }

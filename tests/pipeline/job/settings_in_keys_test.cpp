@@ -51,6 +51,8 @@ const std::vector<Setting> kSettings{
     {"solve.seed", "2", "transport solve"},
     {"lights.lamp.scale", "2", "trace"},
     {"lights.lamp.color", "[1, 0.5, 0]", "trace"},
+    {"lights.lamp.radius", "0.1", "import"},
+    {"lights.lamp.angle", "1", "import"},
     {"cameras.a.angle", "50", "trace"},
     {"cameras.b.look_from", "[1, 1, 1]", ""},  // a camera that is not asked for
     {"trace.cameras", "[b]", "trace"},

@@ -104,10 +104,65 @@ TEST(LightsInFrames, AreReflectedByRoughMetalsLikeSmallSpheres) {
   EXPECT_NEAR(sum / expected, 1.0, 0.02);
 }
 
+TEST(LightsInFrames, HavePenumbrasByTheirSize) {
+  PatchScene builder = floor_scene(0.5f);
+  builder.quad({{{-9, 1, -9}, {0, 1, -9}, {0, 1, 9}, {-9, 1, 9}}}, 1, 1, {0.0f});  // faces down, ends at x = 0
+  const auto beyond_chord = [](double distance) {
+    const double c = std::clamp(distance, -1.0, 1.0);
+    return (std::acos(c) - c * std::sqrt(1 - c * c)) / kPi;
+  };
+  for (const auto kind : {Light::Kind::point, Light::Kind::sun}) {
+    const double height = 100, size = kind == Light::Kind::sun ? 0.3 : 0.3 * height;
+    Solved solved = from_above(builder);
+    solved.job.trace.cull_backfaces = true;
+    solved.scene.lights = {light_at({0, height, 0}, kind)};
+    Light& light = solved.scene.lights[0];
+    light.strength *= float(kind == Light::Kind::sun ? 1 : height * height);
+    (kind == Light::Kind::sun ? light.outer : light.radius) = kind == Light::Kind::sun ? std::asin(size) : size;
+    const DirectLight whole(light);
+    const Image image = solved.render();
+    double squares = 0;
+    int partial = 0;
+    for (std::size_t p = 0; p < image.pixels.size(); ++p) {
+      const Vec3d at = position_of(p);
+      const double to_edge = std::atan2(-at.x, 1), to_center = kind == Light::Kind::sun ? 0 : std::atan2(-at.x, height);
+      const double visible = beyond_chord(std::sin(to_edge - to_center) / 0.3);
+      const double expected = 0.5 / kPi * double(light.strength.x) * whole.form_factor(at, {0, 1, 0});
+      const double error = image.pixels[p].x / expected - visible;
+      // Three standard deviations of as many independent rays as a half hidden light takes: 8 for each sample.
+      EXPECT_LT(std::abs(error), 3 * 0.5 / std::sqrt(8.0 * solved.job.trace.samples)) << int(kind) << " " << p;
+      squares += error * error / double(image.pixels.size());
+      partial += visible > 0.02 && visible < 0.98;
+    }
+    EXPECT_LT(std::sqrt(squares), 0.01) << int(kind);
+    EXPECT_GE(partial, 4 * 32);
+  }
+}
+
+TEST(LightsInFrames, WithARadiusAreReflectedByRoughMetalsLikeBalls) {
+  constexpr double kRadius = 0.4;
+  PatchScene with_light = floor_scene(0.0f, 1), with_ball = floor_scene(0.0f, 1);
+  const Vec3d at(0.3, 1.5, 0.2);
+  with_ball.sphere(at, kRadius, 2, 4, {0.0f, float(10 / (kRadius * kRadius))});
+  Solved solved = from_above(with_light), ball = from_above(with_ball);
+  solved.scene.lights = {light_at(at)};
+  solved.scene.lights[0].radius = kRadius;
+  solved.job.trace.samples = ball.job.trace.samples = 64;
+  const Image image = solved.render(), truth = ball.render();
+  double sum = 0, expected = 0;
+  for (std::size_t p = 0; p < image.pixels.size(); ++p) {
+    if ((position_of(p) - Vec3d(at.x, 0, at.z)).length() < kRadius + 0.1) continue;  // the ball itself
+    sum += image.pixels[p].x;
+    expected += truth.pixels[p].x;
+  }
+  EXPECT_NEAR(sum / expected, 1.0, 0.02);
+}
+
 TEST(LightsInFrames, AreInvisible) {
   PatchScene builder = floor_scene(0.0f, 2);
   Solved solved = from_above(builder);
-  solved.scene.lights = {light_at({0, 5, 0})};
+  solved.scene.lights = {light_at({0, 5, 0}), light_at({0, 2, 0})};
+  solved.scene.lights[1].radius = 0.5;
   for (const Color& pixel : solved.render().pixels) EXPECT_EQ(pixel, Color(0.0f));
 }
 

@@ -1,0 +1,90 @@
+#include <algorithm>
+#include <cmath>
+
+#include "pipeline/optics/lights/direct_light.h"
+
+namespace patchlight {
+
+namespace {
+
+constexpr double kMinDistance = 1e-6;  ///< m; a point light does not light closer points.
+constexpr double kSmallBall = 1e-6;    ///< Squared sine of an angular radius below which the intensity hardly varies.
+constexpr double kLeastPart = 0.05;    ///< Of a ball's size as seen from where its centre emits nothing to.
+
+}  // namespace
+
+DirectLight::DirectLight(const Light& light) : kind_(Kind::point), center_(light.position), normal_(light.direction) {
+  if (light.kind == Light::Kind::sun) {
+    kind_ = light.outer > 0 ? Kind::disk : Kind::sun;
+    radius_ = std::sin(light.outer);
+    return;
+  }
+  if (light.radius > 0) {
+    kind_ = Kind::ball;
+    radius_ = light.radius;
+  }
+  if (light.kind != Light::Kind::spot) return;
+  is_directed_ = true;
+  cos_outer_ = std::cos(light.outer);
+  inverse_cos_range_ = 1 / std::max(0.001, std::cos(light.inner) - cos_outer_);
+}
+
+/// Unit vector towards the centre of a Light.
+Vec3d DirectLight::center_direction(const Vec3d& point) const {
+  return is_infinite() ? -normal_ : (center_ - point).normalized();
+}
+
+double DirectLight::relative_intensity(const Vec3d& direction) const {
+  const double part = std::clamp(((direction ^ normal_) - cos_outer_) * inverse_cos_range_, 0.0, 1.0);
+  return part * part;
+}
+
+double DirectLight::perpendicular_factor(const Vec3d& point) const {
+  if (is_infinite()) return 1.0;
+  const Vec3d from = point - center_;
+  const double squared = from.length2();
+  if (kind_ == Kind::ball) {
+    const double part = is_directed_ ? std::max(relative_intensity(from.normalized()), kLeastPart) : 1.0;
+    return part / std::max(squared, radius_ * radius_);
+  }
+  if (squared < kMinDistance * kMinDistance) return 0.0;
+  const double part = std::clamp(((from ^ normal_) / std::sqrt(squared) - cos_outer_) * inverse_cos_range_, 0.0, 1.0);
+  return part * part / squared;
+}
+
+/// As of a sphere of uniform radiance, whose radiant intensity per strength is 1; where it depends on the direction,
+/// times its mean over samples. Inside, the whole sky is as bright as the surface.
+double DirectLight::ball_form_factor(const Vec3d& point, const Vec3d& normal) const {
+  const double r2 = radius_ * radius_, squared = (point - center_).length2();
+  const double whole = (squared > r2 ? sphere_form_factor(point, normal) : 1.0) / r2;
+  if (!is_directed_ || whole <= 0) return whole;
+  if (r2 < kSmallBall * squared) return whole * relative_intensity((point - center_).normalized());
+  const View view = this->view(point, Vec3f(normal));
+  // By the points of a Fibonacci lattice.
+  const auto mean = [&](int count, int step) {
+    double sum = 0, weights = 0;
+    for (int k = 0; k < count; ++k) {
+      const Sample sample = view.sample_ball((k * step % count + 0.5) / count, (k + 0.5) / count);
+      if (sample.weight <= 0) continue;
+      sum += double(sample.weight) * relative_intensity(-Vec3d(sample.direction));
+      weights += double(sample.weight);
+    }
+    return weights > 0 ? sum / weights : 0.0;
+  };
+  constexpr double kMaxDifference = 0.002;  // of two means of a few points, for which these are enough
+  const double coarse = mean(13, 8);
+  const bool is_even = std::abs(mean(8, 5) - coarse) <= kMaxDifference * coarse;
+  return whole * (is_even && !is_at_edge_of_cone(point) ? coarse : mean(233, 144));
+}
+
+/// Whether a point of a ball with a cone is inside of the cone as seen from `point`, and another one outside.
+bool DirectLight::is_at_edge_of_cone(const Vec3d& point) const {
+  const Vec3d from = point - center_;
+  const double distance = from.length();
+  if (distance <= radius_) return true;
+  const double angle = std::acos(std::clamp((from ^ normal_) / distance, -1.0, 1.0));
+  const double radius = std::asin(radius_ / distance), outer = std::acos(cos_outer_);
+  return std::abs(angle - outer) < radius;
+}
+
+}  // namespace patchlight
