@@ -107,7 +107,8 @@ std::string describe(const PatchSet& scene) {
       const bool is_sun = light.kind == Light::Kind::sun;
       std::string size = light.radius > 0 ? fmt::format(", radius {:.3g} m", light.radius) : "";
       if (is_sun && light.outer > 0) size = fmt::format(", angle {:.3g} degrees", light.outer * 360 / kPi);
-      return fmt::format("{:<24}{}, {} {}{}, light group {}", light.name, Light::kKindNames[std::size_t(light.kind)],
+      return fmt::format("{:<24}{}, {} {}{}, light group {}", light.name,
+                         light.distribution >= 0 ? "photometric" : Light::kKindNames[std::size_t(light.kind)],
                          triple(Vec3d(light.strength)), is_sun ? "W/m2" : "W/sr", size,
                          scene.light_groups[light.light_group]);
     });

@@ -129,6 +129,7 @@ struct PatchSet {
   std::vector<std::string> nodes;
   std::vector<std::string> light_groups;
   std::vector<Light> lights;
+  std::vector<LightDistribution> distributions;
   std::optional<Environment> environment;
   std::vector<Camera> cameras;
   std::vector<SourceFile> sources;

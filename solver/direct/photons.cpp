@@ -42,7 +42,7 @@ class Photons::Source {
       return;
     }
     light_ = scene.lights[emitter.light];
-    direct_light_.emplace(light_);
+    direct_light_.emplace(scene, ray_scene, emitter);
     for (const Patch& patch : scene.patches)
       scene_start_ = std::min(scene_start_, (patch.center ^ light_.direction) - std::sqrt(patch.area) * kPatchSizes);
   }

@@ -82,18 +82,45 @@ void append_columns(const TransportRows& more, TransportRows& rows) {
   rows.weights = std::move(sum.weights);
 }
 
-/// Identifies a light by its geometry: see Transport::Emitter::light.
-std::int64_t light_id(const PatchSet& scene, const Emitter& emitter) {
-  if (emitter.light < 0) return 0;
-  const Light& light = scene.lights[emitter.light];
-  std::uint64_t id = hash64(std::uint64_t(light.kind) + 1);
-  const auto add = [&](double x) { id = hash64(id ^ std::bit_cast<std::uint64_t>(x + 0.0)); };
-  for (const Vec3d& v : {light.position, light.direction})
-    for (int k = 0; k < 3; ++k) add(v[k]);
-  add(light.inner);
-  add(light.outer);
-  if (light.radius > 0) add(light.radius);
-  return std::max<std::int64_t>(std::int64_t(id >> 1), 1);
+std::uint64_t with_number(std::uint64_t id, double x) {
+  return hash64(id ^ std::bit_cast<std::uint64_t>(x + 0.0));
+}
+
+std::uint64_t distribution_id(const LightDistribution& distribution) {
+  std::uint64_t id = hash64(std::uint64_t(distribution.system));
+  for (const auto* angles : {&distribution.vertical, &distribution.horizontal}) {
+    id = hash64(id ^ angles->size());
+    for (const double angle : *angles) id = with_number(id, angle);
+  }
+  for (const float intensity : distribution.intensity) id = with_number(id, double(intensity));
+  return id;
+}
+
+/// Identifies each emitter's light by its geometry: see Transport::Emitter::light.
+std::vector<std::int64_t> light_ids(const PatchSet& scene, const std::vector<Emitter>& emitters) {
+  std::vector<std::uint64_t> distributions;
+  for (const LightDistribution& distribution : scene.distributions)
+    distributions.push_back(distribution_id(distribution));
+  std::vector<std::int64_t> ids;
+  for (const Emitter& emitter : emitters) {
+    ids.push_back(0);
+    if (emitter.light < 0) continue;
+    const Light& light = scene.lights[emitter.light];
+    std::uint64_t id = hash64(std::uint64_t(light.kind) + 1);
+    const auto add = [&](const Vec3d& v) {
+      for (int k = 0; k < 3; ++k) id = with_number(id, v[k]);
+    };
+    add(light.position);
+    add(light.direction);
+    id = with_number(with_number(id, light.inner), light.outer);
+    if (light.radius > 0) id = with_number(id, light.radius);
+    if (light.distribution >= 0) {
+      add(light.across);
+      id = hash64(id ^ distributions[light.distribution]);
+    }
+    ids.back() = std::max<std::int64_t>(std::int64_t(id >> 1), 1);
+  }
+  return ids;
 }
 
 }  // namespace
@@ -110,9 +137,10 @@ std::int64_t complete_transport(const PatchSet& scene, const SolveConfig& config
   if (scene.light_groups.empty()) return 0;
   const std::string key = transport_key(scene.geometry_key, config);
   const std::vector<Emitter> emitters = explicit_emitters(scene);
+  const std::vector<std::int64_t> lights = light_ids(scene, emitters);
   const auto is_same = [&](const Transport::Emitter& sampled, const Emitter& emitter) {
     return sampled.first_patch == emitter.first_patch && sampled.patches == emitter.patches &&
-           sampled.light == light_id(scene, emitter);
+           sampled.light == lights[std::size_t(&emitter - emitters.data())];
   };
   const bool hemicubes = config.form_factors == "hemicube";
   const bool same_rows =
@@ -164,7 +192,7 @@ std::int64_t complete_transport(const PatchSet& scene, const SolveConfig& config
       sampled.push_back(std::move(*at));
     } else {
       Transport::Emitter& added = sampled.emplace_back(direct.sample(emitter, emitters.size(), rays, cast));
-      added.light = light_id(scene, emitter);
+      added.light = lights[std::size_t(&emitter - emitters.data())];
       if (!hemicubes)
         added.mirrored = mirrored.sample(emitter, emitters.size(), rays, transport.visible_fractions, cast);
     }

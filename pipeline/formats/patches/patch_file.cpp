@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "pipeline/formats/patches/light_distributions.h"
 #include "pipeline/formats/patches/patch_cameras.h"
 #include "pipeline/formats/patches/patch_check.h"
 #include "pipeline/formats/patches/patch_clusters.h"
@@ -163,6 +164,7 @@ void write_patches(const std::filesystem::path& file, PatchSet& scene) {
   write_sources(writer, scene.sources);
   writer.strings("/light_groups/name", scene.light_groups);
   write_light_datasets(writer, scene);
+  write_distribution_datasets(writer, scene);
   write_environment_datasets(writer, scene);
   write_shader_datasets(writer, scene);
   write_texture_datasets(writer, scene);
@@ -196,6 +198,9 @@ void write_patches(const std::filesystem::path& file, PatchSet& scene) {
                       "/lights/strength",
                       "/lights/shape",
                       "/lights/radius",
+                      "/lights/distribution",
+                      "/lights/across",
+                      "/distributions/",
                       "/environment/cells",
                       "/environment/light_group"});
   scene.geometry_key =
@@ -249,6 +254,7 @@ PatchSet read_patches(const std::filesystem::path& file) {
   read_camera_datasets(reader, scene);
   scene.light_groups = reader.strings("/light_groups/name", -1);
   read_light_datasets(reader, scene);
+  read_distribution_datasets(reader, scene);
   read_environment_datasets(reader, scene);
   read_shader_datasets(reader, scene);
   read_texture_datasets(reader, scene);

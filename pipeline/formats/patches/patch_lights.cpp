@@ -66,9 +66,10 @@ void read_light_datasets(const H5Reader& reader, PatchSet& scene) {
     if (kinds[i] < 0 || std::size_t(kinds[i]) >= Light::kKindNames.size())
       reader.refuse("an unknown kind", "/lights/kind");
     const double* shape = shapes.data() + kShape * i;
-    const Light& light = scene.lights.emplace_back(Light{
-        names[i], Light::Kind(kinds[i]), groups[i], Color(strengths[3 * i], strengths[3 * i + 1], strengths[3 * i + 2]),
-        Vec3d(shape[0], shape[1], shape[2]), Vec3d(shape[3], shape[4], shape[5]), shape[6], shape[7], radii[i]});
+    const Light& light = scene.lights.emplace_back(
+        Light{names[i], Light::Kind(kinds[i]), groups[i],
+              Color(strengths[3 * i], strengths[3 * i + 1], strengths[3 * i + 2]), Vec3d(shape[0], shape[1], shape[2]),
+              Vec3d(shape[3], shape[4], shape[5]), shape[6], shape[7], radii[i], -1, Vec3d(1, 0, 0)});
     check_light(reader, scene, light);
   }
 }

@@ -149,7 +149,8 @@ std::vector<Emitter> further_emitters(const PatchSet& scene) {
 DirectLight::DirectLight(const PatchSet& scene, const RayScene& ray_scene, const Emitter& emitter)
     : DirectLight(Vec3d(0.0), 0.0) {
   if (emitter.light >= 0) {
-    *this = DirectLight(scene.lights[emitter.light]);
+    const Light& light = scene.lights[emitter.light];
+    *this = DirectLight(light, light.distribution < 0 ? nullptr : &scene.distributions[light.distribution]);
     return;
   }
   const Primitive& p = scene.primitives[emitter.primitive];
@@ -188,6 +189,8 @@ DirectLight DirectLight::image(const PlaneMirror& mirror) const {
   DirectLight image = *this;
   image.center_ = mirror.image_of(center_);
   image.normal_ = mirror.reflect(normal_);
+  image.across_ = mirror.reflect(across_);
+  image.along_ = mirror.reflect(along_);
   for (int k = 0; k < corner_count_; ++k)  // a reflection turns the order around
     image.corners_[k] = mirror.image_of(corners_[(corner_count_ - k) % corner_count_]);
   for (int k = 1; k < corner_count_; ++k) image.edges_[k - 1] = image.corners_[k] - image.corners_[0];

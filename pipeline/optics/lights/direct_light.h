@@ -51,7 +51,8 @@ class DirectLight {
   DirectLight(const Vec3d& center, double radius)
       : kind_(Kind::sphere), end_offset_(0.0), center_(center), radius_(radius) {}
 
-  explicit DirectLight(const Light& light);
+  /// `distribution`: of a light that has one; must outlive this object.
+  explicit DirectLight(const Light& light, const LightDistribution* distribution = nullptr);
 
   /// The virtual image of this light that a mirror shows.
   DirectLight image(const PlaneMirror& mirror) const;
@@ -170,6 +171,8 @@ class DirectLight {
   double area_ = 0.0, first_triangle_part_ = 1.0;      ///< Of a polygon, m2; fraction of its triangle 0 1 2.
   double cos_outer_ = -2.0, inverse_cos_range_ = 1.0;  ///< Angular falloff of a spot.
   bool is_directed_ = false;                           ///< Of a Light: its intensity depends on the direction.
+  const LightDistribution* distribution_ = nullptr;    ///< Of a Light; null: none.
+  Vec3d across_{0.0}, along_{0.0};                     ///< Half-planes C0 and C90 of the distribution.
 };
 
 }  // namespace patchlight

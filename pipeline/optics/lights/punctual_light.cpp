@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "pipeline/optics/lights/direct_light.h"
+#include "pipeline/optics/lights/light_distribution.h"
 
 namespace patchlight {
 
@@ -13,7 +14,8 @@ constexpr double kLeastPart = 0.05;    ///< Of a ball's size as seen from where 
 
 }  // namespace
 
-DirectLight::DirectLight(const Light& light) : kind_(Kind::point), center_(light.position), normal_(light.direction) {
+DirectLight::DirectLight(const Light& light, const LightDistribution* distribution)
+    : kind_(Kind::point), center_(light.position), normal_(light.direction) {
   if (light.kind == Light::Kind::sun) {
     kind_ = light.outer > 0 ? Kind::disk : Kind::sun;
     radius_ = std::sin(light.outer);
@@ -22,6 +24,12 @@ DirectLight::DirectLight(const Light& light) : kind_(Kind::point), center_(light
   if (light.radius > 0) {
     kind_ = Kind::ball;
     radius_ = light.radius;
+  }
+  if (distribution) {
+    is_directed_ = true;
+    distribution_ = distribution;
+    across_ = light.across;
+    along_ = light.across % light.direction;
   }
   if (light.kind != Light::Kind::spot) return;
   is_directed_ = true;
@@ -35,6 +43,9 @@ Vec3d DirectLight::center_direction(const Vec3d& point) const {
 }
 
 double DirectLight::relative_intensity(const Vec3d& direction) const {
+  if (distribution_)
+    return patchlight::relative_intensity(*distribution_,
+                                          {direction ^ across_, direction ^ along_, -(direction ^ normal_)});
   const double part = std::clamp(((direction ^ normal_) - cos_outer_) * inverse_cos_range_, 0.0, 1.0);
   return part * part;
 }
@@ -48,6 +59,7 @@ double DirectLight::perpendicular_factor(const Vec3d& point) const {
     return part / std::max(squared, radius_ * radius_);
   }
   if (squared < kMinDistance * kMinDistance) return 0.0;
+  if (distribution_) return relative_intensity(from / std::sqrt(squared)) / squared;
   const double part = std::clamp(((from ^ normal_) / std::sqrt(squared) - cos_outer_) * inverse_cos_range_, 0.0, 1.0);
   return part * part / squared;
 }
@@ -79,6 +91,7 @@ double DirectLight::ball_form_factor(const Vec3d& point, const Vec3d& normal) co
 
 /// Whether a point of a ball with a cone is inside of the cone as seen from `point`, and another one outside.
 bool DirectLight::is_at_edge_of_cone(const Vec3d& point) const {
+  if (distribution_) return false;
   const Vec3d from = point - center_;
   const double distance = from.length();
   if (distance <= radius_) return true;
