@@ -154,6 +154,7 @@ PatchSet import_scene(const Job& job, Progress& progress) {
   set.nodes = scene.nodes;
   set.light_groups = scene.light_groups;
   set.lights = std::move(scene.lights);
+  set.distributions = std::move(scene.distributions);
   set.cameras = scene.cameras;
   if (set.cameras.empty()) {
     const Imath::Box3d box = bounds_of(set.primitives);

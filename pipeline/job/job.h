@@ -61,12 +61,13 @@ struct SolveConfig {
 /// Prefix of the layers of light groups, as in Blender.
 inline constexpr const char* kLightGroupLayer = "Combined_";
 
-/// Settings of one light group: how frames show it, and the size of its lights without a surface.
+/// Settings of one light group: how frames show it, and the size and distribution of its lights without a surface.
 struct LightSetting {
   double scale = 1.0;
   Color color{1.0f};
   std::optional<double> radius{};  ///< Of point lights and spots, m; absent: the scene's.
   std::optional<double> angle{};   ///< Apparent diameter of suns, degrees; absent: the scene's.
+  std::filesystem::path ies{};     ///< Photometric file of point lights and spots; empty: the scene's.
 };
 
 /// A camera defined by the job.
@@ -177,6 +178,13 @@ struct Job {
   std::filesystem::path energy_file() const { return output / "energy.h5"; }
   std::filesystem::path frame_folder() const { return output / "frames"; }
   std::filesystem::path relit_folder() const { return output / "relit"; }
+
+  /// The paths of files that stages read beside the scene, relative to the job's folder in job files.
+  std::vector<std::filesystem::path*> input_files() {
+    std::vector<std::filesystem::path*> files{&environment.image};
+    for (auto& [group, light] : lights) files.push_back(&light.ies);
+    return files;
+  }
 };
 
 }  // namespace patchlight

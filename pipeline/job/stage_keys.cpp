@@ -46,8 +46,12 @@ std::string import_inputs_key(const std::vector<SourceFile>& sources, const Job&
     }
   }
   for (const auto& [name, light] : job.lights)
-    if (light.radius || light.angle)
-      hasher.add("light").add(name).add(light.radius.value_or(-1.0)).add(light.angle.value_or(-1.0));
+    if (light.radius || light.angle || !light.ies.empty())
+      hasher.add("light")
+          .add(name)
+          .add(light.radius.value_or(-1.0))
+          .add(light.angle.value_or(-1.0))
+          .add(path_beside_scene(light.ies, job));
   if (const EnvironmentConfig& sky = job.environment; sky.is_set()) {
     hasher.add("environment");
     add_color(hasher, sky.color);

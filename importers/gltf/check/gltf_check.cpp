@@ -30,6 +30,7 @@ constexpr std::array kSupportedExtensions{"KHR_materials_emissive_strength",
                                           "KHR_materials_variants",
                                           "EXT_mesh_gpu_instancing",
                                           "KHR_lights_punctual",
+                                          "EXT_lights_ies",
                                           "KHR_node_visibility"};
 
 constexpr std::size_t kMaxTexcoordSets = 1000;
@@ -215,7 +216,9 @@ CheckedGltf check_gltf(std::string_view json, const std::string& file, const Glt
   check_nodes(gltf, result.parents, result.hidden);
   result.lights = checked_lights(gltf);
   result.node_lights = checked_node_lights(gltf, result.lights);
-  result.node_light_extras = checked_light_extras(gltf, result.node_lights, result.parents);
+  result.light_profiles = checked_light_profiles(gltf);
+  result.profile_lights = checked_profile_lights(gltf, result.light_profiles.size());
+  result.node_light_extras = checked_light_extras(gltf, result);
   std::set<std::string> animation_warnings;
   result.camera_channels = checked_camera_channels(gltf, result.parents, animation_warnings);
   if (options.animations) {

@@ -35,15 +35,24 @@ struct GltfInstances {
 struct GltfLightExtras {
   std::optional<double> radius;  ///< Of a point light or spot, m.
   std::optional<double> angle;   ///< Apparent diameter of a sun, degrees.
+  std::string ies;               ///< URI of the photometric file of a point light or spot; empty: none.
 };
 
 /// A light of KHR_lights_punctual.
 struct GltfLight {
   Light light;  ///< Position and direction unset; strength in the file's unit.
+  Color color{1.0f};
   std::string name;
   std::string light_group;  ///< From its extras; empty: none.
   GltfLightExtras extras;
   bool known = true;  ///< Its type is supported.
+};
+
+/// A node's light with a profile of EXT_lights_ies.
+struct GltfProfileLight {
+  std::size_t profile = 0;  ///< Index into CheckedGltf::light_profiles.
+  double multiplier = 1.0;
+  Color color{1.0f};
 };
 
 /// A glTF file that is safe to parse.
@@ -59,9 +68,12 @@ struct CheckedGltf {
   std::vector<char> hidden;                ///< By node: hidden by itself, and everything below it.
   std::vector<NodeChannel> camera_channels;
   std::vector<GltfLight> lights;
-  std::map<int, int> node_lights;                    ///< Indices into `lights`, by node.
-  std::map<int, GltfLightExtras> node_light_extras;  ///< Of nodes with a light, and of their parents.
-  std::vector<std::string> ignored;                  ///< Warnings of contents that are not imported.
+  std::map<int, int> node_lights;  ///< Indices into `lights`, by node.
+  /// Of nodes with a light, and of their parents; of other nodes with a mesh, their photometric file.
+  std::map<int, GltfLightExtras> node_light_extras;
+  std::vector<GltfData> light_profiles;            ///< Of EXT_lights_ies.
+  std::map<int, GltfProfileLight> profile_lights;  ///< By node.
+  std::vector<std::string> ignored;                ///< Warnings of contents that are not imported.
 };
 
 /// Checks every part of a glTF file's JSON that the importer and tinygltf read: version, required extensions, types,

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <limits>
 #include <optional>
 
@@ -9,7 +10,9 @@ namespace patchlight {
 namespace {
 
 constexpr const char* kExtension = "KHR_lights_punctual";
-constexpr double kRounding = 1e-6;  // rad; error of pi/2 stored as a float
+constexpr const char* kProfileExtension = "EXT_lights_ies";
+constexpr const char* kProfileList = "EXT_lights_ies.lights";  // for messages
+constexpr double kRounding = 1e-6;                             // rad; error of pi/2 stored as a float
 
 /// Checks and returns a number that is not negative.
 double non_negative(const Json& object, const char* key, double fallback, const GltfPlace& place) {
@@ -54,8 +57,9 @@ std::optional<double> number_in_extras(const Json& extras, const char* key, doub
 GltfLightExtras checked_extras(const Json& item, const GltfPlace& place) {
   const Json* extras = find_member(item, "extras");
   if (!extras || !extras->is_object()) return {};
+  check_string(*extras, "ies", place);
   return {number_in_extras(*extras, "radius", kMaxLightRadius, place),
-          number_in_extras(*extras, "angle", kMaxSunAngle, place)};
+          number_in_extras(*extras, "angle", kMaxSunAngle, place), string_member(*extras, "ies")};
 }
 
 GltfLight checked_light(const Json& item, const GltfPlace& place) {
@@ -72,6 +76,7 @@ GltfLight checked_light(const Json& item, const GltfPlace& place) {
       refuse_gltf(fmt::format("has a strength (intensity x color) of {}; it must be finite and not negative", strength),
                   place, "color");
     result.light.strength[k] = static_cast<float>(strength);
+    if (color) result.color[k] = (*color)[k].get<float>();
   }
   if (item.contains("range") && !(non_negative(item, "range", 1.0, place) > 0.0))
     refuse_gltf("must be greater than 0", place, "range");
@@ -110,15 +115,55 @@ std::map<int, int> checked_node_lights(const GltfLists& gltf, const std::vector<
   return result;
 }
 
-std::map<int, GltfLightExtras> checked_light_extras(const GltfLists& gltf, const std::map<int, int>& node_lights,
-                                                    const std::vector<int>& parents) {
+std::vector<GltfData> checked_light_profiles(const GltfLists& gltf) {
+  std::vector<GltfData> profiles;
+  const Json* extension = find_extension(gltf.root, kProfileExtension, {gltf.file});
+  const Json* list = extension ? find_array(*extension, "lights", {gltf.file}) : nullptr;
+  for (std::size_t i = 0; list && i < list->size(); ++i) {
+    const Json& item = (*list)[i];
+    const GltfPlace place{gltf.file, kProfileList, i, &item};
+    if (!item.is_object()) refuse_gltf("must be an object", {gltf.file, kProfileList, i});
+    for (const char* key : {"uri", "name", "mimeType"}) check_string(item, key, place);
+    GltfData data{string_member(item, "name"), string_member(item, "uri"),
+                  index_member(item, "bufferView", gltf.count("bufferViews"), place)};
+    if (data.uri.empty() == (data.buffer_view < 0)) refuse_gltf("must have either a uri or a bufferView", place);
+    profiles.push_back(std::move(data));
+  }
+  return profiles;
+}
+
+std::map<int, GltfProfileLight> checked_profile_lights(const GltfLists& gltf, std::size_t profiles) {
+  std::map<int, GltfProfileLight> result;
+  gltf.each("nodes", [&](const Json& node, const GltfPlace& place) {
+    const Json* extension = find_extension(node, kProfileExtension, place);
+    if (!extension) return;
+    const int profile = index_member(*extension, "light", profiles, place);
+    if (profile < 0) refuse_gltf("has no light", place, kProfileExtension);
+    GltfProfileLight light{static_cast<std::size_t>(profile), non_negative(*extension, "multiplier", 1.0, place)};
+    check_numbers(*extension, "color", 3, place);
+    const Json* color = find_member(*extension, "color");
+    for (int k = 0; k < 3 && color; ++k) light.color[k] = std::clamp((*color)[k].get<float>(), 0.0f, 1.0f);
+    result.emplace(static_cast<int>(place.index), light);
+  });
+  return result;
+}
+
+std::map<int, GltfLightExtras> checked_light_extras(const GltfLists& gltf, const CheckedGltf& checked) {
   std::map<int, GltfLightExtras> result;
-  for (const auto& [light_node, light] : node_lights)
-    for (const int node : {light_node, parents[light_node]})
-      if (node >= 0) {
-        const GltfPlace place = gltf.place("nodes", static_cast<std::size_t>(node));
-        result.emplace(node, checked_extras(*place.item, place));
-      }
+  const auto read = [&](int node) {
+    if (node < 0) return;
+    const GltfPlace place = gltf.place("nodes", static_cast<std::size_t>(node));
+    result[node] = checked_extras(*place.item, place);
+  };
+  gltf.each("nodes", [&](const Json& node, const GltfPlace& place) {
+    const Json* extras = find_member(node, "extras");
+    if (node.contains("mesh") && extras && extras->is_object())
+      result[static_cast<int>(place.index)].ies = string_member(*extras, "ies");
+  });
+  for (const auto& [node, light] : checked.node_lights)
+    for (const int one : {node, checked.parents[node]}) read(one);
+  for (const auto& [node, light] : checked.profile_lights)
+    for (const int one : {node, checked.parents[node]}) read(one);
   return result;
 }
 

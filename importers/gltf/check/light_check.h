@@ -11,8 +11,13 @@ std::vector<GltfLight> checked_lights(GltfLists& gltf);
 /// Indices into `lights` by node; without lights of unknown types. Throws: Error (bad_data) for an index out of range.
 std::map<int, int> checked_node_lights(const GltfLists& gltf, const std::vector<GltfLight>& lights);
 
-/// Sizes in the extras of the nodes in `node_lights` and of their parents. `parents`: by node; -1: a root.
-std::map<int, GltfLightExtras> checked_light_extras(const GltfLists& gltf, const std::map<int, int>& node_lights,
-                                                    const std::vector<int>& parents);
+/// The profiles of EXT_lights_ies. Throws: Error (bad_data) naming the profile.
+std::vector<GltfData> checked_light_profiles(const GltfLists& gltf);
+
+/// The profiles that nodes use. Throws: Error (bad_data) naming the node.
+std::map<int, GltfProfileLight> checked_profile_lights(const GltfLists& gltf, std::size_t profiles);
+
+/// See CheckedGltf::node_light_extras; `checked` has its lights and parents. Throws: Error (bad_data) naming the node.
+std::map<int, GltfLightExtras> checked_light_extras(const GltfLists& gltf, const CheckedGltf& checked);
 
 }  // namespace patchlight

@@ -122,4 +122,11 @@ std::shared_ptr<const Bytes> read_uri(GltfFile& file, std::string_view uri, cons
   return bytes;
 }
 
+std::shared_ptr<const Bytes> read_input(GltfFile& file, const std::filesystem::path& path, const std::string& source,
+                                        const std::string& where) {
+  std::shared_ptr<const Bytes> bytes = read_whole_file(path, where);
+  record_source(file, source, *bytes);
+  return bytes;
+}
+
 }  // namespace patchlight

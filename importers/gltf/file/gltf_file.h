@@ -33,4 +33,9 @@ GltfFile read_gltf_file(const std::filesystem::path& path);
 /// Throws: Error (missing_input) if the file does not exist; (bad_data) for a forbidden URI; (over_limit, io_error).
 std::shared_ptr<const Bytes> read_uri(GltfFile& file, std::string_view uri, const std::string& where);
 
+/// The bytes of a file that the job names, which is recorded as a source by the name `source`.
+/// Throws: Error (missing_input, bad_data, over_limit, io_error).
+std::shared_ptr<const Bytes> read_input(GltfFile& file, const std::filesystem::path& path, const std::string& source,
+                                        const std::string& where);
+
 }  // namespace patchlight

@@ -151,11 +151,12 @@ void assign_light_groups(const GltfModel& model, LightGroups& groups, GltfScene&
   }
 }
 
-void place_lights(const GltfModel& model, const Job& job, const std::vector<PlacedNode>& nodes, LightGroups& groups,
+void place_lights(GltfModel& model, const Job& job, const std::vector<PlacedNode>& nodes, LightGroups& groups,
                   GltfScene& scene, Progress& progress) {
+  PhotometricFiles files(model, job, scene.distributions);
   for (const PlacedNode& node : nodes) {
     if (node.hidden) continue;
-    auto placed = placed_light(model, job, scene.nodes, node.node, node.to_world, progress);
+    auto placed = placed_light(model, job, scene.nodes, node.node, node.to_world, files, progress);
     if (!placed) continue;
     if (scene.lights.size() == kMaxLights)
       throw Error(ExitCode::over_limit, fmt::format("the scene has more than {} lights", kMaxLights), model.file.name,
@@ -163,7 +164,7 @@ void place_lights(const GltfModel& model, const Job& job, const std::vector<Plac
     placed->light.light_group = groups.index_of(placed->group, placed->light.name, "light");
     scene.lights.push_back(std::move(placed->light));
   }
-  check_light_sizes(job, scene.lights, scene.light_groups);
+  check_light_settings(model, job, scene);
 }
 
 /// Vertex colours apply unless the job or a shader sets the reflectance; vertex alpha applies if there is a mask.

@@ -40,6 +40,7 @@ struct GltfScene {
   std::vector<Surface> surfaces;
   std::vector<Matrix4> node_to_world;  ///< By node; identity for nodes outside of the scene.
   std::vector<Light> lights;
+  std::vector<LightDistribution> distributions;
   std::vector<Camera> cameras;  ///< Empty if the file has none.
   std::vector<SourceFile> sources;
   std::int64_t triangles = 0;  ///< Of all surfaces.

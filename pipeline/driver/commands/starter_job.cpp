@@ -116,7 +116,8 @@ std::string material_lines(const PatchSet& scene) {
 std::string light_lines(const PatchSet& scene) {
   if (scene.light_groups.empty())
     return "# environment: {color: [1, 1, 1]}  # W/m2/sr from all around: the scene has no light of its own\n";
-  std::string text = "lights:  # by light group, in frames alone: scale; color, [1, 1, 1] leaves it as it is\n";
+  std::string text =
+      "lights:  # by light group: scale and color, in frames alone; radius in m, angle in degrees, ies of its lights\n";
   for (const std::string& group : scene.light_groups) text += fmt::format("  {}: {{scale: 1}}\n", yaml_text(group));
   return text;
 }

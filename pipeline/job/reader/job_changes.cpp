@@ -51,8 +51,8 @@ Job with_settings_of(const Job& job, const std::string& made_for) {
     Job result = parse_effective_job(made_for);
     result.scene = job.scene;
     result.output = job.output;
-    if (!result.environment.image.empty())
-      result.environment.image = std::filesystem::absolute(job.file).parent_path() / result.environment.image;
+    for (std::filesystem::path* path : result.input_files())
+      if (!path->empty()) *path = std::filesystem::absolute(job.file).parent_path() / *path;
     return result;
   } catch (const Error&) {
     return job;

@@ -71,6 +71,12 @@ YAML::Node load_yaml(const fs::path& file) {
   return parse_yaml(file, text.str());
 }
 
+std::vector<fs::path*> all_paths(Job& job) {
+  std::vector<fs::path*> paths = job.input_files();
+  for (fs::path* path : {&job.scene, &job.output, &job.bench.reference}) paths.push_back(path);
+  return paths;
+}
+
 /// Reads a job from its file and then from one override after the other, so that each fault has a place of its own.
 class JobReader {
  public:
@@ -96,8 +102,7 @@ class JobReader {
       merges_ = true;
     }
     read_section(root, "");
-    for (fs::path* path :
-         {&job_.scene, &job_.output, &job_.environment.image, &job_.trace.picture.ocio, &job_.bench.reference})
+    for (fs::path* path : all_paths(job_))
       if (!path->empty()) *path = folder / *path;  // as they stand: `link/..` is not the folder that holds the link
   }
 
@@ -219,7 +224,7 @@ Job JobTemplate::job(const std::vector<std::string>& sets, const fs::path& outpu
   job.scene = folder / job.scene;
   job.output = folder / job.output;
   if (is_blender_file(job.scene)) job = job_over_export(job, sets);
-  for (fs::path* path : {&job.environment.image, &job.trace.picture.ocio, &job.bench.reference})
+  for (fs::path* path : all_paths(job))
     if (!path->empty()) *path = folder / *path;
   if (std::int64_t(job.trace.resolution[0]) * job.trace.resolution[1] > kMaxPixels)
     throw Error(ExitCode::over_limit, fmt::format("a frame of more than {} pixels", kMaxPixels),
@@ -246,8 +251,7 @@ Job JobTemplate::job_over_export(const Job& job, const std::vector<std::string>&
 std::string effective_job(const Job& job) {
   const fs::path folder = fs::absolute(job.file).parent_path();
   Job copy = job;
-  for (fs::path* path :
-       {&copy.scene, &copy.output, &copy.environment.image, &copy.trace.picture.ocio, &copy.bench.reference})
+  for (fs::path* path : all_paths(copy))
     if (path->string().starts_with(folder.string() + "/")) *path = path->string().substr(folder.string().size() + 1);
   YAML::Node root(YAML::NodeType::Map);
   for (const JobKey& key : job_keys(copy)) {

@@ -148,6 +148,25 @@ TEST_F(JobFile, KnowsLightGroupsByTheNamesThatFilesGiveThem) {
   EXPECT_EQ(job.lights.at("..").scale, 4);
 }
 
+TEST_F(JobFile, ReadsSizesAndPhotometricFilesOfLights) {
+  std::filesystem::create_directory(folder_ / "base");
+  folder_.write("base/light.yaml", "lights: {lamp: {ies: down.ldt}}\n");
+  const Job job = read("include: base/light.yaml\n" + std::string(kMinimal) +
+                           "lights: {bulb: {ies: lamps/down.ies, radius: 0.1}, sun: {angle: 0.53}}\n",
+                       {"lights.spot.ies=a.ies"});
+  EXPECT_EQ(job.lights.at("bulb").radius, 0.1);
+  EXPECT_EQ(job.lights.at("bulb").angle, std::nullopt);
+  EXPECT_EQ(job.lights.at("sun").angle, 0.53);
+  EXPECT_EQ(job.lights.at("bulb").ies, folder_ / "lamps/down.ies") << "relative to its job file";
+  EXPECT_EQ(job.lights.at("lamp").ies, folder_ / "base/down.ldt");
+  EXPECT_EQ(job.lights.at("spot").ies, folder_ / "a.ies");
+  EXPECT_THAT(effective_job(job), ::testing::HasSubstr("ies: lamps/down.ies"));
+  EXPECT_EQ(effective_job(read(effective_job(job))), effective_job(job));
+  EXPECT_EQ(effective_job(read(std::string(kMinimal) + "lights: {a: {scale: 2}}\n")).find("radius"), std::string::npos);
+  for (const char* bad : {"radius: -1", "radius: 1e7", "angle: 181", "angle: wide", "ies: [a]"})
+    EXPECT_ERROR(read(std::string(kMinimal) + "lights: {a: {" + bad + "}}\n"), ExitCode::bad_config, "expected");
+}
+
 TEST_F(JobFile, ReadsShaders) {
   const Job job = read(std::string(kMinimal) + R"(
 shaders:

@@ -53,6 +53,7 @@ const std::vector<Setting> kSettings{
     {"lights.lamp.color", "[1, 0.5, 0]", "trace"},
     {"lights.lamp.radius", "0.1", "import"},
     {"lights.lamp.angle", "1", "import"},
+    {"lights.lamp.ies", "down.ies", "import"},
     {"cameras.a.angle", "50", "trace"},
     {"cameras.b.look_from", "[1, 1, 1]", ""},  // a camera that is not asked for
     {"trace.cameras", "[b]", "trace"},
