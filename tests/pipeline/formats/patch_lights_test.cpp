@@ -98,6 +98,33 @@ TEST(PatchFile, RefusesBrokenLights) {
                         });
 }
 
+TEST(PatchFile, RefusesBrokenDistributionsOfLights) {
+  PatchSet scene = sample();
+  scene.lights = {sample_light(Light::Kind::point), sample_light(Light::Kind::sun)};
+  scene.lights[0].distribution = 0;
+  scene.distributions = {{LightDistribution::System::c, {0, 90}, {0, 180, 360}, {1, 0.5f, 0.25f, 0, 1, 0.5f}}};
+  const TemporaryFolder folder;
+  write_patches(folder / "a.h5", scene);
+  const PatchSet read = read_patches(folder / "a.h5");
+  EXPECT_EQ(read.lights[0].distribution, 0);
+  EXPECT_EQ(read.lights[1].distribution, -1);
+  EXPECT_EQ(read.distributions.at(0).horizontal, scene.distributions[0].horizontal);
+  EXPECT_EQ(read.distributions.at(0).intensity, scene.distributions[0].intensity);
+  expect_refused(scene, {
+                            {"/lights/distribution", [](PatchSet& s) { s.lights[1].distribution = 0; }},
+                            {"/lights/distribution", [](PatchSet& s) { s.lights[0].distribution = 1; }},
+                            {"/lights/across", [](PatchSet& s) { s.lights[0].across.x = 2; }},
+                            {"/distributions/angle", [](PatchSet& s) { s.distributions[0].vertical[1] = 0; }},
+                            {"/distributions/angle", [](PatchSet& s) { s.distributions[0].horizontal[2] = NAN; }},
+                            {"/distributions/intensity", [](PatchSet& s) { s.distributions[0].intensity[2] = 1.5f; }},
+                            {"/distributions/shape", [](PatchSet& s) { s.distributions[0].intensity.pop_back(); }},
+                            {"/distributions/shape", [](PatchSet& s) { s.distributions[0].intensity.push_back(0); }},
+                            {"/distributions/shape", [](PatchSet& s) { s.distributions[0].vertical.clear(); }},
+                            {"/distributions/shape",
+                             [](PatchSet& s) { s.distributions[0].system = LightDistribution::System(0); }},
+                        });
+}
+
 TEST(PatchFile, RefusesABrokenEnvironment) {
   PatchSet scene = sample();
   scene.environment = sample_sky();
