@@ -63,9 +63,9 @@ std::optional<BlenderExport> fresh_export(const fs::path& folder, const fs::path
   const json record = read_json(folder / kRecord);
   try {
     if (!record.is_object() || record.at("content") != content || record.at("exporter") != exporter) return {};
-    for (const auto& [file, hash] : record.value("inputs", json::object()).items())
+    for (const auto& [file, hash] : record.at("inputs").items())
       if (hash_of(blend.parent_path() / file) != hash) return {};
-    for (const auto& [file, hash] : record.value("files", json::object()).items())
+    for (const auto& [file, hash] : record.at("files").items())
       if (hash_of(folder / file) != hash) return {};
     return BlenderExport{folder / fs::path(blend.filename()).replace_extension(".yaml"), record.at("warnings"), {}, {}};
   } catch (const json::exception&) {
@@ -95,11 +95,15 @@ std::optional<BlenderExport> fresh_export(const fs::path& folder, const fs::path
 std::vector<fs::path> files_of_export(const fs::path& output) {
   const fs::path folder = output / kFolder;
   const json record = read_json(folder / kRecord);
-  if (!record.is_object() || !record.contains("exporter")) return {};
   std::vector<fs::path> files{folder / kRecord};
-  for (const auto& [file, hash] : record.value("files", json::object()).items()) {
-    if (hash_of(folder / file) != hash) return {};
-    files.push_back(folder / file);
+  try {
+    if (!record.is_object()) return {};
+    for (const auto& [file, hash] : record.at("files").items()) {
+      if (hash_of(folder / file) != hash) return {};
+      files.push_back(folder / file);
+    }
+  } catch (const json::exception&) {
+    return {};
   }
   return files;
 }
@@ -141,6 +145,7 @@ BlenderExport cached_blender_export(const fs::path& blend, const fs::path& outpu
   fs::remove(own / kRecord, fault);
   BlenderExport result = export_blender_file(blend, own);
   json record{{"content", content}, {"exporter", exporter}, {"warnings", result.warnings}};
+  record["inputs"] = record["files"] = json::object();
   for (const std::string& file : result.inputs) record["inputs"][file] = hash_of(blend.parent_path() / file);
   for (const std::string& file : result.files) record["files"][file] = hash_of(own / file);
   write_text(own / kRecord, record.dump(1));
