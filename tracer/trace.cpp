@@ -79,8 +79,7 @@ void trace_frames(const Job& job, const PatchSet& scene, const EnergyField& ener
   for (const std::string& warning : frame_warnings(job, scene, frames)) progress.warning(warning);
   if (!energy.estimate) return;
   ErrorsInView errors(scene, integrator.ray_scene(), integrator.patch_lookup(), energy);
-  const double aspect = double(job.trace.resolution[0]) / job.trace.resolution[1];
-  for (const Frame& frame : frames) errors.add(frame.camera, aspect);
+  for (const Frame& frame : frames) errors.add(frame.camera, double(frame.size[0]) / frame.size[1]);
   if (const std::string warning = errors.warning(job.solve); !warning.empty()) progress.warning(warning);
 }
 

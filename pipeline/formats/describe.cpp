@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace patchlight {
 
@@ -66,6 +67,15 @@ double end_of_motion(const Camera& camera) {
   return end;
 }
 
+std::string describe_lens(const Camera& camera) {
+  std::string text;
+  if (camera.shift != Vec2d(0.0)) text += fmt::format(", shift {:.4g}, {:.4g}", camera.shift.x, camera.shift.y);
+  if (camera.znear > 0 || std::isfinite(camera.zfar))
+    text += fmt::format(", from {:.4g} to {:.4g} m", camera.znear, camera.zfar);
+  if (camera.has_lens()) text += fmt::format(", aperture {:.4g} m, sharp at {:.4g} m", camera.aperture, camera.focus);
+  return text;
+}
+
 template <class Entries, class Name>
 std::string describe_names(const std::string& title, const Entries& items, Name name) {
   std::string text = title + "\n";
@@ -117,8 +127,9 @@ std::string describe(const PatchSet& scene) {
                         scene.environment->height, scene.light_groups[scene.environment->light_group]);
   text += describe_names("cameras", scene.cameras, [](const Camera& c) {
     const bool perspective = c.projection == Camera::Projection::perspective;
-    return fmt::format("{:<24}{}, {:.4g} {} high{}", c.name, perspective ? "perspective" : "orthographic",
+    return fmt::format("{:<24}{}, {:.4g} {} high{}{}", c.name, perspective ? "perspective" : "orthographic",
                        perspective ? c.vertical * 180 / kPi : 2 * c.vertical, perspective ? "degrees" : "m",
+                       describe_lens(c),
                        c.motion.empty() ? "" : fmt::format(", moves until {:.4g} s", end_of_motion(c)));
   });
   return text;

@@ -9,9 +9,29 @@
 
 namespace patchlight {
 
+namespace {
+
+std::string place_of(const std::string& camera, const Job& job) {
+  return fmt::format("{}, cameras.{}", job.file.string(), camera);
+}
+
+Camera with_checked_lens(const Camera& camera, const Job& job) {
+  if (const std::string fault = lens_fault(camera); !fault.empty())
+    throw Error(ExitCode::bad_config, fmt::format("camera `{}`: {}", camera.name, fault), place_of(camera.name, job),
+                "change it there; what is not set there is the scene's");
+  return camera;
+}
+
+}  // namespace
+
 Camera FrameCamera::at(int frame, const Job& job) const {
-  if (of_job) return own_camera(name, *of_job, frame).value();
-  Camera camera{of_scene->name, of_scene->projection, of_scene->to_world, of_scene->vertical, of_scene->aspect, {}};
+  if (of_job && of_job->has_pose()) return with_checked_lens(own_camera(name, *of_job, frame).value(), job);
+  Camera camera = *of_scene;
+  camera.motion.clear();
+  if (of_job) {
+    set_lens(*of_job, camera);
+    camera = with_checked_lens(camera, job);
+  }
   if (!moves()) return camera;
   const std::optional<Matrix4> to_world = to_world_at(*of_scene, frame / job.trace.fps);
   if (!to_world)
@@ -29,6 +49,11 @@ std::vector<FrameCamera> frame_cameras(const Job& job, const PatchSet& scene) {
     cameras.push_back({camera.name, &camera, found == job.cameras.end() ? nullptr : &found->second});
     added.erase(camera.name);
   }
+  for (const auto& [name, config] : added)
+    if (!config.has_pose())
+      throw Error(ExitCode::bad_config,
+                  fmt::format("the scene has no camera `{}`, and the job gives it no place", name), place_of(name, job),
+                  "correct the name, or give `look_from` and `look_at`");
   for (const auto& [name, unused] : added) cameras.push_back({name, nullptr, &job.cameras.at(name)});
   return cameras;
 }

@@ -9,6 +9,7 @@
 
 #include "pipeline/frames/frame_camera.h"
 #include "pipeline/job/frame_range.h"
+#include "pipeline/job/frame_size.h"
 #include "pipeline/model/error.h"
 
 namespace patchlight {
@@ -83,7 +84,8 @@ std::vector<Frame> job_frames(const Job& job, const PatchSet& scene) {
                   job.file.string() + ", trace.frames", "name fewer frames, or fewer trace.cameras");
     for (const int number : numbers) {
       const std::string stem = fmt::format("{}.{:04}", names[i], number);
-      frames.push_back({cameras[i].at(number, job), number, job.frame_folder() / (stem + ".exr"),
+      const Camera camera = cameras[i].at(number, job);
+      frames.push_back({camera, frame_size(job.trace, camera), number, job.frame_folder() / (stem + ".exr"),
                         job.frame_folder() / (stem + ".png")});
     }
   }

@@ -51,10 +51,9 @@ std::string reason_for_black(const Job& job, const PatchSet& scene) {
 
 std::vector<std::string> frame_warnings(const Job& job, const PatchSet& scene, const std::vector<Frame>& frames) {
   const Imath::Box3d bounds = bounds_of(scene.primitives);
-  const double aspect = double(job.trace.resolution[0]) / job.trace.resolution[1];
   std::vector<const Frame*> without_view, black;
   for (const Frame& frame : frames) {
-    if (misses(frame.camera, aspect, bounds))
+    if (misses(frame.camera, double(frame.size[0]) / frame.size[1], bounds))
       without_view.push_back(&frame);
     else if (!scene.light_groups.empty() && is_black(frame))
       black.push_back(&frame);
@@ -62,8 +61,8 @@ std::vector<std::string> frame_warnings(const Job& job, const PatchSet& scene, c
   std::vector<std::string> warnings;
   if (!without_view.empty())
     warnings.push_back(fmt::format(
-        "a camera stands outside the scene and sees nothing of it ({}): turn or move it, or leave it out of "
-        "`trace.cameras`",
+        "a camera stands outside the scene and sees nothing of it ({}): turn or move it, change its `znear` and `zfar` "
+        "if it has any, or leave it out of `trace.cameras`",
         names(without_view)));
   if (!black.empty())
     warnings.push_back(fmt::format("a frame is black ({}): {}", names(black), reason_for_black(job, scene)));

@@ -70,14 +70,19 @@ struct LightSetting {
   std::filesystem::path ies{};     ///< Photometric file of point lights and spots; empty: the scene's.
 };
 
-/// A camera defined by the job.
+/// A camera defined by the job, or changes to a camera of the scene.
 struct CameraConfig {
-  Vec3d look_from{0.0};  ///< m, like all lengths here; world space, glTF axes (Y up).
-  Vec3d look_at{0.0};
-  Vec3d up{0.0, 1.0, 0.0};
+  std::optional<Vec3d> look_from{};  ///< m, like all lengths here; world space, glTF axes (Y up).
+  std::optional<Vec3d> look_at{};
+  std::optional<Vec3d> up{};     ///< Absent: +Y.
   std::optional<double> angle;   ///< Vertical, in degrees; absent: 40.
   std::optional<double> height;  ///< Of the visible region, for parallel projection.
   double turntable = 0.0;        ///< Frames per revolution about `look_at`, right-handed about `up`; 0: static.
+  std::optional<Vec2d> shift{};  ///< The lens, as in Camera.
+  std::optional<double> aspect{}, znear{}, zfar{}, aperture{}, focus{};
+
+  /// Whether it is a camera by itself. Otherwise it changes the lens of the scene's camera of its name.
+  bool has_pose() const { return look_from || look_at; }
 };
 
 /// OpenImageIO's names of OpenEXR's compressions, in OpenEXR's order.
@@ -97,7 +102,7 @@ struct TraceConfig {
   std::vector<std::string> cameras;  ///< Empty: all.
   std::string frames = "1";          ///< For frame_numbers().
   double fps = 24.0;
-  std::array<int, 2> resolution{640, 480};
+  std::optional<std::array<int, 2>> resolution{};  ///< Absent: of the camera's shape; see frame_size().
   int samples = 16;
   std::string quality = "direct";  ///< patches, direct or gather.
   int gather_rays = 64;            ///< Per sample, with quality gather.

@@ -1,5 +1,8 @@
 #include "pipeline/job/stage_keys.h"
 
+#include <cmath>
+
+#include "pipeline/job/frame_size.h"
 #include "pipeline/system/content_hash.h"
 
 namespace patchlight {
@@ -99,18 +102,23 @@ std::string camera_key(const Camera& camera) {
   KeyHasher hasher;
   hasher.add("camera").add(camera.name).add(int(camera.projection)).add(camera.vertical);
   for (int k = 0; k < 16; ++k) hasher.add(camera.to_world.x[k / 4][k % 4]);
+  if (camera.shift != Vec2d(0.0)) hasher.add("shift").add(camera.shift.x).add(camera.shift.y);
+  if (camera.znear > 0) hasher.add("znear").add(camera.znear);
+  if (std::isfinite(camera.zfar)) hasher.add("zfar").add(camera.zfar);
+  if (camera.has_lens()) hasher.add("lens").add(camera.aperture).add(camera.focus);
   return hasher.hex();
 }
 
 std::string frame_key(const PatchSet& scene, const std::string& energy_key, const Job& job, const Camera& camera,
                       int frame, const std::string& view_config) {
   const TraceConfig& trace = job.trace;
+  const auto [width, height] = frame_size(trace, camera);
   KeyHasher hasher;
   hasher.add("trace").add(kTraceVersion).add(scene.key).add(scene.frames_key).add(energy_key);
   hasher.add(camera_key(camera))
       .add(frame)
-      .add(trace.resolution[0])
-      .add(trace.resolution[1])
+      .add(width)
+      .add(height)
       .add(trace.samples)
       .add(trace.quality)
       .add(trace.quality == "gather" ? trace.gather_rays : 0)

@@ -12,6 +12,17 @@ Vec3d axis(const Matrix4& matrix, int row) {
 
 }  // namespace
 
+std::string lens_fault(const Camera& camera) {
+  const auto within = [](double x, double low, double high) { return x >= low && x <= high; };
+  if (!within(camera.aspect, kMinAspect, kMaxAspect) || !within(std::abs(camera.shift.x), 0, kMaxShift) ||
+      !within(std::abs(camera.shift.y), 0, kMaxShift) || !within(camera.znear, 0, kMaxDepth) ||
+      !within(camera.aperture, 0, kMaxAperture) || !within(camera.focus, 0, kMaxDepth))
+    return "a value is out of range";
+  if (!(camera.zfar > camera.znear)) return "`znear` is not below `zfar`";
+  if (camera.has_lens() && camera.focus < kMinDepth) return "an `aperture` without a `focus`";
+  return "";
+}
+
 std::optional<Matrix4> rigid_frame(const Matrix4& to_world) {
   const Vec3d back = axis(to_world, 2);
   const Vec3d origin = axis(to_world, 3);

@@ -51,10 +51,12 @@ GlView camera_view(const Camera& camera, const PatchIdRenderer& renderer, const 
   view.right = axis({1, 0, 0});
   view.up = axis({0, 1, 0});
   view.forward = axis({0, 0, -1});
-  view.top = float(std::tan(camera.vertical / 2));
-  view.bottom = -view.top;
-  view.width = view.top * float(width) / float(height);
-  view.near = 1e-2f * float(std::sqrt(scene.patches[0].area));
+  const auto half_height = float(std::tan(camera.vertical / 2));
+  view.top = half_height * float(1 + 2 * camera.shift.y);
+  view.bottom = half_height * float(-1 + 2 * camera.shift.y);
+  view.width = half_height * float(width) / float(height);
+  view.right -= view.forward * (view.width * float(2 * camera.shift.x));  // shears the view
+  view.near = std::max(float(camera.znear), 1e-2f * float(std::sqrt(scene.patches[0].area)));
   return view;
 }
 
@@ -131,8 +133,9 @@ Image draw_preview(const Job& job, const PatchSet& scene, const PreviewOptions& 
 
   Job choice = job;
   if (!options.camera.empty()) choice.trace.cameras = {options.camera};
-  const Camera camera = job_frames(choice, scene)[0].camera;
-  const int width = job.trace.resolution[0] * kSupersampling, height = job.trace.resolution[1] * kSupersampling;
+  const Frame frame = job_frames(choice, scene)[0];
+  const Camera& camera = frame.camera;
+  const int width = frame.size[0] * kSupersampling, height = frame.size[1] * kSupersampling;
   renderer.begin(width, height);
   renderer.draw(camera_view(camera, renderer, scene, width, height), 0, 0, width, height);
   const std::vector<std::uint32_t>& ids = renderer.read();

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "pipeline/frames/light_settings.h"
+#include "pipeline/job/frame_size.h"
 #include "tracer/sampling/pixel_samples.h"
 
 namespace patchlight {
@@ -212,7 +213,7 @@ Integrator::Integrator(const PatchSet& scene, const EnergyField& energy, const J
 }
 
 Image Integrator::render(const Camera& camera, Progress& progress) const {
-  const auto [width, height] = config_.resolution;
+  const auto [width, height] = frame_size(config_, camera);
   const std::size_t pixels = std::size_t(width) * height;
   Image image{width, height, std::vector<Color>(pixels, Color(0.0f)), {}, LayerSums::blank(config_, scene_, pixels)};
   const CameraRays rays(camera, width, height);

@@ -119,7 +119,7 @@ void FrameWriter::write(const Frame& frame, Image image, double seconds, const s
     image.metadata["patchlight:relit_from"] = relit_from;
   }
   if (frame.camera.projection == Camera::Projection::perspective)
-    image.metadata["Lens"] = lens(frame.camera, job_.trace.resolution);
+    image.metadata["Lens"] = lens(frame.camera, frame.size);
   write_png(frame.png, view_(image), job_.output);
   image.metadata["patchlight:png"] = hash_file(frame.png);
   write_exr(frame.exr, image, job_.output, {job_.trace.pixel_type, job_.trace.compression});

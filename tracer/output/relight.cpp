@@ -44,7 +44,7 @@ void check_source(const Frame& frame, const Image& source, const Job& job, const
                                                                      : fmt::format("{}", fmt::join(changes, ", "))),
                 frame.exr.string(), kRemedy);
   }
-  if (source.width != job.trace.resolution[0] || source.height != job.trace.resolution[1])
+  if (source.width != frame.size[0] || source.height != frame.size[1])
     throw Error(ExitCode::bad_data, "its size differs from the one in its header", frame.exr.string(), kRemedy);
 }
 

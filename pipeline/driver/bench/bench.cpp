@@ -40,7 +40,9 @@ void check_sizes(const Job& job, const CommonOptions& common, const std::vector<
   for (const Variant& variant : variants) {
     std::vector<std::string> sets = common.sets;
     for (const auto& [key, value] : variant.settings) sets.push_back(key + "=" + value);
-    const auto [width, height] = read_job(job.file, sets).trace.resolution;
+    const auto size = read_job(job.file, sets).trace.resolution;
+    if (!size) continue;  // of the camera's shape
+    const auto [width, height] = *size;
     const int rows = std::min(height, reference.height), a = height / rows, b = reference.height / rows;
     const bool fits = a * rows == height && b * rows == reference.height && width % a == 0 &&
                       reference.width % b == 0 && width / a == reference.width / b;

@@ -92,7 +92,7 @@ Freshness picture_freshness(const Job& job, const PatchSet& scene, const Frame& 
     if (header.metadata[attribute] != now) inputs.push_back(change(what, header.metadata[attribute], now));
   compare_keys(state, job, header.metadata["patchlight:key"], header.metadata["patchlight:job"], key_of, inputs);
   if (!state.fresh()) return state;
-  if (header.width != job.trace.resolution[0] || header.height != job.trace.resolution[1])
+  if (header.width != frame.size[0] || header.height != frame.size[1])
     return refuse(State::damaged, "it is of another size");
   if (const std::string layer = missing_layer(header, layers); !layer.empty())
     return refuse(State::damaged, "it lacks the layer `" + layer + "`");

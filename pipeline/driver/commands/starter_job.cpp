@@ -7,6 +7,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "pipeline/job/frame_size.h"
 #include "pipeline/job/job.h"
 
 namespace patchlight {
@@ -138,15 +139,11 @@ std::string trace_lines(const PatchSet& scene) {
     if (const std::string name = yaml_text(camera.name);
         std::find(cameras.begin(), cameras.end(), name) == cameras.end())
       cameras.push_back(name);
-  const double aspect = scene.cameras.front().aspect;
-  const auto [longest, usual_height] = defaults.resolution;
-  const auto shorter = [longest = longest](double part) { return std::max(1, int(std::lround(longest * part))); };
-  const int width = aspect >= 1 ? longest : shorter(aspect), height = aspect >= 1 ? shorter(1 / aspect) : longest;
+  const auto [width, height] = frame_size(defaults, scene.cameras.front());
   std::string text = fmt::format("trace:\n  cameras: [{}]\n", fmt::join(cameras, ", "));
   if (const int last = last_frame(scene, defaults.fps); last > 0)
     text += fmt::format("  # frames: 1-{}  # of cameras that move, {} a second\n", last, defaults.fps);
-  text += fmt::format("  # resolution: [{}, {}]  # the camera's own shape; absent: [{}, {}]\n", width, height, longest,
-                      usual_height);
+  text += fmt::format("  # resolution: [{}, {}]  # absent: in each camera's own shape, as this is\n", width, height);
   text += fmt::format("  # samples: {}  # of a pixel\n", defaults.samples);
   return text + fmt::format("  # exposure: {}  # stops, of the PNG alone\n", defaults.picture.exposure);
 }

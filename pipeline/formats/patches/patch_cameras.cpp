@@ -33,6 +33,25 @@ void write_cameras(H5Writer& writer, const std::vector<Camera>& cameras) {
     r[0] = c.vertical;
     r[1] = c.aspect;
   });
+  const Camera plain;
+  const auto write_pairs = [&](const std::string& name, auto differs, auto pair) {
+    if (std::any_of(cameras.begin(), cameras.end(), differs)) write_rows<double>(writer, name, cameras, 2, pair);
+  };
+  write_pairs(
+      "/cameras/shift", [&](C c) { return c.shift != plain.shift; },
+      [](C c, auto* r) { std::copy_n(&c.shift.x, 2, r); });
+  write_pairs(
+      "/cameras/clip", [&](C c) { return c.znear != plain.znear || c.zfar != plain.zfar; },
+      [](C c, auto* r) {
+        r[0] = c.znear;
+        r[1] = c.zfar;
+      });
+  write_pairs(
+      "/cameras/aperture", [&](C c) { return c.aperture != plain.aperture || c.focus != plain.focus; },
+      [](C c, auto* r) {
+        r[0] = c.aperture;
+        r[1] = c.focus;
+      });
 }
 
 void write_motions(H5Writer& writer, const PatchSet& scene) {
@@ -68,6 +87,18 @@ void read_cameras(const H5Reader& reader, std::vector<Camera>& cameras) {
   read_rows<double>(reader, "/cameras/lens", cameras, 2, [](C c, auto* r) {
     c.vertical = r[0];
     c.aspect = r[1];
+  });
+  const auto read_pairs = [&](const std::string& name, auto set) {
+    if (reader.has(name)) read_rows<double>(reader, name, cameras, 2, set);
+  };
+  read_pairs("/cameras/shift", [](C c, auto* r) { c.shift = {r[0], r[1]}; });
+  read_pairs("/cameras/clip", [](C c, auto* r) {
+    c.znear = r[0];
+    c.zfar = r[1];
+  });
+  read_pairs("/cameras/aperture", [](C c, auto* r) {
+    c.aperture = r[0];
+    c.focus = r[1];
   });
 }
 

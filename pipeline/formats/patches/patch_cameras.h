@@ -4,8 +4,9 @@
 
 namespace patchlight {
 
-/// Writes the scene's cameras and their motions, if there are any. One row per factor of `/motions/camera`, `kind`,
-/// `interpolation` and `keys`; `/motions/time` and `/motions/value` hold the keyframes of all factors in this order.
+/// Writes the scene's cameras and, if there are any, shifts, clip depths and lenses of cameras and their motions. One
+/// row per factor of `/motions/camera`, `kind`, `interpolation` and `keys`; `/motions/time` and `/motions/value` hold
+/// the keyframes of all factors in this order.
 void write_camera_datasets(H5Writer& writer, const PatchSet& scene);
 
 /// Throws: Error (bad_data).

@@ -283,6 +283,8 @@ PatchFault find_fault(const PatchSet& scene) {
     for (const double* x = &camera.to_world.x[0][0]; x != &camera.to_world.x[0][0] + 16; ++x)
       if (!std::isfinite(*x) || !(camera.vertical > 0 && std::isfinite(camera.vertical)))
         return {"a camera that is not finite", "/cameras"};
+  for (const Camera& camera : scene.cameras)
+    if (!lens_fault(camera).empty()) return {"a camera's lens that cannot be", "/cameras"};
   if (scene.cameras.empty()) return {"no camera", "/cameras/name"};
   if (PatchFault fault = order_fault(scene)) return fault;
   if (PatchFault fault = cluster_fault(scene)) return fault;

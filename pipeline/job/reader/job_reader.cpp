@@ -226,7 +226,7 @@ Job JobTemplate::job(const std::vector<std::string>& sets, const fs::path& outpu
   if (is_blender_file(job.scene)) job = job_over_export(job, sets);
   for (fs::path* path : all_paths(job))
     if (!path->empty()) *path = folder / *path;
-  if (std::int64_t(job.trace.resolution[0]) * job.trace.resolution[1] > kMaxPixels)
+  if (const auto& size = job.trace.resolution; size && std::int64_t((*size)[0]) * (*size)[1] > kMaxPixels)
     throw Error(ExitCode::over_limit, fmt::format("a frame of more than {} pixels", kMaxPixels),
                 file.string() + ", trace.resolution", "lower it");
   return job;

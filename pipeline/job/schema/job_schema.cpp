@@ -76,7 +76,8 @@ std::vector<JobKey> solve_keys(SolveConfig& solve) {
 JobKey cameras_key(std::map<std::string, CameraConfig>& cameras) {
   return {"cameras",
           "beside the scene's, by name: look_from, look_at, up [x,y,z]; angle, vertical in degrees, or height in m; "
-          "turntable, frames for a turn",
+          "turntable, frames for a turn; shift [x,y] of the image in widths and heights; aspect; znear, zfar, aperture "
+          "and focus in m; without look_from and look_at: changes of the scene's camera",
           [&cameras](const Node& n) {
             cameras.clear();
             read_cameras(n, cameras);

@@ -41,19 +41,14 @@ JobKey frames_key(std::string& frames) {
       [&frames] { return Node(frames); }};
 }
 
-JobKey resolution_key(std::array<int, 2>& size) {
-  return {"trace.resolution", "width and height of frames in pixels",
+JobKey resolution_key(std::optional<std::array<int, 2>>& size) {
+  return {"trace.resolution",
+          "width and height of frames in pixels; absent: as many pixels as 640 x 480 in the camera's shape",
           [&size](const Node& n) {
             if (!n.IsSequence() || n.size() != 2) throw std::string("expected [width, height]");
-            for (std::size_t k = 0; k < 2; ++k) size[k] = int(parse_integer(n[k], 1, 65536));
+            size = {int(parse_integer(n[0], 1, 65536)), int(parse_integer(n[1], 1, 65536))};
           },
-          [&size] {
-            Node node;
-            node.SetStyle(YAML::EmitterStyle::Flow);
-            node.push_back(size[0]);
-            node.push_back(size[1]);
-            return node;
-          }};
+          [&size] { return size ? vector_node(*size, 2) : Node(); }};
 }
 
 JobKey layers_key(std::vector<std::string>& layers) {

@@ -47,10 +47,10 @@ YAML::Node number_node(Number value) {
 
 /// Numbers as [a, b, c].
 template <class Vector>
-YAML::Node vector_node(const Vector& vector) {
+YAML::Node vector_node(const Vector& vector, int size = 3) {
   YAML::Node node;
   node.SetStyle(YAML::EmitterStyle::Flow);
-  for (int k = 0; k < 3; ++k) node.push_back(number_node(vector[k]));
+  for (int k = 0; k < size; ++k) node.push_back(number_node(vector[k]));
   return node;
 }
 

@@ -69,9 +69,9 @@ TEST_F(JobFile, OfASceneReadsAnyNameBack) {
 TEST_F(JobFile, OfASceneGivesTheShapeOfItsCamera) {
   PatchSet scene = named_scene("a");
   scene.cameras[0].aspect = 16.0 / 9.0;
-  EXPECT_EQ(read(uncommented(starter_job("a.glb", "out", scene))).trace.resolution, (std::array{640, 360}));
+  EXPECT_EQ(read(uncommented(starter_job("a.glb", "out", scene))).trace.resolution, (std::array{736, 414}));
   scene.cameras[0].aspect = 0.5;
-  EXPECT_EQ(read(uncommented(starter_job("a.glb", "out", scene))).trace.resolution, (std::array{320, 640}));
+  EXPECT_EQ(read(uncommented(starter_job("a.glb", "out", scene))).trace.resolution, (std::array{392, 784}));
   EXPECT_EQ(read(starter_job("a.glb", "out", scene)).trace.resolution, Job().trace.resolution);
 }
 

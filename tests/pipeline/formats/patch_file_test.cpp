@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "pipeline/hdf5/h5_store.h"
 #include "tests/pipeline/formats/patch_sample.h"
 
 namespace patchlight {
@@ -31,6 +32,33 @@ TEST(PatchFile, ReadsBackWhatWasWritten) {
   EXPECT_EQ(read.key, scene.key);
   EXPECT_EQ(read.frames_key, scene.frames_key);
   EXPECT_EQ(read.inputs_key, "inputs");
+}
+
+TEST(PatchFile, HoldsTheLensesOfCameras) {
+  const TemporaryFolder folder;
+  const auto file = folder / "patches.h5";
+  PatchSet scene = sample();
+  write_patches(file, scene);
+  for (const char* name : {"/cameras/shift", "/cameras/clip", "/cameras/aperture"})
+    EXPECT_FALSE(H5Reader(file, kPatchFormat, kPatchVersion).has(name)) << "a file without them does not grow";
+  const std::string plain = scene.key, plain_frames = scene.frames_key;
+  scene.cameras.push_back(scene.cameras[0]);
+  Camera& camera = scene.cameras[1];
+  camera.shift = {0.1, -0.2};
+  camera.znear = 0.5;
+  camera.aperture = 0.03;
+  camera.focus = 4;
+  write_patches(file, scene);
+  EXPECT_EQ(scene.key, plain) << "a lens never solves again";
+  EXPECT_EQ(scene.frames_key, plain_frames);
+  const PatchSet read = read_patches(file);
+  EXPECT_FALSE(read.cameras[0].has_lens());
+  EXPECT_EQ(read.cameras[0].znear, 0);
+  EXPECT_EQ(read.cameras[1].shift, camera.shift);
+  EXPECT_EQ(read.cameras[1].znear, 0.5);
+  EXPECT_TRUE(std::isinf(read.cameras[1].zfar));
+  EXPECT_EQ(read.cameras[1].aperture, 0.03);
+  EXPECT_EQ(read.cameras[1].focus, 4);
 }
 
 /// A camera that turns and walks.
@@ -166,6 +194,9 @@ TEST(PatchFile, RefusesInvalidPrimitives) {
 TEST(PatchFile, RefusesInvalidCamerasAndMotions) {
   expect_refused(sample(), {
                                {"/cameras", [](PatchSet& s) { s.cameras[0].vertical = 0; }},
+                               {"/cameras", [](PatchSet& s) { s.cameras[0].aperture = 1; }},
+                               {"/cameras", [](PatchSet& s) { s.cameras[0].shift.x = NAN; }},
+                               {"/cameras", [](PatchSet& s) { s.cameras[0].zfar = -1; }},
                                {"/motions/time",
                                 [](PatchSet& s) {
                                   s.cameras[0].motion = sample_motion();

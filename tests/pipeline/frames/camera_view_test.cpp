@@ -44,5 +44,39 @@ TEST(CameraView, IsAsWideAsTheImage) {
   EXPECT_FALSE(misses(parallel, 4, kUnitBox));
 }
 
+TEST(CameraView, IsShifted) {
+  Camera beside = camera({5, 0, 5}, {5, 0, 0});
+  beside.shift.x = -0.9;
+  EXPECT_FALSE(misses(beside, 1, kUnitBox)) << "the box is on the left";
+  beside.shift.x = 0.9;
+  EXPECT_TRUE(misses(beside, 4, kUnitBox));
+  Camera below = camera({0, -5, 5}, {0, -5, 0}, 3);
+  EXPECT_TRUE(misses(below, 1, kUnitBox));
+  below.shift.y = 1.2;
+  EXPECT_FALSE(misses(below, 1, kUnitBox));
+}
+
+TEST(CameraView, EndsAtItsClipPlanes) {
+  Camera clipped = camera({0, 0, 5}, {0, 0, 0});
+  clipped.znear = 5.9;
+  EXPECT_FALSE(misses(clipped, 1, kUnitBox));
+  clipped.znear = 6.1;
+  EXPECT_TRUE(misses(clipped, 1, kUnitBox));
+  clipped.znear = 0;
+  clipped.zfar = 4.1;
+  EXPECT_FALSE(misses(clipped, 1, kUnitBox));
+  clipped.zfar = 3.9;
+  EXPECT_TRUE(misses(clipped, 1, kUnitBox));
+}
+
+TEST(CameraView, IsWiderThroughALens) {
+  for (const std::optional<double> height : {std::optional<double>(), std::optional<double>(3)}) {
+    Camera beside = camera({5, 0, 5}, {5, 0, 0}, height);
+    EXPECT_TRUE(misses(beside, 1, kUnitBox));
+    beside.aperture = 10;  // from x = 0 to 10
+    EXPECT_FALSE(misses(beside, 1, kUnitBox));
+  }
+}
+
 }  // namespace
 }  // namespace patchlight

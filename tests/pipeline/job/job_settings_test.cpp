@@ -88,7 +88,7 @@ cameras:
   const CameraConfig &corner = job.cameras.at("corner"), &plan = job.cameras.at("plan");
   EXPECT_EQ(corner.look_from, Vec3d(1, 2, 3));
   EXPECT_EQ(corner.look_at, Vec3d(0, 1, 0));
-  EXPECT_EQ(corner.up, Vec3d(0, 1, 0));
+  EXPECT_FALSE(corner.up);
   EXPECT_EQ(corner.angle, 55);
   EXPECT_EQ(corner.turntable, 48);
   EXPECT_EQ(plan.height, 4);
@@ -98,7 +98,7 @@ cameras:
 TEST_F(JobFile, RefusesCamerasThatLookNowhere) {
   const auto cameras = [&](const std::string& text) { return read(std::string(kMinimal) + "cameras:\n  " + text); };
   EXPECT_ERROR(
-      cameras("a: {look_from: [0, 0, 1]}\n  b: {angle: 30}"), ExitCode::bad_config,
+      cameras("a: {look_from: [0, 0, 1]}\n  b: {turntable: 30}"), ExitCode::bad_config,
       "`cameras.b` that do not go together (" + (folder_ / "job.yaml").string() + ", line 5): give `look_from`");
   EXPECT_ERROR(cameras("a: {look_from: [0, 5, 0]}"), ExitCode::bad_config, "`up` across");
   EXPECT_ERROR(cameras("a: {look_from: [0, 0, 5], up: [0, 0, 0]}"), ExitCode::bad_config, "`up` across");
@@ -108,7 +108,44 @@ TEST_F(JobFile, RefusesCamerasThatLookNowhere) {
   EXPECT_ERROR(cameras("a: {look_from: [0, 0]}"), ExitCode::bad_config, "[x, y, z]");
   EXPECT_ERROR(cameras("a: {look_form: [0, 0, 1]}"), ExitCode::bad_config, "did you mean `cameras.a.look_from`?");
   EXPECT_ERROR(cameras("'': {look_from: [0, 0, 1]}"), ExitCode::bad_config, "name");
-  EXPECT_ERROR(read(kMinimal, {"cameras.a.angle=30"}), ExitCode::bad_config, "--set");
+  EXPECT_ERROR(read(kMinimal, {"cameras.a.turntable=30"}), ExitCode::bad_config, "--set");
+}
+
+TEST_F(JobFile, ReadsTheLensOfACamera) {
+  const Job job = read(std::string(kMinimal) + R"(
+cameras:
+  Camera: {shift: [0.1, -0.25], aspect: 1.5, znear: 0.5, zfar: 80, aperture: 0.02, focus: 3}
+)",
+                       {"cameras.Camera.focus=4", "cameras.Other.angle=30"});
+  const CameraConfig& camera = job.cameras.at("Camera");
+  EXPECT_FALSE(camera.has_pose());
+  EXPECT_EQ(camera.shift, Vec2d(0.1, -0.25));
+  EXPECT_EQ(camera.aspect, 1.5);
+  EXPECT_EQ(camera.znear, 0.5);
+  EXPECT_EQ(camera.zfar, 80);
+  EXPECT_EQ(camera.aperture, 0.02);
+  EXPECT_EQ(camera.focus, 4);
+  EXPECT_EQ(job.cameras.at("Other").angle, 30);
+  EXPECT_EQ(effective_job(read(effective_job(job))), effective_job(job));
+}
+
+TEST_F(JobFile, RefusesALensThatCannotBe) {
+  const auto camera = [&](const std::string& text) {
+    return read(std::string(kMinimal) + "cameras:\n  a: {angle: 9}\n  b:\n    " + text);
+  };
+  for (const auto& [fault, expected] : {std::pair("shift: 0.1", "two numbers"),
+                                        {"shift: [0.1, .inf]", "number from"},
+                                        {"aspect: 0", "number from"},
+                                        {"znear: -1", "number from"},
+                                        {"zfar: 0", "number from"},
+                                        {"aperture: -0.1", "number from"},
+                                        {"aperture: .nan", "number from"},
+                                        {"focus: 0", "number from"}}) {
+    EXPECT_ERROR(camera(fault), ExitCode::bad_config, expected);
+    EXPECT_ERROR(camera(fault), ExitCode::bad_config, "line 6");
+  }
+  EXPECT_ERROR(camera("znear: 2\n    zfar: 2"), ExitCode::bad_config, "`zfar` above `znear`");
+  EXPECT_ERROR(camera("znear: 2\n    zfar: 2"), ExitCode::bad_config, "line 5");
 }
 
 TEST_F(JobFile, ReadsFramesAsTextOrList) {

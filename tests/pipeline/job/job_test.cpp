@@ -11,7 +11,7 @@ TEST_F(JobFile, GivesDefaultsToAbsentKeys) {
   const Job job = read(kMinimal);
   EXPECT_FALSE(job.import.patch_area);
   EXPECT_EQ(job.solve.rays, 256);
-  EXPECT_EQ(job.trace.resolution, (std::array<int, 2>{640, 480}));
+  EXPECT_FALSE(job.trace.resolution);
   EXPECT_EQ(job.patch_file(), folder_.path() / "out" / "patches.h5");
 }
 

@@ -55,6 +55,16 @@ const std::vector<Setting> kSettings{
     {"lights.lamp.angle", "1", "import"},
     {"lights.lamp.ies", "down.ies", "import"},
     {"cameras.a.angle", "50", "trace"},
+    {"cameras.a.shift", "[0.1, 0]", "trace"},
+    {"cameras.a.shift", "[0, 0.1]", "trace"},
+    {"cameras.a.aspect", "2", "trace"},
+    {"cameras.a.aspect", "2", "", "trace.resolution=[8, 8]"},
+    {"cameras.a.znear", "0.1", "trace"},
+    {"cameras.a.zfar", "10", "trace"},
+    {"cameras.a.aperture", "0.1", "trace"},
+    {"cameras.a.focus", "2", ""},  // without an aperture all is sharp
+    {"cameras.a.focus", "2", "trace", "cameras.a.aperture=0.1"},
+    {"cameras.moving.shift", "[0.1, 0]", "trace", "trace.cameras=[moving]"},
     {"cameras.b.look_from", "[1, 1, 1]", ""},  // a camera that is not asked for
     {"trace.cameras", "[b]", "trace"},
     {"trace.frames", "2", "trace"},
