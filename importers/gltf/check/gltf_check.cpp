@@ -7,6 +7,7 @@
 #include <set>
 
 #include "importers/gltf/check/accessor_check.h"
+#include "importers/gltf/check/camera_check.h"
 #include "importers/gltf/check/deform_check.h"
 #include "importers/gltf/check/gltf_lists.h"
 #include "importers/gltf/check/light_check.h"
@@ -219,6 +220,7 @@ CheckedGltf check_gltf(std::string_view json, const std::string& file, const Glt
   result.light_profiles = checked_light_profiles(gltf);
   result.profile_lights = checked_profile_lights(gltf, result.light_profiles.size());
   result.node_light_extras = checked_light_extras(gltf, result);
+  result.lenses = checked_lenses(gltf);
   std::set<std::string> animation_warnings;
   result.camera_channels = checked_camera_channels(gltf, result.parents, animation_warnings);
   if (options.animations) {

@@ -55,6 +55,12 @@ struct GltfProfileLight {
   Color color{1.0f};
 };
 
+/// What a node's extras say about the lens of its camera; in the units of Camera.
+struct GltfLens {
+  std::optional<Vec2d> shift{};
+  std::optional<double> aspect{}, aperture{}, focus{};
+};
+
 /// A glTF file that is safe to parse.
 struct CheckedGltf {
   std::string json;               ///< Only the parts that the importer reads, for tinygltf; without buffers and images.
@@ -67,6 +73,7 @@ struct CheckedGltf {
   std::vector<int> parents;                ///< By node; -1: root.
   std::vector<char> hidden;                ///< By node: hidden by itself, and everything below it.
   std::vector<NodeChannel> camera_channels;
+  std::map<int, GltfLens> lenses;  ///< By node with a camera.
   std::vector<GltfLight> lights;
   std::map<int, int> node_lights;  ///< Indices into `lights`, by node.
   /// Of nodes with a light, and of their parents; of other nodes with a mesh, their photometric file.

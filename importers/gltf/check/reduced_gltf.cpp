@@ -113,12 +113,16 @@ Json reduced_camera(const Json& camera) {
             {"orthographic",
              {{"xmag", number_or_zero(*lens, "xmag")},
               {"ymag", number_or_zero(*lens, "ymag")},
-              {"znear", 0},
-              {"zfar", 1}}}};
+              {"znear", number_or_zero(*lens, "znear")},
+              {"zfar", number_or_zero(*lens, "zfar")}}}};
   }
   const double angle = type == "perspective" ? number_or_zero(*lens, "yfov") : 0.0;
   return {{"type", "perspective"},
-          {"perspective", {{"yfov", angle}, {"aspectRatio", number_or_zero(*lens, "aspectRatio")}, {"znear", 0.1}}}};
+          {"perspective",
+           {{"yfov", angle},
+            {"aspectRatio", number_or_zero(*lens, "aspectRatio")},
+            {"znear", number_or_zero(*lens, "znear")},
+            {"zfar", number_or_zero(*lens, "zfar")}}}};
 }
 
 }  // namespace

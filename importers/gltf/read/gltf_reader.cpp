@@ -221,7 +221,10 @@ std::vector<Camera> placed_cameras(const GltfModel& model, const std::vector<Pla
   for (const PlacedNode& node : nodes) {
     const int camera = model.gltf.nodes[node.node].camera;
     if (camera < 0) continue;
-    if (auto placed = read_camera(model.gltf.cameras[camera], node.to_world, names[node.node])) {
+    const auto lens = model.checked.lenses.find(node.node);
+    if (auto placed =
+            read_camera(model.gltf.cameras[camera], lens == model.checked.lenses.end() ? GltfLens() : lens->second,
+                        node.to_world, names[node.node], progress)) {
       cameras.push_back(std::move(*placed));
       cameras.back().motion = motions.motion_of(node.node);
     } else {

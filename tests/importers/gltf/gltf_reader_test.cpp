@@ -209,6 +209,51 @@ TEST(GltfReader, CamerasKeepDirectionWithoutScale) {
   EXPECT_NEAR(scene.cameras[1].to_world.determinant(), 1.0, 1e-12);
 }
 
+/// The only camera of a scene.
+Camera imported_camera(const Json& camera, const Json& extras, Importer& importer) {
+  GltfBuilder gltf = single_mesh(cube());
+  gltf.json["cameras"] = {camera};
+  gltf.node({{"camera", 0}, {"name", "Eye"}, {"extras", extras}});
+  return importer.import(gltf).cameras.at(0);
+}
+
+TEST(GltfReader, CamerasHaveTheClipDepthsOfTheFileAndTheLensOfTheirExtras) {
+  Importer importer;
+  Camera camera = imported_camera(perspective(), Json::object(), importer);
+  EXPECT_EQ(camera.znear, 0.1);
+  EXPECT_TRUE(std::isinf(camera.zfar));
+  EXPECT_EQ(camera.shift, Vec2d(0.0));
+  EXPECT_FALSE(camera.has_lens());
+  Json finite = perspective();
+  finite["perspective"]["zfar"] = 25;
+  const Json extras = {{"shift", {0.25, -1}}, {"aspect", 2}, {"aperture", 0.02}, {"focus", 3}, {"light_group", "a"}};
+  camera = imported_camera(finite, extras, importer);
+  EXPECT_EQ(camera.zfar, 25);
+  EXPECT_EQ(camera.shift, Vec2d(0.25, -1));
+  EXPECT_EQ(camera.aspect, 2);
+  EXPECT_EQ(camera.aperture, 0.02);
+  EXPECT_EQ(camera.focus, 3);
+  finite["perspective"]["znear"] = 30;
+  EXPECT_EQ(imported_camera(finite, extras, importer).znear, 0);
+  EXPECT_THAT(importer.messages(), ::testing::HasSubstr("camera 'Eye': znear 30 and zfar 25"));
+}
+
+TEST(GltfReader, ExtrasOfCamerasThatCannotBeAreRefusedByNode) {
+  Importer importer;
+  for (const auto& [key, value] : {std::pair<const char*, Json>("shift", 1),
+                                   {"shift", {1, 2, 3}},
+                                   {"shift", {0, "a"}},
+                                   {"shift", {1e9, 0}},
+                                   {"aspect", 0},
+                                   {"aspect", "wide"},
+                                   {"aperture", -1},
+                                   {"aperture", 0.1},
+                                   {"focus", 0},
+                                   {"focus", nullptr}})
+    EXPECT_ERROR(imported_camera(perspective(), {{key, value}}, importer), ExitCode::bad_data,
+                 std::string("nodes[1] 'Eye'.extras.") + key);
+}
+
 TEST(GltfReader, InvalidCamerasAreSkippedWithAWarning) {
   Importer importer;
   GltfBuilder gltf = single_mesh(cube());
