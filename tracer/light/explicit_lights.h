@@ -7,8 +7,9 @@ namespace patchlight {
 
 /// A point of a camera path where direct light is to be added.
 struct ShadingPoint {
-  std::uint32_t pixel = 0;   ///< Index in the tile.
-  std::int32_t surface = 0;  ///< Surface id; primitives that meet smoothly share one.
+  std::uint32_t pixel = 0;  ///< Index in the tile.
+  /// Surface id; primitives that meet smoothly share one. Through a lens: of the surface's points of this reflectance.
+  std::int32_t surface = 0;
   std::int32_t primitive = 0;
   /// How the camera sees the point: directly, by mirrors only, or by a rough metal as well. Scattered paths of one
   /// pixel may end anywhere.

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <limits>
 #include <utility>
 
 #include "pipeline/frames/light_settings.h"
@@ -78,6 +79,7 @@ class Integrator::Tile {
       if (sums_.points.size() > kManyPoints) add_pending_light();
     });
     add_pending_light();
+    if (rays_.has_lens() && layers_ && layers_->has_surfaces()) trace_central_rays();
     for_each_pixel([&](int x, int y, std::uint32_t p) {
       const std::size_t at = std::size_t(y) * image_.width + x;
       image_.pixels[at] = sums_.pixels[p] / float(samples[p]);
@@ -106,10 +108,27 @@ class Integrator::Tile {
       points_.x[lane_] = float(x) + at.x;
       points_.y[lane_] = float(y) + at.y;
       paths_[lane_] = {p, std::uint32_t(k), layers_ ? (at - Vec2f(0.5f)).length2() : 0.0f};
+      if (rays_.has_lens()) {
+        points_.lens[lane_] = lens_sample(std::uint32_t(k), seed);
+        paths_[lane_].center_distance2 = std::numeric_limits<float>::infinity();
+      }
       if (++lane_ < RayPacket::kSize) continue;
       trace_pending();
       if (light_ && sums_.points.size() > kMaxPoints) add_pending_light();
     }
+  }
+
+  /// Traces a ray through the centres of each pixel and of the lens, which layers show that are no mean over samples.
+  void trace_central_rays() {
+    for_each_pixel([&](int x, int y, std::uint32_t p) {
+      points_.x[lane_] = float(x) + 0.5f;
+      points_.y[lane_] = float(y) + 0.5f;
+      points_.lens[lane_] = Vec2f(0.0f);
+      paths_[lane_] = {p};
+      paths_[lane_].central = true;
+      if (++lane_ == RayPacket::kSize) trace_pending();
+    });
+    trace_pending();
   }
 
   void trace_pending() {

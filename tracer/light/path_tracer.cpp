@@ -20,6 +20,15 @@ std::int32_t combined_hash(std::int32_t surfaces, std::int32_t next) {
   return std::int32_t(std::uint32_t(hash64(std::uint64_t(std::uint32_t(surfaces)) << 32 | std::uint32_t(next))));
 }
 
+/// Seven levels for each channel. The points of a pixel on one surface share light, and those of a blurred pixel lie
+/// far apart: so that light is not mixed with the reflectance at other places, only points of similar reflectance share
+/// it.
+std::int32_t brightness_levels(const Color& reflected) {
+  std::int32_t levels = 0;
+  for (int k = 0; k < 3; ++k) levels = 8 * levels + int(6.5f * std::sqrt(std::clamp(reflected[k], 0.0f, 1.0f)));
+  return levels;
+}
+
 float max_component(const Color& c) {
   return std::max({c.x, c.y, c.z});
 }
@@ -64,9 +73,13 @@ bool PathTracer::shade(RayPacket& packet, int lane, Path& path, const CameraRays
   PathFeatures& features = path.features;
   LayerSums* const layers = sums.layers;
   const bool in_layers = layers && layers->has_surfaces() && std::isinf(features.depth);
+  const auto add_surface = [&](const LayerSums::Surface& surface) {
+    path.central ? layers->set_surface(path.pixel, surface)
+                 : layers->add_surface(path.pixel, surface, path.center_distance2);
+  };
   if (hit.primitive < 0) {
-    if (in_layers) layers->add_surface(path.pixel, {}, path.center_distance2);
-    if (scene_.environment) add_sky(packet.direction(lane), path, sums);
+    if (in_layers) add_surface({});
+    if (scene_.environment && !path.central) add_sky(packet.direction(lane), path, sums);
     return false;
   }
   const SurfacePoint point = surface_point(hit);
@@ -74,21 +87,20 @@ bool PathTracer::shade(RayPacket& packet, int lane, Path& path, const CameraRays
   if (!hit.front && config_.cull_backfaces) {
     path.pdf = 0;  // shadow rays do not pass back faces: no MIS
     packet.set(lane, ray_scene_.to_local(point.position) + direction * ray_scene_.offset(hit.primitive), direction);
+    if (!path.mirrored) camera.set_end(packet, lane, point.position, direction);
     return ++path.bounces < kMaxBounces;
   }
   if (std::isinf(features.depth)) features.depth = float(camera.depth(point.position));
   if (!hit.front) {
-    if (in_layers)
-      layers->add_surface(path.pixel, {features.depth, point.position, -point.normal}, path.center_distance2);
+    if (in_layers) add_surface({features.depth, point.position, -point.normal});
     return false;
   }
   SolvedSurfaces::Colors colors = surfaces_.colors(hit);
   const Vec3f smooth = normals_(hit.primitive, hit.u, hit.v, point.normal);
   features.normal = valid_for_viewer(smooth, point.normal, -direction);
   if (in_layers)
-    layers->add_surface(
-        path.pixel, {features.depth, point.position, features.normal, colors.reflectance, std::uint32_t(colors.patch)},
-        path.center_distance2);
+    add_surface({features.depth, point.position, features.normal, colors.reflectance, std::uint32_t(colors.patch)});
+  if (path.central) return false;
   if (path.pdf > 0)
     colors.emission *= glossy_lights_->hit_weight(sums.glossy_rays->vertices[lane], direction, path.pdf, colors.patch);
   const DisplayLookup::Blend blend = surfaces_.blend(hit, colors.patch);
@@ -105,8 +117,10 @@ bool PathTracer::shade(RayPacket& packet, int lane, Path& path, const CameraRays
   features.reflectance += path.throughput * colors.reflectance;
   const Vec3d ray_origin = point.position + Vec3d(point.normal) * double(ray_scene_.offset(hit.primitive));
   if (direct_ && max_component(colors.reflectance) > 0) {
-    sums.points.push_back({path.pixel, surface, hit.primitive, path.kind(), ray_origin, features.normal,
-                           path.throughput * colors.reflectance / float(kPi),
+    const Color reflected = path.throughput * colors.reflectance;
+    sums.points.push_back({path.pixel,
+                           camera.has_lens() ? combined_hash(surface, brightness_levels(reflected)) : surface,
+                           hit.primitive, path.kind(), ray_origin, features.normal, reflected / float(kPi),
                            features.normal == smooth ? Vec3f(0.0f) : smooth});
     if (gather_) sums.gather.push_back({sums.points.back(), point.normal, path.sample, std::uint32_t(path.bounces)});
     if (!normals_.is_flat(hit.primitive)) lift_point(hit, lane, sums);

@@ -62,6 +62,7 @@ class PathTracer {
     std::uint32_t pixel = 0;        ///< Index in the sums.
     std::uint32_t sample = 0;       ///< Of the pixel.
     float center_distance2 = 0.0f;  ///< Squared distance from the pixel's centre; for layers.
+    bool central = false;           ///< A ray through the centres of pixel and lens, for layers alone.
     Color throughput{1.0f};
     int bounces = 0;  ///< Specular reflections, and back faces passed through.
     bool mirrored = false;

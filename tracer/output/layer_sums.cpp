@@ -32,6 +32,10 @@ void LayerSums::add_surface(std::uint32_t pixel, const Surface& surface, float d
     nearest_[pixel] = {distance2, surface.depth, Vec3f(surface.position), surface.patch};
 }
 
+void LayerSums::set_surface(std::uint32_t pixel, const Surface& surface) {
+  nearest_[pixel] = {nearest_[pixel].distance2, surface.depth, Vec3f(surface.position), surface.patch};
+}
+
 std::vector<ImageLayer> LayerSums::blank(const TraceConfig& config, const PatchSet& scene, std::size_t pixels) {
   std::vector<ImageLayer> layers = frame_layers(config, scene);
   for (ImageLayer& layer : layers)

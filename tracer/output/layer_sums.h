@@ -38,6 +38,8 @@ class LayerSums {
   /// `distance2`: squared distance of the sample from the pixel's centre. Depth, position and patch are not averaged:
   /// the sample nearest to the centre counts.
   void add_surface(std::uint32_t pixel, const Surface& surface, float distance2);
+  /// Sets depth, position and patch alone, until a nearer sample is added.
+  void set_surface(std::uint32_t pixel, const Surface& surface);
 
   /// Zero-filled layers of a whole frame, in the order of `config.layers`.
   static std::vector<ImageLayer> blank(const TraceConfig& config, const PatchSet& scene, std::size_t pixels);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
 namespace patchlight {
@@ -10,51 +9,9 @@ namespace patchlight {
 namespace {
 
 constexpr double kCoplanarCosine = 1 - 1e-9;  // between the normals of coplanar primitives
-constexpr double kNearClip = 1e-4;            // depth at which an edge is clipped, over its largest depth
 constexpr int kSphereSegments = 64;           // line segments of a sphere's silhouette
 
 }  // namespace
-
-/// Depth buffer that edges are drawn into.
-struct Outlines::Canvas {
-  const CameraRays& rays;
-  int width, height;
-  std::vector<float> depths;
-
-  /// Draws a line between two points in camera space.
-  void draw_line(Vec3d a, Vec3d b) {
-    if (a.z > b.z) std::swap(a, b);  // b is nearer
-    if (!(a.z < 0)) return;
-    const double nearest = rays.perspective() ? kNearClip * a.z : 0.0;
-    if (b.z > nearest) b = a + (b - a) * ((nearest - a.z) / (b.z - a.z));
-    const Imath::V2d p = rays.to_image(a), q = rays.to_image(b);
-    // 1 / depth is linear along a line in the image; in parallel projection depth itself is.
-    const double at_p = rays.perspective() ? -1 / a.z : -a.z, at_q = rays.perspective() ? -1 / b.z : -b.z;
-    const bool horizontal = std::abs(q.x - p.x) >= std::abs(q.y - p.y);
-    const auto along = [&](const Imath::V2d& v) { return horizontal ? v.x : v.y; };
-    const auto across = [&](const Imath::V2d& v) { return horizontal ? v.y : v.x; };
-    const double low = std::min(along(p), along(q)), high = std::max(along(p), along(q));
-    const int steps = horizontal ? width : height, rows = horizontal ? height : width;
-    if (!(high >= 0 && low < steps)) return;
-    const double length = along(q) - along(p);
-    for (int step = int(std::max(0.0, std::floor(low))); step < steps && step <= high; ++step) {
-      const auto parameter = [&](double x) {
-        return length != 0 ? std::clamp((x - along(p)) / length, 0.0, 1.0) : 0.0;
-      };
-      const double s = parameter(step), t = length != 0 ? parameter(step + 1) : 1.0;
-      const double from = across(p) + (across(q) - across(p)) * s, to = across(p) + (across(q) - across(p)) * t;
-      const double v = at_p + (at_q - at_p) * s, w = at_p + (at_q - at_p) * t;
-      const auto depth = float(rays.perspective() ? 1 / std::max(v, w) : std::min(v, w));
-      const double first = std::max(0.0, std::floor(std::min(from, to)));
-      const double last = std::min(double(rows - 1), std::floor(std::max(from, to)));
-      for (int row = int(std::min(first, double(rows))); row <= last; ++row) {
-        float& nearest_edge =
-            horizontal ? depths[std::size_t(row) * width + step] : depths[std::size_t(step) * width + row];
-        nearest_edge = std::min(nearest_edge, depth);
-      }
-    }
-  }
-};
 
 Outlines::Outlines(const PatchSet& scene, const SmoothEdges& smooth)
     : scene_(scene), normals_(scene.primitives.size(), Vec3d(0.0)), surfaces_(scene.primitives.size()) {
@@ -95,8 +52,7 @@ std::int32_t Outlines::find_root(std::int32_t i) {
 }
 
 std::vector<float> Outlines::draw(const CameraRays& rays, int width, int height) const {
-  Canvas canvas{rays, width, height,
-                std::vector<float>(std::size_t(width) * height, std::numeric_limits<float>::infinity())};
+  OutlineCanvas canvas(rays, width, height);
   const Vec3d eye = rays.eye(), forward = rays.forward();
   const auto faces_camera = [&](std::int32_t i, const Vec3d& at) {
     return ((rays.perspective() ? at - eye : forward) ^ normals_[i]) < 0;
@@ -115,10 +71,10 @@ std::vector<float> Outlines::draw(const CameraRays& rays, int width, int height)
     for (const auto& [from, to] : p.region->edges)
       draw_line(position_at(p.corners, from.x, from.y), position_at(p.corners, to.x, to.y));
   }
-  return std::move(canvas.depths);
+  return canvas.depths();
 }
 
-void Outlines::draw_sphere(const Primitive& sphere, Canvas& canvas) const {
+void Outlines::draw_sphere(const Primitive& sphere, OutlineCanvas& canvas) const {
   Vec3d center = sphere.sphere_center, axis = canvas.rays.forward();
   double radius = std::abs(sphere.sphere_radius);
   if (canvas.rays.perspective()) {

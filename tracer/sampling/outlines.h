@@ -3,7 +3,7 @@
 
 #include "pipeline/model/patch_set.h"
 #include "pipeline/optics/surface/smooth_edges.h"
-#include "tracer/sampling/camera_rays.h"
+#include "tracer/sampling/outline_canvas.h"
 
 namespace patchlight {
 
@@ -20,7 +20,7 @@ class Outlines {
   /// Unit normal of quad `i`.
   const Vec3d& normal(std::int32_t i) const { return normals_[i]; }
 
-  /// Depth of the nearest edge in each pixel, hidden or not; infinity without an edge.
+  /// Depth of the nearest edge in each pixel, hidden or not, widened by a lens; infinity without an edge.
   /// Shape: [width * height], rows from the top.
   std::vector<float> draw(const CameraRays& rays, int width, int height) const;
 
@@ -32,11 +32,10 @@ class Outlines {
     std::int32_t other;  ///< -1: none.
     std::int32_t edge;   ///< Of `primitive`, from its corner of this number.
   };
-  struct Canvas;
 
   void add_edges(const SmoothEdges& smooth);
   std::int32_t find_root(std::int32_t i);
-  void draw_sphere(const Primitive& sphere, Canvas& canvas) const;
+  void draw_sphere(const Primitive& sphere, OutlineCanvas& canvas) const;
 
   const PatchSet& scene_;
   std::vector<Vec3d> normals_;          ///< [primitives]; zero for spheres.

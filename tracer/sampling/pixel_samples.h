@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <cmath>
 #include <cstdint>
 
 #include "pipeline/optics/sampling/random.h"
@@ -45,6 +46,24 @@ inline Vec2f pixel_sample(std::uint32_t k, std::uint64_t seed) {
   const std::uint32_t x = reverse_bits(owen_scrambled(k, std::uint32_t(seed)));
   const std::uint32_t y = reverse_bits(owen_scrambled(second, std::uint32_t(seed >> 32)));
   return {float(x >> 8) * 0x1p-24f, float(y >> 8) * 0x1p-24f};
+}
+
+/// A point of the unit disc for a point of the unit square; keeps areas and neighbours (Shirley and Chiu 1997).
+inline Vec2f concentric_disc(const Vec2f& at) {
+  const float x = 2 * at.x - 1, y = 2 * at.y - 1;
+  if (x == 0 && y == 0) return Vec2f(0.0f);
+  const bool wide = std::abs(x) > std::abs(y);
+  const float radius = wide ? x : y, quarter = float(kPi / 4);
+  const float angle = wide ? quarter * (y / x) : quarter * (2 - x / y);
+  return {radius * std::cos(angle), radius * std::sin(angle)};
+}
+
+/// Point of the lens, a unit disc, for sample k of a pixel with the `seed` of its pixel_sample(). As evenly spread as
+/// the points of the pixel, and independent of them.
+inline Vec2f lens_sample(std::uint32_t k, std::uint64_t seed) {
+  constexpr std::uint64_t kLens = 0x6c656e73;  // another sequence than those of reflections
+  const std::uint64_t lens_seed = hash64(seed ^ kLens);
+  return concentric_disc(pixel_sample(shuffled(k, std::uint32_t(hash64(lens_seed))), lens_seed));
 }
 
 }  // namespace patchlight

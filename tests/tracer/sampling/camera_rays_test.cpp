@@ -18,8 +18,9 @@ Camera camera_of(Camera::Projection projection, double vertical) {
 struct Ray {
   Vec3f origin, direction;
 
-  Ray(const CameraRays& rays, float x, float y) {
+  Ray(const CameraRays& rays, float x, float y, const Vec2f& lens = Vec2f(0.0f)) {
     ImagePoints points;
+    points.lens[5] = lens;
     points.x[5] = x;
     points.y[5] = y;
     RayPacket packet;
@@ -53,13 +54,47 @@ TEST(CameraRays, OfAnOrthographicCameraAreParallel) {
 
 TEST(CameraRays, PassThroughTheImagePointThatToImageFinds) {
   for (const auto projection : {Camera::Projection::perspective, Camera::Projection::orthographic}) {
-    const CameraRays rays(camera_of(projection, 1.0), 80, 60);
+    Camera camera = camera_of(projection, 1.0);
+    camera.shift = {0.3, -0.2};
+    const CameraRays rays(camera, 80, 60);
     const Ray ray(rays, 71.5f, 12.25f);
     const Vec3d in_camera = rays.to_camera(Vec3d(ray.origin) + Vec3d(ray.direction) * 7.0);
     const Imath::V2d at = rays.to_image(in_camera);
     EXPECT_NEAR(at.x, 71.5, 1e-4);
     EXPECT_NEAR(at.y, 12.25, 1e-4);
     EXPECT_NEAR(-in_camera.z, 7.0 * (ray.direction ^ Vec3f(rays.forward())), 1e-5);
+  }
+}
+
+TEST(CameraRays, OfAShiftedImageShowWhatLiesBesideIt) {
+  for (const auto projection : {Camera::Projection::perspective, Camera::Projection::orthographic}) {
+    Camera camera = camera_of(projection, 1.0);
+    const CameraRays plain(camera, 80, 60);
+    camera.shift = {0.25, 0.5};  // to the right and up
+    const CameraRays rays(camera, 80, 60);
+    const Ray shifted(rays, 30, 40), expected(plain, 30 + 0.25f * 80, 40 - 0.5f * 60);
+    EXPECT_LT((shifted.direction - expected.direction).length(), 1e-6f);
+    EXPECT_LT((shifted.origin - expected.origin).length(), 1e-6f);
+    EXPECT_EQ(rays.forward(), plain.forward());
+  }
+}
+
+TEST(CameraRays, OfALensMeetAtItsFocus) {
+  for (const auto projection : {Camera::Projection::perspective, Camera::Projection::orthographic}) {
+    Camera camera = camera_of(projection, 1.0);
+    camera.shift = {0.3, -0.2};
+    const CameraRays pinhole(camera, 80, 60);
+    camera.aperture = 0.5;
+    camera.focus = 3;
+    const CameraRays rays(camera, 80, 60);
+    const Ray central(pinhole, 11, 22);
+    const auto at_focus = [&](const Ray& ray) { return ray.origin + ray.direction * (3 / -ray.direction.z); };
+    for (const Vec2f& lens : {Vec2f(0, 0), Vec2f(1, 0), Vec2f(-0.6f, 0.8f)}) {
+      const Ray ray(rays, 11, 22, lens);
+      EXPECT_LT((ray.origin - central.origin - Vec3f(lens.x, lens.y, 0) * 0.25f).length(), 1e-6f);
+      EXPECT_LT((at_focus(ray) - at_focus(central)).length(), 1e-5f);
+      EXPECT_NEAR(ray.direction.length(), 1, 1e-6);
+    }
   }
 }
 

@@ -58,6 +58,42 @@ TEST(Outlines, AreClippedAtTheCamera) {
   EXPECT_EQ(edge_pixels(draw(behind.get())), 0);
 }
 
+TEST(Outlines, OfWhatTheCameraClipsAreNotDrawn) {
+  PatchScene builder;
+  builder.quad({{{-0.5, -0.5, -1}, {0.5, -0.5, -1}, {0.5, 0.5, -1}, {-0.5, 0.5, -1}}}, 1, 1, {});
+  Camera camera;
+  camera.vertical = kPi / 2;
+  const auto count = [&](double znear, double zfar) {
+    camera.znear = znear;
+    camera.zfar = zfar;
+    return edge_pixels(Outlines(builder.get(), SmoothEdges(builder.get().primitives))
+                           .draw(CameraRays(camera, kSize, kSize), kSize, kSize));
+  };
+  EXPECT_GT(count(0.9, 1.1), 0);
+  EXPECT_EQ(count(1.1, 2), 0);
+  EXPECT_EQ(count(0, 0.9), 0);
+}
+
+TEST(Outlines, AreWidenedByALens) {
+  constexpr int kFine = 200;
+  const auto columns = [](double x, double depth, double focus) {
+    PatchScene builder;
+    builder.quad({{{x, -9, -depth}, {x + 99, -9, -depth}, {x + 99, 9, -depth}, {x, 9, -depth}}}, 1, 1, {});
+    Camera camera;
+    camera.vertical = kPi / 2;
+    camera.aperture = 0.4;
+    camera.focus = focus;
+    const auto depths = Outlines(builder.get(), SmoothEdges(builder.get().primitives))
+                            .draw(CameraRays(camera, kFine, kFine), kFine, kFine);
+    return edge_pixels(depths) / kFine;
+  };
+  EXPECT_EQ(columns(0.001, 2, 2), 1);
+  const double blur = 0.4 * (2 - 1) / 1 / 2 / 2 * kFine;  // of depth 1 at focus 2: 20 pixels
+  EXPECT_GE(columns(0.001, 1, 2), blur);
+  EXPECT_LE(columns(0.001, 1, 2), 1.5 * blur + 3);
+  EXPECT_GE(columns(-1.05, 1, 2), blur / 4) << "an edge 5 pixels beside the image";
+}
+
 TEST(Outlines, OfSmoothSurfacesAreSilhouettes) {
   PatchScene builder;  // a roof whose ridge points at the camera
   builder.quad({{{-9, -9, -3}, {0, -9, -2}, {0, 9, -2}, {-9, 9, -3}}}, 1, 1, {});
