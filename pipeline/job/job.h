@@ -186,7 +186,7 @@ struct Job {
 
   /// The paths of files that stages read beside the scene, relative to the job's folder in job files.
   std::vector<std::filesystem::path*> input_files() {
-    std::vector<std::filesystem::path*> files{&environment.image};
+    std::vector<std::filesystem::path*> files{&environment.image, &trace.picture.ocio};
     for (auto& [group, light] : lights) files.push_back(&light.ies);
     return files;
   }
