@@ -1,5 +1,6 @@
 #include "pipeline/job/own_camera.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace patchlight {
@@ -16,7 +17,7 @@ std::optional<Camera> own_camera(const std::string& name, const CameraConfig& co
   camera.vertical = kDefaultAngle * kPi / 180;
   const Vec3d look_from = config.look_from.value_or(Vec3d(0.0)), look_at = config.look_at.value_or(Vec3d(0.0));
   const Vec3d up = config.up.value_or(Vec3d(0, 1, 0));
-  camera.focus = (look_from - look_at).length();
+  camera.focus = std::clamp((look_from - look_at).length(), kMinDepth, kMaxDepth);
   set_lens(config, camera);
   const double turns = config.turntable == 0 ? 0 : (frame - 1) / config.turntable;
   Matrix4 turn;

@@ -35,12 +35,12 @@ double variance(const Image& image) {
   return (x2 - x1 * x1 + y2 - y1 * y1) / 2;
 }
 
-/// A small bright sphere in the middle of a view of 160 x 160 pixels.
+/// A small bright sphere in the middle of a view of 100 x 100 pixels.
 Solved bright_ball(double depth, Camera::Projection projection) {
   PatchScene builder;
-  builder.sphere({0, 0, -depth}, 0.015 * depth / kFocus, 2, 4, {0.0f, 1.0f});
+  builder.sphere({0, 0, -depth}, 0.03 * depth / kFocus, 2, 4, {0.0f, 1.0f});
   Solved solved(builder);
-  solved.job.trace.resolution = {160, 160};
+  solved.job.trace.resolution = {100, 100};
   solved.job.trace.samples = 64;
   solved.camera.projection = projection;
   solved.camera.vertical =
@@ -59,7 +59,7 @@ TEST(Lens, BlursAPointToItsCircleOfConfusion) {
       solved.camera.focus = kFocus;
       const Image blurred = solved.render();
       const double at_object = projection == Camera::Projection::perspective ? depth : kFocus;
-      const double expected = kAperture * std::abs(depth - kFocus) / at_object / 0.8 * 160;
+      const double expected = kAperture * std::abs(depth - kFocus) / at_object / 0.8 * 100;
       const double measured = 4 * std::sqrt(std::max(0.0, variance(blurred) - variance(sharp)));
       if (depth == kFocus)
         EXPECT_NEAR(variance(blurred), variance(sharp), 0.02 * variance(sharp));
