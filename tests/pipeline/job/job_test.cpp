@@ -139,7 +139,7 @@ TEST_F(JobFile, TakesPathsAsTheyStand) {
 }
 
 TEST_F(JobFile, LimitsTheSizeOfFrames) {
-  EXPECT_EQ(read(kMinimal, {"trace.resolution=[16384, 16384]"}).trace.resolution[0], 16384);
+  EXPECT_EQ(read(kMinimal, {"trace.resolution=[16384, 16384]"}).trace.resolution->at(0), 16384);
   EXPECT_ERROR(read(kMinimal, {"trace.resolution=[16384, 16385]"}), ExitCode::over_limit, "trace.resolution");
 }
 
