@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "pipeline/optics/lights/direct_light.h"
 #include "pipeline/optics/lights/light_distribution.h"
@@ -72,21 +73,27 @@ double DirectLight::ball_form_factor(const Vec3d& point, const Vec3d& normal) co
   if (!is_directed_ || whole <= 0) return whole;
   if (r2 < kSmallBall * squared) return whole * relative_intensity((point - center_).normalized());
   const View view = this->view(point, Vec3f(normal));
-  // By the points of a Fibonacci lattice.
-  const auto mean = [&](int count, int step) {
+  const auto mean = [&](int count, auto place) {
     double sum = 0, weights = 0;
     for (int k = 0; k < count; ++k) {
-      const Sample sample = view.sample_ball((k * step % count + 0.5) / count, (k + 0.5) / count);
+      const auto [x, y] = place(k);
+      const Sample sample = view.sample_ball(x, y);
       if (sample.weight <= 0) continue;
       sum += double(sample.weight) * relative_intensity(-Vec3d(sample.direction));
       weights += double(sample.weight);
     }
     return weights > 0 ? sum / weights : 0.0;
   };
-  constexpr double kMaxDifference = 0.002;  // of two means of a few points, for which these are enough
-  const double coarse = mean(13, 8);
-  const bool is_even = std::abs(mean(8, 5) - coarse) <= kMaxDifference * coarse;
-  return whole * (is_even && !is_at_edge_of_cone(point) ? coarse : mean(233, 144));
+  const auto mean_of_rings = [&](int rings) {  // without error of the first order
+    return mean(6 * rings, [=](int k) { return std::pair((k % 6 + 0.5 * (k / 6)) / 6, (k / 6 + 0.5) / rings); });
+  };
+  constexpr double kMaxDifference = 0.005;  // of two means of a few points, for which these are enough
+  const double coarse = mean_of_rings(2);
+  const bool is_even = std::abs(mean_of_rings(1) - coarse) <= kMaxDifference * coarse;
+  if (is_even && !is_at_edge_of_cone(point)) return whole * coarse;
+  constexpr int kPoints = 233, kStep = 144;  // of a Fibonacci lattice
+  return whole *
+         mean(kPoints, [](int k) { return std::pair((k * kStep % kPoints + 0.5) / kPoints, (k + 0.5) / kPoints); });
 }
 
 /// Whether a point of a ball with a cone is inside of the cone as seen from `point`, and another one outside.
