@@ -55,7 +55,7 @@ class Photons::Source {
     float weight = 0.0f;  ///< Flux for an exitance of 1 over the emitter's area, or for a light's strength of 1.
   };
 
-  /// (x,y): in the unit square, for the direction. `from`: in the unit square, for the origin on surfaces and of suns.
+  /// (x,y): in the unit square, for the direction. `from`: in the unit square, for the origin unless it is a point.
   Start start(const PhotonTargets& targets, int target, const Vec2f& from, float x, float y) const {
     if (surface_) {
       const SurfacePoint point = (*sampler_)(from.x, from.y);
@@ -72,7 +72,7 @@ class Photons::Source {
       origin += light_.direction * (scene_start_ - (origin ^ light_.direction));
       return {ray_scene_.to_local(origin), Vec3f(light_.direction), float(kPi * radius * radius)};
     }
-    if (light_.radius > 0) return start_in_ball(targets, target, from, x, y);
+    if (light_.radius > 0) return start_on_ball(targets, target, from, x, y);
     const PhotonTargets::Aim aim = targets.aim(target, light_.position, x, y);
     const double strength = direct_light_->perpendicular_factor(light_.position + Vec3d(aim.direction));
     return {ray_scene_.to_local(light_.position), aim.direction, float(aim.weight * strength)};
@@ -82,23 +82,15 @@ class Photons::Source {
   const double area;
 
  private:
-  /// From a disk of a light's radius about its centre, that faces the target; where the target is around the light, the
-  /// photon.
-  Start start_in_ball(const PhotonTargets& targets, int target, const Vec2f& from, float x, float y) const {
-    const auto [center, radius] = targets.bounding_sphere(target);
-    const Vec3d to = center - light_.position;
-    const bool is_around = to.length() <= radius + light_.radius;
-    PhotonTargets::Aim aim = targets.aim(target, light_.position, x, y);
-    const Vec3d axis = is_around ? Vec3d(aim.direction) : to.normalized();
-    Vec3f tangent, bitangent;
-    orthonormal_frame(Vec3f(axis), tangent, bitangent);
-    const double r = light_.radius * std::sqrt(from.x), turn = 2 * kPi * from.y;
-    const Vec3d origin =
-        light_.position + Vec3d(tangent) * (r * std::cos(turn)) + Vec3d(bitangent) * (r * std::sin(turn));
-    if (!is_around) aim = targets.aim(target, origin, x, y);
+  /// From the surface of a light with a radius.
+  Start start_on_ball(const PhotonTargets& targets, int target, const Vec2f& from, float x, float y) const {
+    const double z = 1 - 2 * double(from.x), sine = std::sqrt(std::max(0.0, 1 - z * z)), turn = 2 * kPi * from.y;
+    const Vec3d normal(sine * std::cos(turn), sine * std::sin(turn), z);
+    const Vec3d origin = light_.position + normal * light_.radius;
+    const PhotonTargets::Aim aim = targets.aim(target, SurfacePoint{origin, Vec3f(normal)}, x, y);
+    if (!(aim.weight > 0)) return {};
     const double part = direct_light_->relative_intensity(Vec3d(aim.direction));
-    const double slope = std::max(0.0, Vec3d(aim.direction) ^ axis);
-    return {ray_scene_.to_local(origin), aim.direction, float(aim.weight * part * slope)};
+    return {ray_scene_.to_local(origin), aim.direction, float(4 * kPi * double(aim.weight) * part)};
   }
 
   static constexpr double kPatchSizes = 1e3;  // bounds the extent of a patch, slivers included

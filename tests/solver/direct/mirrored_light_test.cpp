@@ -96,9 +96,10 @@ TEST(MirroredLight, IsThatOfTheVirtualImage) {
       add_quad(builder, corners, {0.0f, 1.0f}, place, turned);
     };
   };
-  const auto light = [](Light::Kind kind, double inner, double outer) -> AddEmitters {
+  const auto light = [](Light::Kind kind, double inner, double outer, double radius = 0) -> AddEmitters {
     return [=](PatchScene& builder, const auto& place, bool) {
       Light l = light_at({0.2, 2.2, 0.3}, kind);
+      l.radius = radius;
       l.inner = inner;
       l.outer = outer;
       const Vec3d toward = l.position + Vec3d(-0.1, -0.6, -0.8).normalized();
@@ -107,7 +108,7 @@ TEST(MirroredLight, IsThatOfTheVirtualImage) {
       builder.get().lights.push_back(l);
     };
   };
-  const std::array<std::pair<const char*, AddEmitters>, 7> kinds{{
+  const std::array<std::pair<const char*, AddEmitters>, 9> kinds{{
       {"quad", quad({{{-0.3, 1.9, 0}, {0.3, 1.8, 0}, {0.3, 2.0, 0.5}, {-0.3, 2.1, 0.5}}})},
       {"triangle", quad({{{-0.4, 1.9, 0}, {0.4, 1.9, 0}, {0.0, 2.1, 0.5}, {0.0, 2.1, 0.5}}})},
       {"sphere",
@@ -115,7 +116,9 @@ TEST(MirroredLight, IsThatOfTheVirtualImage) {
          builder.sphere(place({0.2, 1.6, 0.4}), 0.2, 1, 1, {0.0f, 1.0f});
        }},
       {"point light", light(Light::Kind::point, 0, 0)},
+      {"point light with a radius", light(Light::Kind::point, 0, 0, 0.2)},
       {"spot light", light(Light::Kind::spot, 0.3, 0.6)},
+      {"spot light with a radius", light(Light::Kind::spot, 0.3, 0.6, 0.2)},
       {"sun", light(Light::Kind::sun, 0, 0)},
       {"sun with a radius", light(Light::Kind::sun, 0, 0.03)},
   }};

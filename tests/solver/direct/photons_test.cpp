@@ -234,6 +234,33 @@ TEST(Photons, NeedNoRaysForOtherColoursAndExitances) {
   EXPECT_NEAR(after / before, 2, 0.01) << "the filter may choose other windows";
 }
 
+TEST(Photons, OfALightWithARadiusAreThoseOfAShiningBall) {
+  constexpr double kRadius = 0.08;
+  for (const double x : {0.0, 0.45}) {  // outside of all metals' bounds, and close to a ball
+    const Vec3d at(x, 0.1, 0.3);
+    PatchScene with_light = mirror_room(), with_ball = mirror_room();
+    for (PatchScene* builder : {&with_light, &with_ball}) {
+      builder->get().primitives.back().light_group = -1;
+      builder->get().patches.back().emission = Color(0.0f);
+    }
+    with_light.get().lights = {test::light_at(at)};
+    with_light.get().lights[0].radius = kRadius;
+    with_ball.sphere(at, kRadius, 1, 1, {0.0f, 1.0f});
+    const std::vector<double> light = by_photons(with_light.get(), 1 << 20, 1);
+    const std::vector<double> ball = by_photons(with_ball.get(), 1 << 20, 1);
+    double sum = 0, expected = 0, squares = 0, all = 0;
+    for (std::size_t i = 0; i < light.size(); ++i) {
+      const double area = with_light.get().patches[i].area, want = ball[i] / (kRadius * kRadius);
+      sum += area * light[i];
+      expected += area * want;
+      squares += area * std::pow(light[i] - want, 2);
+      all += area * want * want;
+    }
+    EXPECT_NEAR(sum / expected, 1, 0.04) << x;  // the ball hides some of what the metals reflect
+    EXPECT_LT(std::sqrt(squares / all), 0.1) << x;
+  }
+}
+
 TEST(Photons, CostNothingWithoutMetals) {
   PatchScene builder = mirror_room();
   for (Material& material : builder.get().materials) material.specular = Color(0.0f);
