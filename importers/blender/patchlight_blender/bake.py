@@ -12,10 +12,10 @@ UV_NAME = "patchlight"
 class Baker:
     """A scene of its own in which one object at a time is baked."""
 
-    def __init__(self, resolution, threads=0):
+    def __init__(self, frame, resolution, threads=0):
         self.resolution, self.count = resolution, 0
         self.scene = bpy.data.scenes.new("patchlight bake")
-        self.scene.render.engine = "CYCLES"
+        self.scene.render.engine, self.scene.frame_current = "CYCLES", frame
         cycles = self.scene.cycles
         cycles.device, cycles.samples, cycles.use_adaptive_sampling, cycles.use_denoising = "CPU", 4, False, False
         if threads:
@@ -45,6 +45,8 @@ class Baker:
         for output in [node for node in tree.nodes if node.type == "OUTPUT_MATERIAL"]:
             tree.nodes.remove(output)
         tree.links.new(emission.outputs[0], tree.nodes.new("ShaderNodeOutputMaterial").inputs["Surface"])
+        if all(layer.name == UV_NAME for layer in mesh.uv_layers):
+            _read_no_uv(tree)
         part = mesh.copy()
         work = bmesh.new()
         work.from_mesh(part)
@@ -119,7 +121,10 @@ class Baker:
         return values.reshape(image.size[1], image.size[0], 4)
 
     def unwrap(self, mesh):
-        """Gives a mesh the UV map `UV_NAME`: a copy of the render UV map if no faces overlap in it, else a projection."""
+        """Gives a mesh the UV map `UV_NAME`: a copy of its render UV map, or a projection if faces overlap in that.
+
+        Whether there was room for it.
+        """
         if UV_NAME in mesh.uv_layers:
             return True
         if len(mesh.uv_layers) >= 8:
@@ -143,9 +148,15 @@ class Baker:
         mesh.uv_layers[kept].active_render = True
         return True
 
-    def close(self):
-        bpy.data.meshes.remove(self.plane)
-        bpy.data.scenes.remove(self.scene)
+def _read_no_uv(tree):
+    """Lets nodes that read the render UV map read zero, as Cycles does where a mesh has none."""
+    zero = tree.nodes.new("ShaderNodeCombineXYZ").outputs[0]
+    for node in list(tree.nodes):
+        if node.type == "TEX_IMAGE" and not node.inputs["Vector"].is_linked:
+            tree.links.new(zero, node.inputs["Vector"])
+        elif node.type == "TEX_COORD":
+            for link in list(node.outputs["UV"].links):
+                tree.links.new(zero, link.to_socket)
 
 
 def _is_unique(mesh, uv, cells=256):

@@ -1,16 +1,14 @@
 """Builds a scene of what is exported, writes it with Blender's glTF exporter, and completes the file."""
-import addon_utils
 import bpy
 
 from . import cameras, glb, meshes
-from .report import UNAVAILABLE, ExportError
 
 PRIVATE = "patchlight_"
 """Custom properties that tell `complete` what to change in the file. They are not written."""
 
 
 class Build:
-    """The scene to export. It is removed by `close`."""
+    """The scene to export."""
 
     def __init__(self, source, frame):
         self.scene = bpy.data.scenes.new("patchlight export")
@@ -50,8 +48,9 @@ class Build:
         mesh, colors, gone = item.mesh, set(), set()
         if not mesh.materials:
             mesh.materials.append(None)
-        made = [materials.get(original, mesh, index, item.matrix, is_closed)
-                if index in _used(mesh) else None for index, original in enumerate(list(mesh.materials))]
+        used = _used(mesh)
+        made = [materials.get(original, mesh, index, item.matrix, is_closed) if index in used else None
+                for index, original in enumerate(list(mesh.materials))]
         for index, result in enumerate(made):
             if result is None:
                 gone.add(index)
@@ -61,7 +60,7 @@ class Build:
                 if result.colors is not None:
                     result.material[f"{PRIVATE}colors"] = 1
                     colors.add(result.colors)
-        if gone & _used(mesh):
+        if gone & used:
             meshes.remove_faces(mesh, gone)
         if not mesh.polygons:
             return False
@@ -79,6 +78,7 @@ class Build:
             data.animation_data_clear()
         data[f"{PRIVATE}name"] = source.data.name
         data[f"{PRIVATE}yfov"] = cameras.vertical_angle(data, frame)
+        data[f"{PRIVATE}size"] = cameras.magnification(data, frame)
         self.add(obj, source.name, cameras.place(source.matrix_world), source, cameras.extras(source, frame))
         obj.rotation_mode = "QUATERNION"
         last = None
@@ -96,9 +96,6 @@ class Build:
 
     def write(self, path, animated):
         """Writes the scene to the binary glTF file `path`."""
-        if not addon_utils.check("io_scene_gltf2")[1] and not addon_utils.enable("io_scene_gltf2"):
-            raise ExportError("Blender's glTF add-on (io_scene_gltf2) is missing: install Blender with its add-ons",
-                              UNAVAILABLE)
         bpy.context.window.scene = self.scene
         bpy.context.view_layer.update()
         known = bpy.ops.export_scene.gltf.get_rna_type().properties
@@ -107,14 +104,8 @@ class Build:
             filepath=str(path), export_format="GLB", check_existing=False, use_active_scene=True, export_yup=True,
             export_apply=False, export_cameras=True, export_lights=True, export_extras=True, export_colors=True,
             export_animations=animated, export_force_sampling=True, export_frame_range=True, export_skins=False,
-            export_morph=False, export_texcoords=True,
-            export_normals=True, **{lighting: "SPEC"})
+            export_morph=False, export_texcoords=True, export_normals=True, **{lighting: "SPEC"})
         complete(path)
-
-    def close(self):
-        for obj in list(self.scene.objects):
-            bpy.data.objects.remove(obj)
-        bpy.data.scenes.remove(self.scene)
 
 
 def _used(mesh):
@@ -129,7 +120,7 @@ def _keep_colors(mesh, wanted, name, report):
     for layer in sorted(wanted):
         layer = layer or (attributes[attributes.render_color_index].name if len(attributes) else "")
         if layer not in attributes:
-            report.warn(f"object '{name}': its material reads the colour attribute '{layer}', which is missing: it is white")
+            report.warn(f"object '{name}': the colour attribute '{layer}' of its material is missing and is white")
         elif chosen and chosen != layer:
             report.warn(f"object '{name}': of its colour attributes only '{chosen}' is exported, not '{layer}'")
         else:
@@ -147,8 +138,10 @@ def complete(path):
         for item in document.get(kind, []):
             private = glb.take_private(item, PRIVATE)
             item["name"] = private.get("name", item.get("name", ""))
-            if "yfov" in private and "perspective" in item:
+            if "perspective" in item:
                 item["perspective"]["yfov"] = private["yfov"]
+            if "orthographic" in item:
+                item["orthographic"]["xmag"], item["orthographic"]["ymag"] = private["size"]
             for texture, index in private.get("uv", {}).items():
                 glb.set_coordinates(item, texture, index)
             item["_colors"] = "colors" in private

@@ -1,9 +1,9 @@
 """Cameras: what glTF says of them, and the rest as extras of their nodes."""
 import math
 
-import bpy
 import mathutils
 
+from .motion import is_animated
 from .report import names
 
 
@@ -28,6 +28,12 @@ def vertical_angle(camera, frame):
         return 2 * math.atan(camera.sensor_width / 2 / camera.lens / frame.aspect)
     sensor = camera.sensor_height if camera.sensor_fit == "VERTICAL" else camera.sensor_width
     return 2 * math.atan(sensor / 2 / camera.lens)
+
+
+def magnification(camera, frame):
+    """Half the width and half the height of what a parallel camera sees, m."""
+    half = camera.ortho_scale / 2
+    return (half, half / frame.aspect) if is_wide(camera, frame) else (half * frame.aspect, half)
 
 
 def shift(camera, frame):
@@ -66,7 +72,7 @@ def warn_of(obj, scene, report):
         report.warn(f"{name}: the depth of field of a parallel camera is left out")
     if scene.render.use_multiview:
         report.warn(f"{name}: stereo is left out")
-    if camera.animation_data and (camera.animation_data.action or camera.animation_data.drivers):
+    if is_animated(camera):
         report.warn(f"{name}: only its place and direction are animated, its lens, shift and focus stay as in frame "
                     f"{scene.frame_current}")
     return True
@@ -77,54 +83,12 @@ def place(matrix):
     return mathutils.Matrix.LocRotScale(matrix.to_translation(), matrix.to_3x3().normalized().to_quaternion(), None)
 
 
-def may_move(obj):
-    """Whether an object, its parents or the targets of its constraints are animated in any way."""
-    waiting, seen = [obj], set()
-    while waiting:
-        item = waiting.pop()
-        if item is None or item in seen:
-            continue
-        seen.add(item)
-        data = item.animation_data
-        if data and (data.action or data.drivers or data.nla_tracks):
-            return True
-        bones = item.pose.bones if item.pose else []
-        for constraint in list(item.constraints) + [c for bone in bones for c in bone.constraints]:
-            if constraint.type in {"FOLLOW_PATH", "CAMERA_SOLVER", "FOLLOW_TRACK"}:
-                return True
-            waiting.append(getattr(constraint, "target", None))
-            curve = getattr(getattr(constraint, "target", None), "data", None)
-            if getattr(curve, "animation_data", None):
-                return True
-        waiting.append(item.parent)
-    return False
-
-
-def motion(scene, objects):
-    """For each camera that moves in the scene's frames, its matrices by frame."""
-    suspects = [obj for obj in objects if may_move(obj)]
-    if not suspects:
-        return {}
-    now, paths = scene.frame_current, {obj: {} for obj in suspects}
-    for frame in range(scene.frame_start, scene.frame_end + 1, scene.frame_step):
-        scene.frame_set(frame)
-        graph = bpy.context.evaluated_depsgraph_get()
-        for obj in suspects:
-            paths[obj][frame] = place(obj.evaluated_get(graph).matrix_world)
-    scene.frame_set(now)
-    return {obj: path for obj, path in paths.items() if _varies(list(path.values()))}
-
-
-def _varies(matrices):
-    first = matrices[0]
-    return any(abs(a - b) > 1e-6 for m in matrices[1:] for r, q in zip(m, first) for a, b in zip(r, q))
-
-
 def active(scene, report):
     """The cameras that a render of the scene uses: those of its markers, else the active one."""
     bound = [marker.camera for marker in scene.timeline_markers if marker.camera]
     if bound:
-        report.warn(f"the scene's markers change the camera: the job renders all frames of {names(c.name for c in bound)}")
+        report.warn(f"markers change the camera: the job renders all frames of {names(c.name for c in bound)}"
+                    ": edit trace.cameras")
         return list(dict.fromkeys(bound))
     if not scene.camera:
         report.warn("the scene has no active camera: set one with View > Cameras > Set Active Object as Camera")

@@ -1,17 +1,18 @@
 """Reads the scene as a final render sees it.
 
-Blender hands the dependency graph of a final render only to render engines. So the scene is rendered once with an engine
-that draws nothing and copies what it is given: meshes with the render settings of their modifiers, instances, lights.
-Everything that is hidden from rendering is absent from that graph. Curves, texts, surfaces and metaballs appear in it a
-second time, as meshes.
+Blender hands the dependency graph of a final render only to render engines. So the scene is rendered once with an
+engine that draws nothing and copies what it is given: meshes with the render settings of their modifiers, instances,
+lights. Everything that is hidden from rendering is absent from that graph. Curves, texts, surfaces and metaballs appear
+in it a second time, as meshes.
 """
 import dataclasses
 
 import bpy
 
-from .report import BAD_DATA, ExportError, names
+from .report import ExportError, names
 
-LEFT_OUT = {"CURVES": "hair curves", "POINTCLOUD": "a point cloud", "VOLUME": "a volume", "GPENCIL": "grease pencil"}
+LEFT_OUT = {"CURVES": "hair curves", "POINTCLOUD": "a point cloud", "VOLUME": "a volume",
+            "GPENCIL": "grease pencil", "GREASEPENCIL": "grease pencil"}
 RAYS = ("camera", "diffuse", "glossy", "transmission", "shadow")
 
 
@@ -49,15 +50,14 @@ def capture(scene, report):
     """Reads `scene` in its current frame. New meshes are left in `bpy.data.meshes`; the scene stays as it was."""
     layers = [layer for layer in scene.view_layers if layer.use]
     if not layers:
-        raise ExportError("no view layer is used for rendering: tick 'Use for Rendering' in the view layer's properties",
-                          BAD_DATA)
+        raise ExportError("no view layer is used for rendering: tick 'Use for Rendering' in its properties", 65)
     if len(layers) > 1:
         report.warn(f"view layers {names(l.name for l in layers[1:])} are ignored: '{layers[0].name}' is exported")
     result, failure = Capture(), []
 
     def reader(depsgraph):
         try:
-            _read(depsgraph, result, report)
+            _read(depsgraph, layers[0], result, report)
         except Exception as error:  # Blender would swallow it in its own render thread
             failure.append(error)
 
@@ -95,8 +95,8 @@ def _render_with(scene, reader):
         bpy.utils.unregister_class(_Engine)
 
 
-def _read(depsgraph, result, report):
-    meshes, layer = {}, depsgraph.view_layer
+def _read(depsgraph, layer, result, report):
+    meshes = {}
     for item in depsgraph.object_instances:
         obj = item.object
         source = obj.original
@@ -126,15 +126,13 @@ def _copy_mesh(obj, layer):
         if mesh:
             bpy.data.meshes.remove(mesh)
         return None
-    data = obj.original.data
-    if isinstance(data, bpy.types.Mesh):
-        mesh.use_auto_texspace = False
-        mesh.texspace_location, mesh.texspace_size = data.texspace_location, data.texspace_size
+    mesh.use_auto_texspace = False  # generated coordinates refer to the space of the mesh that Cycles sees
+    mesh.texspace_location, mesh.texspace_size = obj.data.texspace_location, obj.data.texspace_size
     for index, slot in enumerate(obj.material_slots):
         if slot.link == "OBJECT" and index < len(mesh.materials):
             mesh.materials[index] = slot.material.original if slot.material else None
     if layer.material_override:
-        override = layer.material_override.original
+        override = layer.material_override
         for index in range(len(mesh.materials)):
             mesh.materials[index] = override
         if not mesh.materials:
@@ -145,7 +143,7 @@ def _copy_mesh(obj, layer):
 def _is_kept(source, obj, layer, report):
     """Whether the object is exported at all. Names what its settings for rays lose."""
     name = f"object '{source.name}'"
-    if source.is_holdout or source.holdout_get(view_layer=layer.original if hasattr(layer, "original") else layer):
+    if source.is_holdout or source.holdout_get(view_layer=layer):
         report.warn(f"{name} is a holdout and is left out")
         return False
     if source.is_shadow_catcher:

@@ -27,6 +27,7 @@ class Surface:
     metallic: object = dataclasses.field(default_factory=lambda: np.zeros(3))
     roughness: object = dataclasses.field(default_factory=lambda: np.ones(3))
     specular: object = dataclasses.field(default_factory=lambda: np.zeros(3))
+    specular_tint: float = 0.0
     transmission: object = dataclasses.field(default_factory=lambda: np.zeros(3))
     emission: object = dataclasses.field(default_factory=lambda: np.zeros(3))
     alpha: object = dataclasses.field(default_factory=lambda: np.ones(3))
@@ -47,6 +48,8 @@ class Reducer:
             return Surface()
         if nodes.source(output.inputs["Volume"]):
             self.warn("its volume is left out")
+            if not nodes.source(output.inputs["Surface"]):
+                return Surface(kind="transparent")
         if nodes.source(output.inputs["Displacement"]):
             self.warn("its displacement is left out: apply a Displace modifier instead")
         return self.reduce(nodes.source(output.inputs["Surface"]))
@@ -55,7 +58,7 @@ class Reducer:
         if origin is None:
             return Surface()
         node = origin.node
-        kind, get = node.type, lambda name: self.values.of(node.inputs[name])
+        kind, get = node.type, lambda name: self.values.of(nodes.entry(node, name))
         if kind == "BSDF_PRINCIPLED":
             return self._principled(node, get)
         if kind in DIFFUSE:
@@ -99,12 +102,14 @@ class Reducer:
         subsurface = get("Subsurface")
         if not is_constant(subsurface) or np.any(subsurface):
             self.warn(f"the subsurface scattering of its node '{node.name}' becomes diffuse")
-            base = self.values.mix(base, get("Subsurface Color"), subsurface)
-        for name in ("Sheen", "Anisotropic", "Specular Tint"):
+            if nodes.entry(node, "Subsurface Color"):
+                base = self.values.mix(base, get("Subsurface Color"), subsurface)
+        for name in ("Sheen", "Anisotropic"):
             if not is_constant(get(name)) or np.any(get(name)):
                 self.warn(f"{name} of its node '{node.name}' is left out")
         return Surface(
             base=base, metallic=get("Metallic"), roughness=get("Roughness"), specular=get("Specular"),
+            specular_tint=self._number(get("Specular Tint")) if node.inputs["Specular Tint"].type == "VALUE" else 0.0,
             transmission=get("Transmission"), ior=self._number(get("IOR")), alpha=get("Alpha"), normal=_normal(node),
             emission=self.values.multiply(get("Emission"), get("Emission Strength")),
             clearcoat=(self._number(get("Clearcoat")), self._number(get("Clearcoat Roughness"))))

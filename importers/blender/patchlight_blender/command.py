@@ -7,20 +7,24 @@ import sys
 import tempfile
 import traceback
 
+import addon_utils
 import bpy
 
-from . import cameras, capture, job, record
+from . import cameras, capture, job, motion, record
 from .build import Build
 from .lights import Lamps
 from .materials import Materials
-from .report import CANNOT_CREATE, INTERNAL, PREFIX, UNAVAILABLE, ExportError, Report, names
+from .report import PREFIX, ExportError, Report, names
 from .world import World
 
 OLDEST = (3, 4, 0)
 
+KINDS = ("scenes", "objects", "meshes", "materials", "images", "lights", "cameras", "worlds", "actions", "collections")
+"""Collections of `bpy.data` that an export adds to."""
+
 
 def main(arguments):
-    """Exports as `arguments` say. Ends Blender with an exit code and one sentence after an error."""
+    """Exports as `arguments` say. Ends Blender with one sentence and an exit code of `pipeline/README.md` on errors."""
     try:
         options = parse(arguments)
         written = export(bpy.context.scene, options, Report())
@@ -32,7 +36,7 @@ def main(arguments):
         fail(str(error), error.code)
     except Exception as error:
         traceback.print_exc()
-        fail(f"internal fault ({error}): please report it with the scene", INTERNAL)
+        fail(f"internal fault ({error}): please report it with the scene", 70)
 
 
 def fail(text, code):
@@ -44,7 +48,7 @@ def fail(text, code):
 
 def parse(arguments):
     parser = argparse.ArgumentParser(prog="blender -b SCENE.blend --python export.py --",
-                                     description="Exports what Cycles would render to a glTF file and a Patchlight job.")
+                                     description="Exports what Cycles would render to glTF and a Patchlight job.")
     parser.add_argument("--output", type=pathlib.Path, help="folder of the files; default: the folder of the scene")
     parser.add_argument("--name", help="name of the files; default: that of the scene's file")
     parser.add_argument("--resolution", type=int, nargs=2, metavar=("WIDTH", "HEIGHT"),
@@ -56,13 +60,17 @@ def parse(arguments):
     try:
         return parser.parse_args(arguments)
     except SystemExit as end:
-        os._exit(end.code and 2)
+        sys.stdout.flush()
+        os._exit(64 if end.code else 0)
 
 
 def export(scene, options, report):
     """Exports `scene` and returns the paths of the files. The scene and its data stay as they were."""
     if bpy.app.version < OLDEST:
-        raise ExportError(f"Blender {bpy.app.version_string} is too old: install Blender 3.4 or newer", UNAVAILABLE)
+        raise ExportError(f"Blender {bpy.app.version_string} is too old: install Blender 3.4 or newer", 69)
+    for addon in ("cycles", "io_scene_gltf2"):
+        if not addon_utils.check(addon)[1] and not addon_utils.enable(addon):
+            raise ExportError(f"Blender's add-on '{addon}' is missing: install Blender with its add-ons", 69)
     blend = pathlib.Path(bpy.data.filepath) if bpy.data.filepath else None
     name = options.name or (blend.stem if blend else "untitled")
     folder = options.output or (blend.parent if blend else pathlib.Path.cwd())
@@ -70,10 +78,9 @@ def export(scene, options, report):
         folder.mkdir(parents=True, exist_ok=True)
         work = pathlib.Path(tempfile.mkdtemp(prefix=f".{name}.", dir=folder))
     except OSError as error:
-        raise ExportError(f"cannot write to '{folder}' ({error.strerror}): choose another folder with --output",
-                          CANNOT_CREATE) from error
+        raise ExportError(f"cannot write to '{folder}' ({error.strerror}): choose another with --output", 73) from error
     window = bpy.context.window
-    shown = window.scene
+    shown, before = window.scene, everything()
     try:
         window.scene = scene
         write_all(scene, work, name, options, report)
@@ -83,7 +90,12 @@ def export(scene, options, report):
         return [folder / path.name for path in written]
     finally:
         window.scene = shown
+        bpy.data.batch_remove(everything() - before)
         shutil.rmtree(work, ignore_errors=True)
+
+
+def everything():
+    return {item for kind in KINDS for item in getattr(bpy.data, kind)}
 
 
 def write_all(scene, folder, name, options, report):
@@ -95,42 +107,29 @@ def write_all(scene, folder, name, options, report):
     job.warn_of_render(scene, report)
     frame = cameras.Frame(scene.render, options.resolution)
     views = [obj for obj in scene.objects if obj.type == "CAMERA" and cameras.warn_of(obj, scene, report)]
-    paths = cameras.motion(scene, views)
+    paths = motion.paths(scene, views, cameras.place)
     found = capture.capture(scene, report)
-    warn_of_motion(found, report)
-    materials = Materials(report, options.bake_resolution, options.threads)
+    motion.warn(found, scene, report)
+    materials = Materials(scene, report, options.bake_resolution, options.threads)
     lamps = Lamps(scene, materials.baker, report)
     world = World(scene, folder, name, options, materials.baker, report)
     build = Build(scene, frame)
-    try:
-        points = [obj.matrix_world.translation for obj in views] + [item.matrix.translation for item in found.lamps]
-        build.add_meshes(found.meshes, materials, lamps, points, report)
-        for item in found.lamps:
-            lamp = lamps.add(item)
-            if lamp:
-                build.add(lamp, item.name, item.matrix, item.source)
-        if lamps.unseen:
-            report.warn(f"cameras do not see the area lamps {names(lamps.unseen)} in Cycles, but see them in Patchlight: "
-                        "lower them out of the picture, or tick Ray Visibility > Camera to compare")
-        for obj in world.suns():
-            build.add(obj, obj.name, obj.matrix_world.copy())
-        for obj in views:
-            build.add_camera(obj, frame, paths.get(obj, {}))
-        build.write(folder / f"{name}.glb", bool(paths))
-    finally:
-        build.close()
-        materials.baker.close()
+    points = [obj.matrix_world.translation for obj in views] + [item.matrix.translation for item in found.lamps]
+    build.add_meshes(found.meshes, materials, lamps, points, report)
+    for item in found.lamps:
+        lamp = lamps.add(item)
+        if lamp:
+            build.add(lamp, item.name, item.matrix, item.source)
+    if lamps.unseen:
+        report.warn(f"cameras do not see the area lamps {names(lamps.unseen)} in Cycles, but do in Patchlight")
+    for obj in world.suns():
+        build.add(obj, obj.name, obj.matrix_world.copy())
+    for obj in views:
+        build.add_camera(obj, frame, paths.get(obj, {}))
+    build.write(folder / f"{name}.glb", bool(paths))
     for file, data in lamps.files.items():
         (folder / file).write_bytes(data)
     used = [obj for obj in cameras.active(scene, report) if obj in views]
     (folder / f"{name}.yaml").write_text(
         job.text(name, frame, used, any(obj in paths for obj in used), materials.excluded, world.environment,
                  job.view_settings(scene, report), scene), encoding="utf-8")
-
-
-def warn_of_motion(found, report):
-    """Names the objects that move: Patchlight's scenes stand still."""
-    moving = {item.source.name for item in found.meshes + found.lamps if cameras.may_move(item.source)}
-    if moving:
-        report.warn(f"objects do not move in Patchlight: {names(moving)} stay as in frame "
-                    f"{bpy.context.scene.frame_current}")

@@ -1,25 +1,31 @@
 """The job that renders an exported scene as Cycles would."""
 import json
 import math
+import os
+
+import bpy
 
 VIEWS = {"Standard": "sRGB", "Raw": "Raw"}
 """Blender's view transforms that Patchlight has without a configuration of OpenColorIO."""
 
 
+def color_config():
+    """Path of the OpenColorIO configuration that Blender uses."""
+    return os.environ.get("OCIO") or bpy.utils.system_resource("DATAFILES", path="colormanagement") + "/config.ocio"
+
+
 def view_settings(scene, report):
     """Lines below `trace` for the colours of the PNG. What they cannot say is warned of."""
     view, lines = scene.view_settings, []
-    name = VIEWS.get(view.view_transform)
-    if name:
+    name, has_look = VIEWS.get(view.view_transform), view.look not in {"None", ""}
+    if name and not has_look:
         lines.append(f"  view: {name}")
     else:
-        report.warn(f"view transform '{view.view_transform}': the PNG is shown in sRGB. With $OCIO set to Blender's "
-                    f"datafiles/colormanagement/config.ocio, set trace.view to '{view.view_transform}'")
-        lines.append(f"  # view: {quoted(view.view_transform)}    with $OCIO set to Blender's config.ocio")
-    if view.look not in {"None", ""}:
-        report.warn(f"look '{view.look}' of the view settings is left out")
+        lines += [f"  ocio: {quoted(color_config())}", f"  view: {quoted(view.view_transform)}"]
+    if has_look:
+        lines.append(f"  look: {quoted(view.look)}")
     if abs(view.gamma - 1) > 1e-4:
-        report.warn(f"gamma {view.gamma:.3g} of the view settings is left out")
+        lines.append(f"  gamma: {view.gamma:.6g}")
     if view.use_curve_mapping:
         report.warn("the curves of the view settings are left out")
     exposure = view.exposure
@@ -54,8 +60,11 @@ def quoted(text):
     return json.dumps(str(text), ensure_ascii=False)
 
 
-def numbers(values):
-    return "[" + ", ".join(f"{value:.7g}" for value in values) + "]"
+def shown(value):
+    """A text, a number or a list of numbers as YAML."""
+    if isinstance(value, str):
+        return quoted(value)
+    return "[" + ", ".join(map(shown, value)) + "]" if hasattr(value, "__len__") else f"{value:.7g}"
 
 
 def text(name, frame, cameras, animated, excluded, environment, view, scene):
@@ -69,8 +78,7 @@ def text(name, frame, cameras, animated, excluded, environment, view, scene):
     if environment:
         lines.append("environment:")
         for key, value in environment.items():
-            shown = quoted(value) if isinstance(value, str) else numbers(value) if hasattr(value, "__len__") else f"{value:.7g}"
-            lines.append(f"  {key}: {shown}")
+            lines.append(f"  {key}: {shown(value)}")
     lines.append("trace:")
     if cameras:
         lines.append("  cameras: [" + ", ".join(quoted(camera.name) for camera in cameras) + "]")

@@ -1,5 +1,7 @@
 """Lamps: strength and colour, light groups, photometric files, and area lamps as emissive meshes."""
+import itertools
 import math
+import re
 
 import bpy
 import numpy as np
@@ -9,6 +11,9 @@ from .shader import Shader
 from .values import Values, is_constant
 
 DISK_SIDES = 64
+PANEL, THICKNESS = 0.8, 1e-4
+"""Reflectance of the panels that stand for area lamps, and the distance of their two faces over their size."""
+
 RAYS = ("diffuse", "glossy", "transmission")
 
 
@@ -18,6 +23,7 @@ class Lamps:
 
     def __init__(self, scene, baker, report):
         self.scene, self.baker, self.report, self.files, self.unseen = scene, baker, report, {}, []
+        self.back = None
         holders = {group for obj in scene.objects if obj.type == "LIGHT" and not obj.hide_render
                    for group in [self._collection(obj)] if group}
         self.by_collection = len(holders) > 1
@@ -106,7 +112,7 @@ class Lamps:
         power, profile = self.strength(lamp)
         if not np.any(power > 0):
             return None
-        if not lamp.cycles.cast_shadow:
+        if not (lamp.cycles.cast_shadow if hasattr(lamp.cycles, "cast_shadow") else lamp.use_shadow):
             warn("casts no shadow in Cycles, but does in Patchlight")
         if lamp.type == "AREA" and not obj.visible_camera:
             self.unseen.append(obj.name)
@@ -132,18 +138,31 @@ class Lamps:
         if lamp.type == "SPOT":
             outer = math.cos(lamp.spot_size / 2)
             inner, factor = fitted_cone(outer, lamp.spot_blend)
-            data.spot_size = lamp.spot_size
-            data.spot_blend = 1 - math.acos(inner) / (lamp.spot_size / 2)
+            _shape(data, outer, inner)
             data.energy = peak * factor
             made["spot_blend"], made["axis_intensity"] = lamp.spot_blend, peak / (4 * math.pi)
-        if profile:
-            self.files[profile.name] = profile.data
-            made["ies"], made["ies_scale"] = profile.name, peak * profile.factor
-            data.energy = peak * profile.factor * profile.mean * 4 * math.pi
+        if profile and lamp.type == "SUN":
+            self.report.warn(f"light '{obj.name}': the photometric file of a sun is left out")
+        elif profile:
+            if lamp.type == "SPOT":
+                self.report.warn(f"light '{obj.name}': its photometric file replaces the cone of the spot")
+            made["ies"] = self._file(profile, peak)
         return made
 
+    def _file(self, profile, power):
+        """The name of the photometric file of a lamp of that power, which lamps alike share."""
+        data = profile.text(power).encode("ascii")
+        stem = re.sub(r"[^A-Za-z0-9._-]", "_", profile.name)
+        names = (f"{stem}{suffix}.ies" for suffix in itertools.chain([""], (f"_{k}" for k in itertools.count(2))))
+        name = next(name for name in names if self.files.get(name, data) == data)
+        self.files[name] = data
+        return name
+
     def _area(self, item, power, warn):
-        """A mesh that emits on the side that the lamp shines to: radiance P / (4 A), as Cycles has it."""
+        """A mesh that emits on the side that the lamp shines to: radiance P / (4 A), as Cycles has it.
+
+        Light passes Cycles' area lamps. A panel cannot do that, but it is white on both sides, so no light is lost.
+        """
         lamp = item.source.data
         if abs(lamp.spread - math.pi) > 1e-3:
             warn(f"its spread of {math.degrees(lamp.spread):.0f} degrees becomes 180")
@@ -158,24 +177,40 @@ class Lamps:
         axes = [item.matrix.to_3x3().col[k] * size for k, size in enumerate((width, height))]
         area = axes[0].cross(axes[1]).length * (1 if len(outline) == 4 else math.pi / 4)
         mesh = bpy.data.meshes.new("patchlight lamp")
-        mesh.from_pydata([(x * width, y * height, 0) for x, y in outline], [], [range(len(outline))])
-        shader = Shader(item.source.name, False)
-        shader.color("Base Color", (0, 0, 0))
-        shader.number("Specular", 0)
-        shader.number("Roughness", 1)
+        corners = range(len(outline))
+        mesh.from_pydata([(x * width, y * height, z * max(width, height)) for z in (0, THICKNESS) for x, y in outline],
+                         [], [corners, [k + len(outline) for k in reversed(corners)]])
+        mesh.polygons[1].material_index = 1
+        front = _white(item.source.name)
+        self.back = self.back or _white("back of lamps")
+        for shader in (front, self.back):
+            mesh.materials.append(shader.material)
         radiance = np.clip(power, 0, None) / (4 * area)
-        shader.color("Emission", radiance / radiance.max())
-        shader.number("Emission Strength", radiance.max())
-        mesh.materials.append(shader.material)
+        front.color("Emission", radiance / radiance.max())
+        front.number("Emission Strength", radiance.max())
         mesh["patchlight_name"] = item.source.name
         return bpy.data.objects.new("patchlight lamp", mesh)
+
+
+def _shape(data, outer, inner):
+    """Gives a spot the cosines of its outer and inner angle."""
+    data.spot_size = 2 * math.acos(outer)
+    data.spot_blend = 1 - math.acos(inner) / math.acos(outer)
+
+
+def _white(name):
+    shader = Shader(name, False)
+    shader.color("Base Color", (PANEL, PANEL, PANEL))
+    shader.number("Specular", 0)
+    shader.number("Roughness", 1)
+    return shader
 
 
 def fitted_cone(outer, blend, steps=2000):
     """(Cosine of the inner angle, factor) of the glTF spot that is nearest to Cycles' spot of the same outer cosine.
 
-    Cycles: cos t * smoothstep((cos t - outer) / ((1 - outer) * blend)). glTF: the square of a clamped line in cos t. The
-    factor keeps the flux.
+    Cycles: cos t * smoothstep((cos t - outer) / ((1 - outer) * blend)). glTF: the square of a clamped line in cos t.
+    The factor keeps the flux.
     """
     cosine = outer + (1 - outer) * (np.arange(steps) + 0.5) / steps
     step = np.clip((cosine - outer) / max((1 - outer) * blend, 1e-9), 0, 1)

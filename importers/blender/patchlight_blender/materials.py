@@ -12,6 +12,11 @@ GREY = 0.8
 """Reflectance that Cycles gives to objects without a material."""
 
 
+VARYING = {"OBJECT_INFO": "the object", "PARTICLE_INFO": "the particle", "HAIR_INFO": "the hair",
+           "CAMERA": "the view", "TANGENT": "the tangent"}
+"""What the values of some types of nodes depend on beyond the place on the surface."""
+
+
 class Reduced:
     """A material of the scene as a `Surface`, with the flat copy of its nodes that the values belong to."""
 
@@ -26,11 +31,16 @@ class Reduced:
             return
         uses = {node.type for node in nodes.all_nodes(original.node_tree)}
         self.copy, self.values, self.surface = self._reduce(user, True)
+        varying = uses & set(VARYING)
+        if varying:
+            self.warn(f"it varies with {' and '.join(sorted(VARYING[kind] for kind in varying))}: "
+                      "one value is taken for all")
         if "LIGHT_PATH" in uses:
             lit = self._reduce(user, False, rays=nodes.LIGHTING)[2]
-            self.see_through = lit.kind == "transparent"
+            shines = not is_constant(self.surface.emission) or np.any(self.surface.emission)
+            self.see_through = lit.kind == "transparent" and not shines
             self.warn("Light Path is read as the camera sees it" +
-                      (", but light passes the material" if self.see_through else ""))
+                      (", but light passes the material" if lit.kind == "transparent" else ""))
         if "NEW_GEOMETRY" in uses:
             back = self._reduce(user, False, backfacing=1.0)[2]
             dark = is_constant(back.emission) and not np.any(back.emission)
@@ -77,8 +87,8 @@ def _covered_mean(data):
 class Materials:
     """Makes the exported materials. `excluded` collects the names of those that the job leaves out."""
 
-    def __init__(self, report, resolution, threads):
-        self.report, self.baker = report, Baker(resolution, threads)
+    def __init__(self, scene, report, resolution, threads):
+        self.report, self.baker = report, Baker(scene.frame_current, resolution, threads)
         self.reduced, self.made, self.excluded = {}, {}, {}
 
     def reduce(self, original, mesh, index, matrix):
@@ -91,7 +101,7 @@ class Materials:
         item = self.reduce(original, mesh, index, matrix)
         surface = item.surface
         if surface.kind == "holdout":
-            item.warn("is a holdout and is left out")
+            item.warn("it is a holdout and is left out")
             return None
         if surface.kind == "transparent" or is_constant(surface.alpha) and not np.any(surface.alpha):
             return None
@@ -100,7 +110,7 @@ class Materials:
         transmission = float(np.mean(item.mean(item.values, surface.transmission, (mesh, index, matrix), item.copy)))
         if transmission > 0.5 or item.see_through:
             self.excluded[item.name] = True
-            item.warn("is glass, which is opaque in Patchlight: the job leaves it out, see 'materials' there")
+            item.warn("it is glass, which is opaque in Patchlight: the job leaves it out, see 'materials' there")
         maps = tuple(layer.name for layer in mesh.uv_layers if layer.name != UV_NAME)
         shared, own = (original, two_sided, maps), (original, two_sided, mesh, index)
         for key in (shared, own):

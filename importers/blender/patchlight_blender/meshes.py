@@ -6,6 +6,9 @@ import mathutils
 import numpy as np
 from mathutils.bvhtree import BVHTree
 
+PLACES = 200
+"""How many places of one mesh are searched for what stands inside it."""
+
 SHEAR = 1e-5
 """Deviation, over the matrix's largest entry, above which a matrix counts as sheared."""
 
@@ -44,11 +47,13 @@ def _digest(mesh):
     """A hash of all that the export writes of a mesh."""
     parts = [array(mesh.vertices, "co", 3), array(mesh.loops, "vertex_index", 1, np.int32),
              array(mesh.polygons, "loop_total", 1, np.int32), array(mesh.polygons, "material_index", 1, np.int32),
-             array(mesh.polygons, "use_smooth", 1, bool), np.array([mesh.use_auto_smooth, mesh.auto_smooth_angle])]
+             array(mesh.polygons, "use_smooth", 1, bool),
+             np.array([getattr(mesh, name, 0) for name in ("use_auto_smooth", "auto_smooth_angle")])]
     parts += [array(layer.data, "uv", 2) for layer in mesh.uv_layers]
     parts += [array(layer.data, "color", 4) for layer in mesh.color_attributes]
     if mesh.has_custom_normals:
-        mesh.calc_normals_split()
+        if hasattr(mesh, "calc_normals_split"):
+            mesh.calc_normals_split()
         parts.append(array(mesh.loops, "normal", 3))
     digest = hashlib.sha1(repr([(m.name_full if m else "") for m in mesh.materials]).encode())
     digest.update(repr([layer.name for layer in mesh.uv_layers] + [a.name for a in mesh.color_attributes]).encode())
@@ -99,9 +104,10 @@ def seen_from_inside(instances, closed, points):
         placed.append((world.min(axis=0), world.max(axis=0)))
     low, high = (np.array([box[k] for box in placed]) for k in range(2))
     candidates = np.array([list(p) for p in points]).reshape(-1, 3)
-    trees, result = {}, set()
+    trees, result, tried = {}, set(), {}
     for item, (least, most) in zip(instances, placed):
-        if item.mesh not in closed or item.mesh in result:
+        tried[item.mesh] = tried.get(item.mesh, 0) + 1
+        if item.mesh not in closed or item.mesh in result or tried[item.mesh] > PLACES:
             continue
         inside = [mathutils.Vector(p) for p in candidates[np.all((candidates > least) & (candidates < most), axis=1)]]
         for k in np.nonzero(np.all((low > least) & (high < most), axis=1))[0]:

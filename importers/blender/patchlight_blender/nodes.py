@@ -1,13 +1,26 @@
 """Node trees: copies without groups, and what a socket's link leads to."""
 import bpy
 
-SKIPPED = {"name", "label", "parent", "location", "width", "height", "select", "dimensions", "color", "use_custom_color",
-           "show_options", "show_preview", "show_texture", "hide", "inputs", "outputs", "internal_links", "type", "node_tree"}
+SKIPPED = {"name", "label", "parent", "location", "width", "height", "select", "dimensions", "color", "hide", "type",
+           "use_custom_color", "show_options", "show_preview", "show_texture", "inputs", "outputs", "internal_links",
+           "node_tree"}
+"""Properties of nodes that `copy_node` leaves alone."""
 
 LIGHTING = {"Is Diffuse Ray": 1.0, "Is Shadow Ray": 1.0}
 """Outputs of Light Path as the rays see them that transport light."""
 
 CAMERA = {"Is Camera Ray": 1.0}
+
+
+NEWER = {"Transmission": "Transmission Weight", "Specular": "Specular IOR Level", "Emission": "Emission Color",
+         "Subsurface": "Subsurface Weight", "Clearcoat": "Coat Weight", "Clearcoat Roughness": "Coat Roughness",
+         "Sheen": "Sheen Weight"}
+"""Inputs of the Principled BSDF that Blender 4.0 renamed."""
+
+
+def entry(node, name):
+    """The input of a Principled BSDF by its name in Blender 3.4; None if this Blender has none like it."""
+    return node.inputs.get(name) or node.inputs.get(NEWER.get(name, ""))
 
 
 def fresnel_mean(eta):

@@ -29,7 +29,7 @@ class Panorama:
         """Radiance from all directions, rows from below: an array of width / 2, width, 3, with +X in its middle."""
         data = self.camera.data
         data.type = "PANO"
-        data.cycles.panorama_type = "EQUIRECTANGULAR"
+        (data.cycles if hasattr(data.cycles, "panorama_type") else data).panorama_type = "EQUIRECTANGULAR"
         self.camera.matrix_world = mathutils.Euler((math.pi / 2, 0, -math.pi / 2)).to_matrix().to_4x4()
         return self._render(world, width, width // 2, samples)
 
@@ -61,12 +61,6 @@ class Panorama:
             values = values.reshape(height, width, image.channels)[..., :3].copy()
             bpy.data.images.remove(image)
         return values
-
-    def close(self):
-        data = self.camera.data
-        bpy.data.objects.remove(self.camera)
-        bpy.data.cameras.remove(data)
-        bpy.data.scenes.remove(self.scene)
 
 
 def directions(width):

@@ -2,12 +2,10 @@
 import sys
 
 PREFIX = "patchlight-export"
-BAD_DATA, UNAVAILABLE, INTERNAL, CANNOT_CREATE = 65, 69, 70, 73
-"""Exit codes, from sysexits.h."""
 
 
 class ExportError(Exception):
-    """A mistake of the user's that ends the export: one sentence that says what to do, and an exit code."""
+    """A mistake of the user's that ends the export: one sentence that says what to do, and the exit code."""
 
     def __init__(self, text, code):
         super().__init__(text)

@@ -2,7 +2,7 @@
 import bpy
 import numpy as np
 
-from . import textures
+from . import nodes, textures
 
 
 class Shader:
@@ -22,10 +22,10 @@ class Shader:
         self.number("Emission Strength", 0)
 
     def number(self, socket, value):
-        self.principled.inputs[socket].default_value = float(value)
+        nodes.entry(self.principled, socket).default_value = float(value)
 
     def color(self, socket, value):
-        self.principled.inputs[socket].default_value = (*map(float, value), 1.0)
+        nodes.entry(self.principled, socket).default_value = (*map(float, value), 1.0)
 
     def image_node(self, texture):
         """A new image node for `texture`, with the mapping that the exporter reads."""
@@ -66,7 +66,7 @@ class Shader:
             self.tree.links.new(out, multiply.inputs[6])
             multiply.inputs[7].default_value = (*map(float, factor), 1.0)
             out = multiply.outputs[2]
-        self.tree.links.new(out, self.principled.inputs[socket])
+        self.tree.links.new(out, nodes.entry(self.principled, socket))
 
     def link_number(self, socket, node, channel, factor):
         """Links a channel of an image, times a factor, to a number input."""
@@ -82,7 +82,7 @@ class Shader:
             self.tree.links.new(out, multiply.inputs[0])
             multiply.inputs[1].default_value = float(factor)
             out = multiply.outputs[0]
-        self.tree.links.new(out, self.principled.inputs[socket])
+        self.tree.links.new(out, nodes.entry(self.principled, socket))
 
     def link_normal(self, source, strength):
         node = self.image_node(source)

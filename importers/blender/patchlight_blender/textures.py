@@ -1,5 +1,6 @@
 """Recognizes the values that glTF can hold as they are: a factor, times an image, times vertex colours."""
 import dataclasses
+import math
 
 import bpy
 import numpy as np
@@ -84,25 +85,28 @@ def is_missing(image):
 
 def is_color_image(texture):
     """Whether a texture's colours are as glTF reads them: eight bits a channel, sRGB, flat."""
-    image, node = texture.node.image, texture.node
-    return (node.type == "TEX_IMAGE" and image.source in {"FILE", "GENERATED"} and not image.is_float
-            and node.projection == "FLAT" and image.colorspace_settings.name == "sRGB" and texture.channel is None and _is_placed(node))
+    return (_is_flat(texture.node) and texture.channel is None
+            and texture.node.image.colorspace_settings.name == "sRGB")
 
 
 def is_data_image(texture):
     """Whether a texture's numbers are as glTF reads them: eight bits a channel, not a colour."""
-    image, node = texture.node.image, texture.node
+    spaces = {"Non-Color", "Raw", "Linear"}
+    return (_is_flat(texture.node)
+            and (texture.channel == "A" or texture.node.image.colorspace_settings.name in spaces))
+
+
+def _is_flat(node):
+    image = node.image
     return (node.type == "TEX_IMAGE" and image.source in {"FILE", "GENERATED"} and not image.is_float
-            and node.projection == "FLAT" and (texture.channel == "A" or image.colorspace_settings.name in {"Non-Color", "Raw", "Linear"})
-            and _is_placed(node))
-
-
-def _is_placed(node):
-    return node.extension in {"REPEAT", "EXTEND"} and mapping_of(node) is not None
+            and node.projection == "FLAT" and node.extension in {"REPEAT", "EXTEND"} and mapping_of(node) is not None)
 
 
 def mapping_of(node):
-    """(UV map or '', offset, rotation, scale) of an image node; None if glTF has no such mapping."""
+    """(UV map or '', offset, rotation, scale) of an image node; None if glTF has no such mapping.
+
+    Coordinates are scaled, then turned, then moved.
+    """
     name, offset, rotation, scale = "", (0.0, 0.0), 0.0, (1.0, 1.0)
     origin = nodes.source(node.inputs["Vector"])
     if origin and origin.node.type == "MAPPING":
@@ -110,12 +114,17 @@ def mapping_of(node):
         if any(nodes.source(mapping.inputs[k]) for k in ("Location", "Rotation", "Scale") if k in mapping.inputs):
             return None
         place, turn, size = (mapping.inputs[k].default_value for k in ("Location", "Rotation", "Scale"))
-        if abs(turn[0]) + abs(turn[1]) > 1e-6 or mapping.vector_type not in {"POINT", "VECTOR"}:
+        if abs(turn[0]) + abs(turn[1]) > 1e-6 or mapping.vector_type == "NORMAL":
             return None
         rotation, scale = turn[2], (size[0], size[1])
-        offset = (place[0], place[1]) if mapping.vector_type == "POINT" else offset
-        if abs(rotation) > 1e-6 and abs(scale[0] - scale[1]) > 1e-6:
-            return None
+        if mapping.vector_type == "POINT":
+            offset = (place[0], place[1])
+        elif mapping.vector_type == "TEXTURE":
+            if min(map(abs, scale)) < 1e-6 or abs(rotation) > 1e-6 and abs(scale[0] - scale[1]) > 1e-6:
+                return None
+            rotation, scale = -rotation, (1 / scale[0], 1 / scale[1])
+            c, s = math.cos(rotation), math.sin(rotation)
+            offset = ((s * place[1] - c * place[0]) * scale[0], -(s * place[0] + c * place[1]) * scale[1])
         origin = nodes.source(mapping.inputs["Vector"])
         if origin is None:
             return None

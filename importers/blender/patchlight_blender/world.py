@@ -9,8 +9,10 @@ import numpy as np
 from . import nodes, panorama, textures
 from .values import Values, is_constant
 
-SAMPLES = 16
+SAMPLES = 4
 SUN_NAME = "Sky sun"
+SEARCH_WIDTH, SEARCH_SIZE = 256, math.radians(3)
+"""Size of the image in which the sun's disc is looked for, and its least size there."""
 
 
 class World:
@@ -18,10 +20,14 @@ class World:
 
     def __init__(self, scene, folder, name, options, baker, report):
         self.folder, self.name, self.options, self.report = folder, name, options, report
-        self.environment, self.sun = {}, None
-        world = scene.world
-        if world is None:
-            return
+        self.environment, self.sun, self.group = {}, None, ""
+        if scene.world:
+            self._read(scene.world, baker)
+            self.group = scene.world.lightgroup
+            if self.environment and self.group:
+                self.environment["light_group"] = self.group
+
+    def _read(self, world, baker):
         if not world.use_nodes or not world.node_tree:
             self._color(np.array(world.color[:]))
             return
@@ -30,11 +36,8 @@ class World:
         if output is None or not nodes.source(output.inputs["Surface"]):
             return
         copy = nodes.flat_copy(world, rays=nodes.LIGHTING)
-        try:
-            if not self._plain(copy, baker):
-                self._bake(copy)
-        finally:
-            bpy.data.worlds.remove(copy)
+        if not self._plain(copy, baker):
+            self._bake(copy)
 
     def warn(self, text):
         self.report.warn(f"world: {text}")
@@ -108,53 +111,53 @@ class World:
 
     def _bake(self, copy):
         studio = panorama.Panorama(self.options.threads)
-        width = self.options.sky_resolution
-        try:
-            discs = [node for node in copy.node_tree.nodes
-                     if node.type == "TEX_SKY" and node.sky_type == "NISHITA" and node.sun_disc and not node.mute]
-            with_sun = studio.whole(copy, width, SAMPLES) if discs else None
-            for node in discs:
-                node.sun_disc = False
-            sky = studio.whole(copy, width, SAMPLES)
-            if discs:
-                self._measure_sun(studio, copy, discs, with_sun - sky)
-        finally:
-            studio.close()
+        discs = [node for node in copy.node_tree.nodes
+                 if node.type == "TEX_SKY" and node.sky_type == "NISHITA" and node.sun_disc and not node.mute]
+        self.sun = self._measure_sun(studio, copy, discs) if discs else None
+        sky = studio.whole(copy, self.options.sky_resolution, SAMPLES)
         if sky.min() < -1e-6 or not np.isfinite(sky).all():
             self.warn("negative texels of the baked sky become 0")
         if np.any(sky > 0):
             panorama.save(_clean(sky), self.folder / f"{self.name}_sky.exr")
             self.environment = {"image": f"{self.name}_sky.exr"}
 
-    def _measure_sun(self, studio, copy, discs, difference):
-        """Finds the sun's disc in the sky, and its irradiance."""
-        width = difference.shape[1]
-        vectors, solid = panorama.directions(width)
-        weight = np.clip(difference, 0, None).sum(axis=2) * solid[:, None]
+    def _measure_sun(self, studio, copy, discs):
+        """(Direction, irradiance, angle) of the sun's disc in the sky; None if it is below the horizon.
+
+        The disc is left out of `copy`.
+        """
+        sizes, parts = [node.sun_size for node in discs], []
+        for shown in (True, False):
+            for node, size in zip(discs, sizes):
+                node.sun_disc, node.sun_size = shown, max(size, SEARCH_SIZE)
+            parts.append(studio.whole(copy, SEARCH_WIDTH, SAMPLES))
+        vectors, solid = panorama.directions(SEARCH_WIDTH)
+        weight = np.clip(parts[0] - parts[1], 0, None).sum(axis=2) * solid[:, None]
         weight[weight < weight.max() * 1e-3] = 0
         if not weight.any():
-            return
+            return None
         direction = mathutils.Vector((vectors * weight[..., None]).sum(axis=(0, 1))).normalized()
-        size = max(node.sun_size for node in discs)
         parts = []
         for shown in (True, False):
-            for node in discs:
-                node.sun_disc = shown
-            parts.append(studio.part(copy, direction, size + 8 * math.pi / width, 128, SAMPLES))
+            for node, size in zip(discs, sizes):
+                node.sun_disc, node.sun_size = shown, size
+            parts.append(studio.part(copy, direction, max(sizes) + SEARCH_SIZE / 2, 256, SAMPLES))
         disc = np.clip(parts[0][0] - parts[1][0], 0, None) * parts[0][2][..., None]
+        if not disc.any():
+            return None
         center = mathutils.Vector((parts[0][1] * disc.sum(axis=2)[..., None]).sum(axis=(0, 1))).normalized()
-        self.sun = (center, disc.sum(axis=(0, 1)).astype(float), size)
+        return center, disc.sum(axis=(0, 1)).astype(float), max(sizes)
 
     def suns(self):
         """The disc of a Nishita sky as a sun."""
-        if not self.sun or not np.any(self.sun[1]):
+        if not self.sun:
             return []
         direction, irradiance, size = self.sun
         data = bpy.data.lights.new(SUN_NAME, "SUN")
         data.energy, data.color = float(irradiance.max()), irradiance / irradiance.max()
         obj = bpy.data.objects.new(SUN_NAME, data)
         obj.matrix_world = direction.to_track_quat("Z", "Y").to_matrix().to_4x4()
-        obj["angle"], obj["light_group"] = math.degrees(size), SUN_NAME
+        obj["angle"], obj["light_group"] = math.degrees(size), self.group or SUN_NAME
         return [obj]
 
 

@@ -31,6 +31,8 @@ class Writer:
         for name, value in (("Metallic", surface.metallic), ("Roughness", surface.roughness)):
             self._number(name, value)
         shader.number("Specular", self._mean(surface.specular)[0])
+        if surface.specular_tint:
+            shader.number("Specular Tint", surface.specular_tint)
         shader.number("Transmission", transmission)
         shader.number("IOR", surface.ior)
         shader.number("Clearcoat", surface.clearcoat[0])
@@ -48,10 +50,13 @@ class Writer:
     def _mean(self, value):
         return self.item.mean(self.item.values, value, self.user, self.item.copy)
 
+    def _has_uv(self, texture):
+        """Whether the mesh has the UV map that a texture reads. Without one Cycles shows a single texel."""
+        name = textures.mapping_of(texture.node)[0]
+        return name in self.mesh.uv_layers if name else any(l.name != UV_NAME for l in self.mesh.uv_layers)
+
     def _uv_index(self, name):
         layers = self.mesh.uv_layers
-        if name and name not in layers:
-            self.item.warn(f"the UV map '{name}' is missing on mesh '{self.mesh.name}': the first one is used")
         found = layers.find(name) if name else next((i for i, l in enumerate(layers) if l.active_render), 0)
         return max(found, 0)
 
@@ -74,48 +79,53 @@ class Writer:
     def _base(self, surface, base, alpha, opaque):
         """Base colour and alpha. Returns the name of the colour attribute that multiplies them, or None."""
         shader, item = self.shader, self.item
-        good = base and (not base.node or textures.is_color_image(base)) and base.factor.max() <= 1
-        fits = opaque or alpha and (not alpha.node or alpha.channel == "A" and textures.is_data_image(alpha))
+        good = (base and base.factor.max() <= 1
+                and (not base.node or textures.is_color_image(base) and self._has_uv(base)))
+        fits = opaque or alpha and (not alpha.node or alpha.channel == "A" and textures.is_data_image(alpha)
+                                    and self._has_uv(alpha))
         if good and fits and alpha.node and base.node:
             fits = base.node.image == alpha.node.image and base.place() == alpha.place()
-        node, factor, colors = None, np.ones(3), base.colors if good else None
+        colors = None
         if good and fits:
-            factor = base.factor
+            node, colors = None, base.colors
             if base.node or not opaque and alpha.node:
                 found = base if base.node else alpha
                 node = shader.image_node(found)
                 shader.uv["baseColorTexture"] = self._uv_index(textures.mapping_of(found.node)[0])
             if base.node:
-                shader.link_color("Base Color", node, factor)
+                shader.link_color("Base Color", node, base.factor)
             else:
-                shader.color("Base Color", factor)
+                shader.color("Base Color", base.factor)
             if not opaque and alpha.node:
                 shader.link_number("Alpha", node, "A", 1)
+                self._warn_of_grey(textures.pixels(alpha.node.image)[..., 3])
                 if not np.isclose(alpha.factor[0], 1):
                     item.warn(f"the factor {alpha.factor[0]:.3g} on its alpha image is left out")
         else:
-            node = self._baked_base(surface, opaque, fits and not alpha.node)
+            self._baked_base(surface, opaque, fits and not alpha.node)
         shader.material.blend_method = "OPAQUE"
         if not opaque:
             shader.material.blend_method, shader.material.alpha_threshold = "CLIP", 0.5
             if is_constant(surface.alpha):
                 shader.number("Alpha", surface.alpha[0])
-                item.warn(f"an alpha of {surface.alpha[0]:.2g} becomes {'opaque' if surface.alpha[0] >= 0.5 else 'a hole'}: "
-                          "Patchlight has holes, no partial transparency")
+                become = "opaque" if surface.alpha[0] >= 0.5 else "a hole"
+                item.warn(f"an alpha of {surface.alpha[0]:.2g} becomes {become}: Patchlight has only holes")
         return colors
 
     def _baked_base(self, surface, opaque, constant_alpha):
+        """Base colour and alpha in one baked image."""
         color = surface.base if is_constant(surface.base) else self._bake(surface.base, "base colour")
         alpha = None if opaque or constant_alpha else self._bake(surface.alpha, "alpha")
         if color is None:
             color = self._mean(surface.base)
-        if isinstance(color, np.ndarray) and color.ndim == 1 and alpha is None:
+        if color.ndim == 1 and alpha is None:
             self.shader.color("Base Color", np.clip(color, 0, 1))
-            return None
+            return
         data = np.ones((alpha if color.ndim == 1 else color).shape, np.float32)
         data[..., :3] = color if color.ndim == 1 else color[..., :3]
         if alpha is not None:
             data[..., 3] = alpha[..., 0]
+            self._warn_of_grey(alpha[..., 0])
         if data[..., :3].max() > 1.001:
             self.item.warn("its base colour is above 1 in places and is lowered to 1")
         node = self.shader.new_image_node(data, f"{self.item.name} base")
@@ -123,13 +133,18 @@ class Writer:
         self.shader.link_color("Base Color", node, np.ones(3))
         if alpha is not None:
             self.shader.link_number("Alpha", node, "A", 1)
-        return node
+
+    def _warn_of_grey(self, alpha):
+        """Names a mask of which more than a tenth is partly transparent."""
+        if np.mean((alpha > 0.1) & (alpha < 0.9)) > 0.1:
+            self.item.warn("parts of it are partly transparent: they become holes below an alpha of 0.5, else opaque")
 
     def _number(self, name, value):
         found = textures.split(self.item.values, value, self.item.warn)
         if found and not found.node and not found.colors:
             self.shader.number(name, np.clip(found.factor[0], 0, 1))
-        elif found and not found.colors and textures.is_data_image(found) and found.factor.max() <= 1:
+        elif (found and not found.colors and textures.is_data_image(found) and found.factor.max() <= 1
+              and self._has_uv(found)):
             self.shader.link_number(name, self.shader.image_node(found), found.channel, found.factor[0])
             self.shader.uv["metallicRoughnessTexture"] = self._uv_index(textures.mapping_of(found.node)[0])
         else:
@@ -148,7 +163,7 @@ class Writer:
                 shader.number("Emission Strength", strength)
             return
         found = textures.split(self.item.values, value, self.item.warn)
-        if found and not found.colors and (not found.node or textures.is_color_image(found)):
+        if found and not found.colors and (not found.node or textures.is_color_image(found) and self._has_uv(found)):
             strength = max(float(found.factor.max()), 1e-9)
             shader.number("Emission Strength", strength)
             if not found.node:
@@ -173,7 +188,8 @@ class Writer:
         node = origin.node
         if node.type == "NORMAL_MAP" and node.space == "TANGENT" and not nodes.source(node.inputs["Strength"]):
             found = textures.split(self.item.values, self.item.values.of(node.inputs["Color"]), self.item.warn)
-            if found and found.node and np.allclose(found.factor, 1) and textures.is_data_image(found):
+            if (found and found.node and np.allclose(found.factor, 1) and textures.is_data_image(found)
+                    and self._has_uv(found)):
                 self.shader.link_normal(found, node.inputs["Strength"].default_value)
                 self.shader.uv["normalTexture"] = self._uv_index(textures.mapping_of(found.node)[0])
                 return

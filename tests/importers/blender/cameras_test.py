@@ -5,7 +5,7 @@ import bpy
 import mathutils
 import numpy as np
 from bpy_extras.object_utils import world_to_camera_view
-from support import ExportTest
+from support import ExportTest, Shaders, diffuse
 
 
 class Cameras(ExportTest):
@@ -43,7 +43,6 @@ class Cameras(ExportTest):
                     np.testing.assert_allclose(got, want[:2], atol=2e-5)
 
     def test_cycles_shows_them_there_too(self):
-        from support import Shaders
         lamp = Shaders("lamp")
         self.add_cube("lamp", lamp.show(lamp.add("Emission")), (0.3, 0.2, 0), 0.01)
         camera = self.add_camera(location=(0, 0, 3))
@@ -78,6 +77,8 @@ class Cameras(ExportTest):
         self.scene.render.resolution_x, self.scene.render.resolution_y = 400, 200
         exported = self.export()
         self.assertAlmostEqual(exported.camera("flat")["orthographic"]["ymag"], 2, 5)
+        flat.data.sensor_fit = "VERTICAL"
+        self.assertAlmostEqual(self.export().camera("flat")["orthographic"]["ymag"], 4, 5)
         self.assert_warned(exported, "'round'", "panoramic")
         self.assertNotIn("round", exported.names())
 
@@ -107,10 +108,18 @@ class Cameras(ExportTest):
         middle = places[len(places) // 2]
         self.assertAlmostEqual(float(np.linalg.norm(middle)), 3, 4)
 
-    def test_moving_objects_are_named(self):
-        cube = self.add_cube("cube")
+    def test_what_moves_besides_cameras_is_named(self):
+        cube = self.add_cube("cube", diffuse("paint"))
         cube.keyframe_insert("location", frame=1)
-        self.assert_warned(self.export(), "'cube'", "do not move")
+        shape = self.add_cube("shape", location=(5, 0, 0))
+        shape.shape_key_add(name="Basis")
+        shape.shape_key_add(name="other").keyframe_insert("value", frame=1)
+        lamp = self.add_lamp("lamp", "POINT", 10)
+        lamp.data.keyframe_insert("energy", frame=1)
+        cube.data.materials[0].node_tree.nodes["Diffuse BSDF"].inputs[0].keyframe_insert("default_value", frame=1)
+        exported = self.export()
+        for words in (("'cube'", "do not move"), ("'shape'", "shapes"), ("'lamp'", "strength"), ("'paint'", "stay")):
+            self.assert_warned(exported, *words)
 
     def test_scenes_without_an_active_camera(self):
         self.add_cube("cube")

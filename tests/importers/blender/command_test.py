@@ -1,14 +1,17 @@
 """The command: files, the job's other keys, and errors."""
 import io
+import os
 import pathlib
 import subprocess
 import sys
+import unittest
 
 import bpy
 from patchlight_blender import command
 from patchlight_blender.report import ExportError, Report
-from support import ExportTest, diffuse
+from support import ExportTest, Shaders, diffuse
 
+IMPORTER = os.environ.get("PATCHLIGHT_IMPORT")
 ENTRY = pathlib.Path(command.__file__).parents[1] / "export.py"
 
 
@@ -32,6 +35,22 @@ class Command(ExportTest):
         lines = [line for line in done.stderr.splitlines() if line.startswith("patchlight-export: error: ")]
         self.assertEqual(len(lines), 1, done.stderr)
         self.assertIn("--output", lines[0])
+
+    @unittest.skipUnless(IMPORTER, "PATCHLIGHT_IMPORT does not name the program patchlight-import")
+    def test_the_importer_accepts_the_files(self):
+        m = Shaders('a "noisy" pane*')
+        noise = m.add("TexNoise")
+        self.add_square("square", m.show(m.add("BsdfGlass", Color=noise.outputs["Color"])))
+        self.add_cube("cube", diffuse("white"), (3, 0, 0))
+        self.add_lamp("panel", "AREA", 10)
+        self.add_lamp("spot", "SPOT", 10)
+        self.add_camera().keyframe_insert("location", frame=1)
+        world = Shaders("", bpy.data.worlds.new("world"))
+        self.scene.world = world.data
+        world.show(world.add("Background", Color=world.add("TexSky").outputs[0]), "OutputWorld")
+        folder = self.export().folder
+        done = subprocess.run([IMPORTER, "scene.yaml"], cwd=folder, capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
 
     def test_an_old_blender_is_an_error(self):
         newest, command.OLDEST = command.OLDEST, (99, 0, 0)
@@ -66,7 +85,10 @@ class Command(ExportTest):
         self.assertIn('cameras: ["the \\"best\\" view"]', text)
         self.assertIn("resolution: [300, 400]", self.export("--resolution", "300", "400").job)
         self.scene.view_settings.view_transform = "Filmic"
-        self.assert_warned(self.export(), "Filmic", "OCIO")
+        self.scene.view_settings.look, self.scene.view_settings.gamma = "High Contrast", 1.2
+        text = self.export().job
+        for line in ('view: "Filmic"', 'look: "High Contrast"', "gamma: 1.2", "config.ocio"):
+            self.assertIn(line, text)
         self.assertTrue(camera)
 
     def test_missing_libraries_are_named(self):
@@ -83,9 +105,8 @@ class Command(ExportTest):
     def test_settings_of_the_render_that_are_lost_are_named(self):
         self.scene.render.use_motion_blur = self.scene.render.use_border = self.scene.render.film_transparent = True
         self.scene.cycles.film_exposure = 2
-        self.scene.view_settings.gamma = 1.2
         exported = self.export()
-        for word in ("motion blur", "render region", "transparent film", "film exposure", "gamma"):
+        for word in ("motion blur", "render region", "transparent film", "film exposure"):
             self.assert_warned(exported, word)
 
     def test_each_warning_is_one_line_and_comes_once(self):

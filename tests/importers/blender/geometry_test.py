@@ -4,7 +4,8 @@ import math
 import bpy
 import mathutils
 import numpy as np
-from support import ExportTest, diffuse
+from patchlight_blender import command
+from support import ExportTest, Shaders, diffuse
 
 
 class Geometry(ExportTest):
@@ -69,6 +70,17 @@ class Geometry(ExportTest):
         self.assertEqual(len(exported.gltf["meshes"]), 1)
         places = {tuple(round(v, 3) for v in node["translation"]) for node in exported.gltf["nodes"]}
         self.assertEqual(places, {(-1, 0, 1), (1, 0, 1), (1, 0, -1), (-1, 0, -1)})
+
+    def test_particles_that_are_objects_are_instances(self):
+        part = self.add_cube("part", size=0.1)
+        part.hide_render = True
+        square = self.add_square("square")
+        settings = square.modifiers.new("scatter", "PARTICLE_SYSTEM").particle_system.settings
+        settings.type, settings.count = "HAIR", 7
+        settings.render_type, settings.instance_object, settings.use_advanced_hair = "OBJECT", part, True
+        exported = self.export()
+        self.assertEqual(exported.names().count("square/part"), 7)
+        self.assertEqual(len(exported.gltf["meshes"]), 2)
 
     def test_curves_texts_and_metaballs_become_meshes_once(self):
         text = bpy.data.curves.new("text", "FONT")
@@ -137,16 +149,28 @@ class Geometry(ExportTest):
         self.add(bpy.data.volumes.new("smoke"), "smoke")
         hairy = self.add_square("hairy", diffuse("skin"), (9, 0, 0))
         hairy.modifiers.new("fur", "PARTICLE_SYSTEM").particle_system.settings.type = "HAIR"
+        collection = bpy.data.collections.new("masks")
+        self.scene.collection.children.link(collection)
+        collection.objects.link(bpy.data.objects.new("mask", unseen.data))
+        bpy.context.view_layer.layer_collection.children["masks"].holdout = True
         exported = self.export()
         self.assertEqual(exported.names(), ["hairy", "no shadow"])
+        self.assert_warned(exported, "'mask'", "holdout")
         self.assert_warned(exported, "'hole'", "holdout")
         self.assert_warned(exported, "'no shadow'", "shadow rays")
         self.assert_warned(exported, "'hairy'", "'fur'")
 
-    def test_the_scene_stays_as_it_was(self):
+    def test_the_layer_overrides_materials(self):
         self.add_square("square", diffuse("white"))
+        bpy.context.view_layer.material_override = diffuse("clay")
+        self.assertEqual(self.export().material("square")["name"], "clay")
+
+    def test_the_scene_stays_as_it_was(self):
+        m = Shaders("noise")
+        self.add_square("square", m.show(m.add("BsdfDiffuse", Color=m.add("TexNoise").outputs["Color"])))
+        self.add_lamp("lamp", "AREA", 10)
         self.add_camera()
-        before = {kind: len(getattr(bpy.data, kind)) for kind in ("scenes", "objects", "lights", "worlds")}
+        before = {kind: len(getattr(bpy.data, kind)) for kind in command.KINDS}
         settings = [self.scene.render.engine, self.scene.render.resolution_percentage, self.scene.frame_current]
         self.export()
         self.assertEqual(before, {kind: len(getattr(bpy.data, kind)) for kind in before})

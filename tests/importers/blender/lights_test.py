@@ -2,7 +2,9 @@
 import math
 
 import bpy
+import mathutils
 import numpy as np
+from patchlight_blender import ies
 from support import ExportTest, Shaders, diffuse
 
 IES = """IESNA:LM-63-2002
@@ -11,7 +13,7 @@ TILT=NONE
 1 1 20
 0 90 180
 0
-100 100 100
+100 100 {up}
 """
 
 
@@ -89,22 +91,44 @@ class Lights(ExportTest):
         got = np.array(light["color"]) * light["intensity"] / 683 / 9
         np.testing.assert_allclose(self.irradiance(), got, rtol=0.02, atol=1e-4)
 
-    def test_photometric_files_are_copied_with_their_scale(self):
+    def add_photometric(self, text, strength=1.0):
+        """A lamp 3 m above the floor with a photometric file of this text."""
         path = self.folder / "down.ies"
-        path.write_text(IES.format(factor=2))
+        path.write_text(text)
         lamp = self.add_lamp("lamp", "POINT", 10)
         nodes = Shaders("", lamp.data)
-        texture = nodes.add("TexIES", Strength=0.5)
+        texture = nodes.add("TexIES", Strength=strength)
         texture.mode, texture.filepath = "EXTERNAL", str(path)
         nodes.show(nodes.add("Emission", Strength=texture.outputs[0]), "OutputLight")
         lamp.location = (0, 0, 3)
-        exported = self.export()
-        extras = exported.node("lamp")["extras"]
-        self.assertEqual((exported.folder / extras["ies"]).read_bytes(), path.read_bytes())
-        self.assertAlmostEqual(exported.light("lamp")["intensity"] / 683, extras["ies_scale"] * 200, 3)
-        np.testing.assert_allclose(self.irradiance()[0], extras["ies_scale"] * 200 / 9, rtol=0.01)
+        return lamp, path
+
+    def candela(self, exported):
+        """(Vertical angles, planes) of the exported lamp's file."""
+        file = exported.folder / exported.node("lamp")["extras"]["ies"]
+        return ies.distribution(file.read_text())
+
+    def test_photometric_files_have_the_intensity_of_the_lamp(self):
+        _, path = self.add_photometric(IES.format(factor=2, up=100), 0.5)
+        vertical, planes = self.candela(self.export())
+        self.assertEqual(vertical, [0, 90, 180])
+        np.testing.assert_allclose(self.irradiance()[0], planes[0][0] / 683 / 9, rtol=0.01)
         path.unlink()
         self.assert_warned(self.export(), "'lamp'", "down.ies")
+
+    def test_photometric_files_turn_as_in_cycles(self):
+        lamp, _ = self.add_photometric(
+            "IESNA:LM-63-2002\nTILT=NONE\n1 -1 1 3 5 1 2 0 0 0\n1 1 10\n0 60 90\n0 90 180 270 360\n"
+            "100 100 0\n100 200 0\n100 300 0\n100 400 0\n100 100 0\n")
+        vertical, planes = self.candela(self.export())
+        self.assertEqual(list(planes), [0, 90, 180, 270])
+        down = mathutils.Vector((0, 0, -1))
+        for turn, plane in planes.items():
+            angle, tilt = math.radians(turn), math.radians(60)
+            towards = mathutils.Vector((math.sin(tilt) * math.cos(angle), math.sin(tilt) * math.sin(angle),
+                                        -math.cos(tilt)))
+            lamp.rotation_euler = towards.rotation_difference(down).to_euler()
+            np.testing.assert_allclose(self.irradiance(half=0.005)[0], plane[1] / 683 / 9, rtol=0.01)
 
     def test_light_groups(self):
         self.add_lamp("free", "POINT", 10)
@@ -123,6 +147,20 @@ class Lights(ExportTest):
         exported = self.export()
         self.assertEqual([group(n) for n in ("kitchen lamp", "hall lamp", "free", "grouped")],
                          ["kitchen", "hall", "free", "own"])
+
+    def test_lamps_in_instances_shine_at_each_place(self):
+        lamp = self.add_lamp("lamp", "POINT", 10)
+        panel = self.add_lamp("panel", "AREA", 10, size=0.5)
+        collection = bpy.data.collections.new("fitting")
+        for obj in (lamp, panel):
+            collection.objects.link(obj)
+            self.scene.collection.objects.unlink(obj)
+        for k in range(2):
+            empty = self.add(None, f"place {k}", (3 * k, 0, 0))
+            empty.instance_type, empty.instance_collection = "COLLECTION", collection
+        exported = self.export()
+        self.assertEqual(exported.names(), [f"place {k}/{name}" for k in (0, 1) for name in ("lamp", "panel")])
+        self.assertEqual(exported.node("place 1/lamp")["translation"], [3, 0, 0])
 
     def test_what_lamps_lose_is_named(self):
         self.add_lamp("narrow", "AREA", 10, spread=math.radians(90))

@@ -1,37 +1,12 @@
-"""What materials become: numbers, images, and bakes of the rest."""
+"""What shaders become: numbers of a Principled BSDF."""
 import bpy
 import numpy as np
-from support import ExportTest, Shaders, diffuse
+from support import MaterialTest, Shaders, diffuse
 
 RED, BLUE, WHITE = (1, 0, 0, 1), (0, 0, 1, 1), (1, 1, 1, 1)
 
 
-def image(name, pixels, color_space="sRGB"):
-    """An image of a few pixels, rows from below, as the file has them."""
-    pixels = np.asarray(pixels, np.float32)
-    made = bpy.data.images.new(name, pixels.shape[1], pixels.shape[0], alpha=True)
-    made.colorspace_settings.name = color_space
-    made.pixels.foreach_set(pixels.ravel())
-    made.update()
-    made.pack()
-    return made
-
-
-CHECK = [[[1, 0, 0, 1], [0, 1, 0, 0]], [[0, 0, 1, 0], [1, 1, 1, 1]]]
-
-
-class Materials(ExportTest):
-    def of(self, material):
-        """The export of a square with a material, and the material in it."""
-        self.add_square("square", material)
-        exported = self.export()
-        return exported, exported.material("square")
-
-    def assert_base(self, material, color, metallic=0.0):
-        rough = material["pbrMetallicRoughness"]
-        np.testing.assert_allclose(rough.get("baseColorFactor", [1, 1, 1, 1])[:3], color, atol=1e-3)
-        self.assertAlmostEqual(rough.get("metallicFactor", 1.0), metallic, 3)
-
+class Materials(MaterialTest):
     def test_principled_keeps_its_numbers(self):
         m = Shaders("paint")
         exported, found = self.of(m.show(m.add("BsdfPrincipled", Base_Color=(0.2, 0.4, 0.6, 1), Roughness=0.3,
@@ -93,76 +68,6 @@ class Materials(ExportTest):
         found = self.of(m.show(m.add("BsdfDiffuse", Color=half.outputs[0])))[1]
         self.assert_base(found, (0.5,) * 3)
 
-    def test_an_image_keeps_its_factor_mapping_and_uv_map(self):
-        m = Shaders("wood")
-        place = m.add("UVMap")
-        place.uv_map = "second"
-        mapping = m.add("Mapping", Vector=place.outputs[0], Scale=(4, 4, 1))
-        texture = m.add("TexImage", Vector=mapping.outputs[0])
-        texture.image = image("check", CHECK)
-        tint = m.nodes.new("ShaderNodeMix")
-        tint.data_type, tint.blend_type = "RGBA", "MULTIPLY"
-        m.set(tint.inputs[0], 1)
-        m.set(tint.inputs[6], texture.outputs["Color"])
-        m.set(tint.inputs[7], (0.5, 0.25, 1, 1))
-        square = self.add_square("square", m.show(m.add("BsdfPrincipled", Base_Color=tint.outputs[2])))
-        square.data.uv_layers.new(name="second")
-        self.add_mesh("empty slot", [(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)]).data.materials.append(None)
-        exported = self.export()
-        found = exported.material("square")
-        self.assert_base(found, (0.5, 0.25, 1))
-        texture = found["pbrMetallicRoughness"]["baseColorTexture"]
-        self.assertEqual(texture["texCoord"], 1)
-        self.assertEqual(texture["extensions"]["KHR_texture_transform"]["scale"], [4, 4])
-
-    def test_alpha_is_a_mask(self):
-        m = Shaders("leaf")
-        texture = m.add("TexImage")
-        texture.image = image("check", CHECK)
-        clear, leaf = m.add("BsdfTransparent"), m.add("BsdfDiffuse", Color=texture.outputs["Color"])
-        mix = m.add("MixShader", _0=texture.outputs["Alpha"], _1=clear.outputs[0], _2=leaf.outputs[0])
-        exported, found = self.of(m.show(mix))
-        self.assertEqual(found["alphaMode"], "MASK")
-        self.assertIn(exported.image(found)[0, 1, 3], (0, 1))
-        self.assertEqual(exported.image(found).shape[0], 2)
-
-    def test_procedural_textures_are_baked(self):
-        m = Shaders("steps")
-        axes = m.add("SeparateXYZ", Vector=m.add("TexCoord").outputs["Generated"])
-        half = m.add("Math", _0=axes.outputs["X"], _1=0.5)
-        half.operation = "GREATER_THAN"
-        exported, found = self.of(m.show(m.add("BsdfDiffuse", Color=half.outputs[0])))
-        pixels = exported.image(found)
-        self.assertEqual(pixels.shape[:2], (64, 64))
-        uv = exported.accessor(exported.mesh("square")["primitives"][0]["attributes"]
-                               [f"TEXCOORD_{found['pbrMetallicRoughness']['baseColorTexture'].get('texCoord', 0)}"])
-        points = exported.positions("square")
-        for corner, place in zip(points, uv):
-            x, y = (place * 0.98 + 0.01) * 64
-            self.assertEqual(round(float(pixels[int(63.99 - y), int(x), 0])), int(corner[0] > 0))
-
-    def test_a_procedural_material_is_baked_for_each_mesh(self):
-        m = Shaders("noise")
-        material = m.show(m.add("BsdfDiffuse", Color=m.add("TexNoise").outputs["Color"]))
-        self.add_square("a", material)
-        self.add_cube("b", material, (5, 0, 0))
-        exported = self.export()
-        self.assertEqual(len(exported.gltf["images"]), 2)
-        self.assertEqual(exported.material("a")["name"], "noise")
-
-    def test_vertex_colors_apply_where_the_material_reads_them(self):
-        m = Shaders("painted")
-        material = m.show(m.add("BsdfDiffuse", Color=m.add("VertexColor").outputs[0]))
-        for name, used in (("painted", material), ("plain", diffuse("plain"))):
-            obj = self.add_square(name, used)
-            colors = obj.data.color_attributes.new("Col", "FLOAT_COLOR", "CORNER")
-            colors.data.foreach_set("color", [0.25, 0.5, 1, 1] * 4)
-        exported = self.export()
-        attributes = [exported.mesh(name)["primitives"][0]["attributes"] for name in ("painted", "plain")]
-        self.assertNotIn("COLOR_0", attributes[1])
-        values = exported.accessor(attributes[0]["COLOR_0"]).astype(float)
-        np.testing.assert_allclose(values[0][:3] / values[0][2], (0.25, 0.5, 1), atol=1e-3)
-
     def test_materials_without_nodes_and_of_the_object(self):
         plain = bpy.data.materials.new("plain")
         plain.diffuse_color = (0.1, 0.2, 0.3, 1)
@@ -192,14 +97,14 @@ class Materials(ExportTest):
                                      _2=clear.outputs[0])))[1]
         self.assertFalse(found.get("doubleSided", False))
 
-    def test_a_missing_image_is_named(self):
-        m = Shaders("lost")
-        texture = m.add("TexImage")
-        texture.image = bpy.data.images.new("brick", 4, 4)
-        texture.image.source, texture.image.filepath = "FILE", "/nowhere/brick.png"
-        exported, found = self.of(m.show(m.add("BsdfDiffuse", Color=texture.outputs[0])))
-        self.assert_base(found, (1, 0, 1))
-        self.assert_warned(exported, "'lost'", "/nowhere/brick.png")
+    def test_a_volume_alone_has_no_surface(self):
+        m = Shaders("smoke")
+        m.add("OutputMaterial", Volume=m.add("VolumeScatter").outputs[0])
+        self.add_square("plain", location=(5, 0, 0))
+        self.add_square("square", m.data)
+        exported = self.export()
+        self.assertEqual(exported.names(), ["plain"])
+        self.assert_warned(exported, "'smoke'", "volume")
 
     def test_bump_volume_and_displacement_are_named(self):
         m = Shaders("rough")

@@ -70,6 +70,17 @@ class Exported:
         return read_image(path)
 
 
+def image(name, pixels, color_space="sRGB"):
+    """An image of a few pixels, rows from below, as the file has them."""
+    pixels = np.asarray(pixels, np.float32)
+    made = bpy.data.images.new(name, pixels.shape[1], pixels.shape[0], alpha=True)
+    made.colorspace_settings.name = color_space
+    made.pixels.foreach_set(pixels.ravel())
+    made.update()
+    made.pack()
+    return made
+
+
 def read_image(path):
     image = bpy.data.images.load(str(path), check_existing=False)
     values = np.array(image.pixels[:], np.float32).reshape(image.size[1], image.size[0], image.channels)
@@ -90,8 +101,8 @@ class ExportTest(unittest.TestCase):
 
     def export(self, *options):
         report = Report(io.StringIO())
-        arguments = ["--output", str(self.folder / "out"), "--name", "scene", "--threads", "1", "--bake-resolution", "64",
-                     "--sky-resolution", "128", *options]
+        arguments = ["--output", str(self.folder / "out"), "--name", "scene", "--threads", "1",
+                     "--bake-resolution", "64", "--sky-resolution", "128", *options]
         command.export(self.scene, command.parse(arguments), report)
         return Exported(self.folder / "out", "scene", report.warnings)
 
@@ -147,6 +158,21 @@ class ExportTest(unittest.TestCase):
         render.filepath = str(self.folder / "cycles.exr")
         bpy.ops.render.render(write_still=True)
         return read_image(self.folder / "cycles.exr")[..., :3]
+
+
+class MaterialTest(ExportTest):
+    """Tests of one material on a square."""
+
+    def of(self, material):
+        """The export of a square with a material, and the material in it."""
+        self.add_square("square", material)
+        exported = self.export()
+        return exported, exported.material("square")
+
+    def assert_base(self, material, color, metallic=0.0):
+        rough = material["pbrMetallicRoughness"]
+        np.testing.assert_allclose(rough.get("baseColorFactor", [1, 1, 1, 1])[:3], color, atol=1e-3)
+        self.assertAlmostEqual(rough.get("metallicFactor", 1.0), metallic, 3)
 
 
 class Shaders:

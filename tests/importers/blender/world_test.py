@@ -47,6 +47,9 @@ class World(ExportTest):
         self.show(self.shaders(), (0.5, 0.25, 1, 1), 2)
         exported = self.export()
         self.assertEqual(self.setting(exported, "color"), "[1, 0.5, 2]")
+        bpy.context.view_layer.lightgroups.add(name="sky")
+        self.scene.world.lightgroup = "sky"
+        self.assertEqual(self.setting(self.export(), "light_group"), '"sky"')
         self.assertIsNone(self.setting(exported, "image"))
 
     def test_no_world_is_dark(self):
