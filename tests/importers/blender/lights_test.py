@@ -117,18 +117,21 @@ class Lights(ExportTest):
         self.assert_warned(self.export(), "'lamp'", "down.ies")
 
     def test_photometric_files_turn_as_in_cycles(self):
-        lamp, _ = self.add_photometric(
-            "IESNA:LM-63-2002\nTILT=NONE\n1 -1 1 3 5 1 2 0 0 0\n1 1 10\n0 60 90\n0 90 180 270 360\n"
-            "100 100 0\n100 200 0\n100 300 0\n100 400 0\n100 100 0\n")
-        vertical, planes = self.candela(self.export())
-        self.assertEqual(list(planes), [0, 90, 180, 270])
-        down = mathutils.Vector((0, 0, -1))
-        for turn, plane in planes.items():
-            angle, tilt = math.radians(turn), math.radians(60)
-            towards = mathutils.Vector((math.sin(tilt) * math.cos(angle), math.sin(tilt) * math.sin(angle),
-                                        -math.cos(tilt)))
-            lamp.rotation_euler = towards.rotation_difference(down).to_euler()
-            np.testing.assert_allclose(self.irradiance(half=0.005)[0], plane[1] / 683 / 9, rtol=0.01)
+        text = ("IESNA:LM-63-2002\nTILT=NONE\n1 -1 1 3 5 1 2 0 0 0\n1 1 10\n0 60 90\n0 90 180 270 360\n"
+                "100 100 0\n100 200 0\n100 300 0\n100 400 0\n100 100 0\n")
+        tilt = math.radians(60)
+        for turn in (0, 90, 180, 270):
+            with self.subTest(turn):
+                self.setUp()
+                lamp, _ = self.add_photometric(text)
+                planes = self.candela(self.export())[1]
+                self.assertEqual(list(planes), [0, 90, 180, 270])
+                angle = math.radians(turn)
+                towards = mathutils.Vector((math.sin(tilt) * math.cos(angle), math.sin(tilt) * math.sin(angle),
+                                            -math.cos(tilt)))
+                lamp.data.shadow_soft_size = 0
+                lamp.rotation_euler = towards.rotation_difference(mathutils.Vector((0, 0, -1))).to_euler()
+                np.testing.assert_allclose(self.irradiance(0.005)[0], planes[turn][1] / 683 / 9, rtol=0.01)
 
     def test_light_groups(self):
         self.add_lamp("free", "POINT", 10)
