@@ -152,6 +152,7 @@ PatchSet import_scene(const Job& job, Progress& progress) {
   if (masked_primitives(set) > 0) set.masks = std::move(scene.masks);
   set.materials = stored_materials(scene.materials);
   set.nodes = scene.nodes;
+  set.unseen = scene.unseen;
   set.light_groups = scene.light_groups;
   set.lights = std::move(scene.lights);
   set.distributions = std::move(scene.distributions);

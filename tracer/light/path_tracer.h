@@ -64,7 +64,7 @@ class PathTracer {
     float center_distance2 = 0.0f;  ///< Squared distance from the pixel's centre; for layers.
     bool central = false;           ///< A ray through the centres of pixel and lens, for layers alone.
     Color throughput{1.0f};
-    int bounces = 0;  ///< Specular reflections, and back faces passed through.
+    int bounces = 0;  ///< Specular reflections, and surfaces passed through.
     bool mirrored = false;
     float pdf = 0.0f;  ///< Of the present direction if a rough metal reflected it, per sr; otherwise 0.
     PathFeatures features{};

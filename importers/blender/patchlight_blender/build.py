@@ -41,7 +41,10 @@ class Build:
             if ready[item.mesh]:
                 group = lamps.group(item.source, item.instancer)
                 obj = bpy.data.objects.new("patchlight mesh", item.mesh)
-                self.add(obj, item.name, item.matrix, item.source, {"light_group": group} if group else {})
+                extras = {"light_group": group} if group else {}
+                if not item.source.visible_camera:
+                    extras["visible_camera"] = False
+                self.add(obj, item.name, item.matrix, item.source, extras)
 
     def _assign(self, item, materials, is_closed, report):
         """Gives a mesh its exported materials, and removes the faces that have none. Whether faces are left."""

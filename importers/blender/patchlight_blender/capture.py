@@ -157,6 +157,7 @@ def _is_kept(source, obj, layer, report):
     unseen = [ray for ray in RAYS if not getattr(source, f"visible_{ray}")]
     if len(unseen) == len(RAYS):
         return False
+    unseen = [ray for ray in unseen if ray != "camera"]
     if unseen:
         report.warn(f"{name} is invisible to {', '.join(unseen)} rays in Cycles, but is exported visible to all: "
                     f"'nodes: {{\"{source.name}\": {{exclude: true}}}}' in the job leaves it out")

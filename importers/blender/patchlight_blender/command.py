@@ -14,7 +14,7 @@ from . import cameras, capture, job, motion, record
 from .build import Build
 from .lights import Lamps
 from .materials import Materials
-from .report import PREFIX, ExportError, Report, names
+from .report import PREFIX, ExportError, Report
 from .world import World
 
 OLDEST = (3, 4, 0)
@@ -120,8 +120,6 @@ def write_all(scene, folder, name, options, report):
         lamp = lamps.add(item)
         if lamp:
             build.add(lamp, item.name, item.matrix, item.source)
-    if lamps.unseen:
-        report.warn(f"cameras do not see the area lamps {names(lamps.unseen)} in Cycles, but do in Patchlight")
     for obj in world.suns():
         build.add(obj, obj.name, obj.matrix_world.copy())
     for obj in views:

@@ -18,11 +18,10 @@ RAYS = ("diffuse", "glossy", "transmission")
 
 
 class Lamps:
-    """Reads lamps. `files` collects photometric files to write: name to bytes. `unseen` has the area lamps' names that
-    cameras do not see."""
+    """Reads lamps. `files` collects photometric files to write: name to bytes."""
 
     def __init__(self, scene, baker, report):
-        self.scene, self.baker, self.report, self.files, self.unseen = scene, baker, report, {}, []
+        self.scene, self.baker, self.report, self.files = scene, baker, report, {}
         self.back = None
         holders = {group for obj in scene.objects if obj.type == "LIGHT" and not obj.hide_render
                    for group in [self._collection(obj)] if group}
@@ -114,8 +113,6 @@ class Lamps:
             return None
         if not (lamp.cycles.cast_shadow if hasattr(lamp.cycles, "cast_shadow") else lamp.use_shadow):
             warn("casts no shadow in Cycles, but does in Patchlight")
-        if lamp.type == "AREA" and not obj.visible_camera:
-            self.unseen.append(obj.name)
         unseen = [ray for ray in RAYS if not getattr(obj, f"visible_{ray}")]
         if unseen:
             warn(f"is invisible to {', '.join(unseen)} rays in Cycles, but lights all surfaces in Patchlight")

@@ -141,6 +141,19 @@ class LightGroups {
   std::map<std::string, int> numbers_;
 };
 
+/// Marks the nodes with surfaces that cameras do not see: those whose extras have `visible_camera` false, or 0 as
+/// Blender writes it.
+void mark_unseen_nodes(const GltfModel& model, GltfScene& scene) {
+  for (const Surface& surface : scene.surfaces) {
+    const tinygltf::Value& extras = model.gltf.nodes[surface.node].extras;
+    if (!extras.Has("visible_camera")) continue;
+    const tinygltf::Value& visible = extras.Get("visible_camera");
+    if (visible.IsBool() ? visible.Get<bool>() : !visible.IsNumber() || visible.GetNumberAsDouble() != 0) continue;
+    scene.unseen.resize(scene.nodes.size());
+    scene.unseen[surface.node] = 1;
+  }
+}
+
 void assign_light_groups(const GltfModel& model, LightGroups& groups, GltfScene& scene) {
   for (Surface& surface : scene.surfaces) {
     const SurfaceMaterial& material = scene.materials[surface.material];
@@ -270,6 +283,7 @@ GltfScene read_gltf_scene(const Job& job, Progress& progress) {
   warn_of_missing_materials(scene, model->gltf.materials.size(), progress);
   assign_vertex_colors(*model, scene);
   LightGroups groups(*model, scene);
+  mark_unseen_nodes(*model, scene);
   assign_light_groups(*model, groups, scene);
   place_lights(*model, job, nodes, groups, scene, progress);
   scene.cameras = placed_cameras(*model, nodes, scene.nodes, progress);

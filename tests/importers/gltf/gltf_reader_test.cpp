@@ -209,6 +209,18 @@ TEST(GltfReader, CamerasKeepDirectionWithoutScale) {
   EXPECT_NEAR(scene.cameras[1].to_world.determinant(), 1.0, 1e-12);
 }
 
+TEST(GltfReader, NodesOfWhichCamerasSeeNothingAreMarked) {
+  for (const Json& value : {Json(false), Json(0)}) {
+    GltfBuilder gltf = single_mesh(grid(1));
+    Importer importer;
+    EXPECT_TRUE(importer.import(gltf).unseen.empty());
+    gltf.json["nodes"][0]["extras"] = {{"visible_camera", value}};
+    const PatchSet scene = importer.import(gltf);
+    ASSERT_EQ(scene.unseen.size(), scene.nodes.size());
+    EXPECT_EQ(scene.unseen[scene.primitives[0].node], 1);
+  }
+}
+
 /// The only camera of a scene.
 Camera imported_camera(const Json& camera, const Json& extras, Importer& importer) {
   GltfBuilder gltf = single_mesh(cube());

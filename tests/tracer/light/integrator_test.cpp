@@ -53,6 +53,31 @@ TEST(Integrator, ShowsBackFacesBlackOrCullsThem) {
   for (const Color& pixel : solved.render().pixels) EXPECT_NEAR(pixel.y, 1.5 / kPi, 1e-5);
 }
 
+TEST(Integrator, LooksThroughNodesThatCamerasDoNotSee) {
+  PatchScene builder;
+  builder.quad({{{-9, -9, -1}, {9, -9, -1}, {9, 9, -1}, {-9, 9, -1}}}, 1, 1, {0.0f, 7.0f});
+  builder.quad({{{-9, -9, -2}, {9, -9, -2}, {9, 9, -2}, {-9, 9, -2}}}, 1, 1, {0.0f, 3.0f});
+  Solved solved(builder, 0.0f, 0.0f);
+  solved.scene.nodes = {"seen", "unseen"};
+  solved.scene.primitives[0].node = 1;
+  for (const Color& pixel : solved.render().pixels) EXPECT_NEAR(pixel.y, 7 / kPi, 1e-5);
+  solved.scene.unseen = {0, 1};
+  for (const Color& pixel : solved.render().pixels) EXPECT_NEAR(pixel.y, 3 / kPi, 1e-5);
+}
+
+TEST(Integrator, MirrorsShowNodesThatCamerasDoNotSee) {
+  PatchScene builder;
+  builder.get().materials.push_back({"mirror", Color(0.5f), 0.0f});
+  builder.quad({{{-9, -9, 2}, {-9, 9, 2}, {9, 9, 2}, {9, -9, 2}}}, 1, 1, {0.0f, 3.0f});            // behind the camera
+  builder.quad({{{-9, -9, -1}, {9, -9, -1}, {9, 9, -1}, {-9, 9, -1}}}, 1, 1, {0.0f, 0.0f, 0, 1});  // the mirror
+  Solved solved(builder, 0.0f, 0.0f);
+  solved.scene.nodes = {"seen", "unseen"};
+  solved.scene.primitives[0].node = 1;
+  solved.scene.unseen = {0, 1};
+  solved.camera.vertical = 1e-3;
+  for (const Color& pixel : solved.render().pixels) EXPECT_NEAR(pixel.y, 0.5 * 3 / kPi, 1e-5);
+}
+
 TEST(Integrator, FindsDirectLightAtThePixelAndInMirrors) {
   // The camera sees, in a mirror, a wall behind it that is lit by a lamp parallel to it.
   PatchScene builder;
