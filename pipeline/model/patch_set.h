@@ -127,7 +127,7 @@ struct PatchSet {
   std::vector<Primitive> primitives;
   std::vector<Material> materials;
   std::vector<std::string> nodes;
-  std::vector<std::uint8_t> unseen;  ///< By node: whether cameras do not see its surfaces; empty: they see all.
+  std::vector<std::int32_t> unseen;  ///< By node: whether cameras do not see its surfaces; empty: they see all.
   std::vector<std::string> light_groups;
   std::vector<Light> lights;
   std::vector<LightDistribution> distributions;

@@ -150,7 +150,7 @@ Image draw_preview(const Job& job, const PatchSet& scene, const PreviewOptions& 
   const std::vector<Color> received =
       irradiance(read_energy(job.energy_file(), scene), light_settings(job, scene), scene.patches.size());
   if (options.kind == "radiosity") {
-    const float gain = float(std::exp2(job.trace.exposure) / kPi);
+    const float gain = float(std::exp2(job.trace.picture.exposure) / kPi);
     return downsample(paint(ids, width, false, [&](std::uint32_t i) {
       const Color radiance = (scene.patches[i].emission + scene.patches[i].reflectance * received[i]) * gain;
       return Color(encode_srgb(radiance.x), encode_srgb(radiance.y), encode_srgb(radiance.z));

@@ -35,7 +35,7 @@ void check_name(const std::string& name, const std::vector<std::string>& known, 
 }
 
 /// From scene-linear radiance to display values, as Blender does: look, view, gamma.
-ocio::ConstTransformRcPtr transform_of(const ocio::Config& config, const PictureConfig& picture, const char* display) {
+ocio::ConstTransformRcPtr transform_of(const PictureConfig& picture, const char* display) {
   const ocio::GroupTransformRcPtr group = ocio::GroupTransform::Create();
   if (!picture.look.empty()) {
     const ocio::LookTransformRcPtr look = ocio::LookTransform::Create();
@@ -82,7 +82,7 @@ ViewTransform::ViewTransform(const PictureConfig& picture)
     for (int i = 0; i < config->getNumLooks(); ++i) looks.emplace_back(config->getLookNameByIndex(i));
     check_name(picture.view, views, "view", name);
     if (!picture.look.empty()) check_name(picture.look, looks, "look", name);
-    processor_->cpu = config->getProcessor(transform_of(*config, picture, display))->getDefaultCPUProcessor();
+    processor_->cpu = config->getProcessor(transform_of(picture, display))->getDefaultCPUProcessor();
   } catch (const ocio::Exception& error) {
     throw Error(ExitCode::bad_data, std::string("bad OpenColorIO config: ") + error.what(), name,
                 "mend it, or choose another with `trace.ocio` or $OCIO");

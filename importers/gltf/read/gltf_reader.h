@@ -32,7 +32,7 @@ struct Surface {
 /// scene much larger than its file.
 struct GltfScene {
   std::vector<std::string> nodes;    ///< All nodes of the file; `node_N` for one without a name.
-  std::vector<std::uint8_t> unseen;  ///< As in PatchSet.
+  std::vector<std::int32_t> unseen;  ///< As in PatchSet.
   std::vector<SurfaceMaterial> materials;
   std::vector<std::string> light_groups;
   std::vector<Shader> shaders;

@@ -55,7 +55,7 @@ void write_primitives(H5Writer& writer, const PatchSet& scene) {
   for (const auto& p : all) names.push_back(scene.nodes[p.node]);
   writer.strings("/primitives/name", names);
   writer.strings("/nodes/name", scene.nodes);
-  if (!scene.unseen.empty()) writer.dataset<std::uint8_t>("/nodes/unseen", scene.unseen, 0);
+  if (!scene.unseen.empty()) writer.dataset<std::int32_t>("/nodes/unseen", scene.unseen, 0);
 }
 
 void write_patch_rows(H5Writer& writer, const PatchSet& scene) {
@@ -98,7 +98,7 @@ std::vector<bool> read_primitives(const H5Reader& reader, PatchSet& scene) {
   using P = Primitive&;
   scene.nodes = reader.strings("/nodes/name", -1);
   if (reader.has("/nodes/unseen"))
-    scene.unseen = reader.dataset<std::uint8_t>("/nodes/unseen", std::int64_t(scene.nodes.size()));
+    scene.unseen = reader.dataset<std::int32_t>("/nodes/unseen", std::int64_t(scene.nodes.size()));
   all.resize(std::size_t(reader.rows("/primitives/type")));
   std::vector<bool> is_region, is_cluster;
   read_rows<std::int32_t>(reader, "/primitives/type", all, 0, [&](P p, auto* r) {
