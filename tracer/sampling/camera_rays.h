@@ -10,8 +10,11 @@ namespace patchlight {
 /// Image points in pixels from the upper left corner, one for each lane of a packet.
 struct ImagePoints {
   std::array<float, RayPacket::kSize> x{}, y{};
-  /// Points of the lens opening, in its radii to the right and up from its centre. Not read without a lens.
-  std::array<Vec2f, RayPacket::kSize> lens{};
+  /// Points of the lens opening, in its radii to the right and up from its centre, at which they begin. Not read without
+  /// a lens.
+  std::array<Vec2f, RayPacket::kSize> lens;
+
+  ImagePoints() { lens.fill(Vec2f(0.0f)); }
 };
 
 /// Rays of a camera through an image of `width` x `height` pixels. The image keeps the camera's vertical extent. Rays

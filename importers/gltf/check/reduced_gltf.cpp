@@ -24,18 +24,16 @@ Json reduced_list(const Json& root, const char* key, const Reduce& reduce) {
   return result;
 }
 
-/// Copies the only part of `extras` that the importer reads: the light group.
-void keep_light_group(const Json& item, Json& result) {
+/// Copies what the importer reads of `extras` from tinygltf: the light group, and whether cameras see the node.
+void keep_extras(const Json& item, Json& result) {
   const Json* extras = find_member(item, "extras");
-  if (extras && extras->is_object() && extras->contains("light_group")) {
-    result["extras"] = selected(*extras, {"light_group"});
-  }
+  if (extras && extras->is_object()) result["extras"] = selected(*extras, {"light_group", "visible_camera"});
 }
 
 Json reduced_node(const Json& node) {
   Json result = selected(
       node, {"name", "children", "matrix", "translation", "rotation", "scale", "mesh", "camera", "skin", "weights"});
-  keep_light_group(node, result);
+  keep_extras(node, result);
   return result;
 }
 
@@ -51,7 +49,7 @@ Json reduced_texture(const Json& info) {
 
 Json reduced_material(const Json& material) {
   Json result = selected(material, {"name", "emissiveFactor", "doubleSided", "alphaMode", "alphaCutoff"});
-  keep_light_group(material, result);
+  keep_extras(material, result);
   if (const Json* emissive = find_member(material, "emissiveTexture")) {
     result["emissiveTexture"] = reduced_texture(*emissive);
   }
