@@ -27,10 +27,10 @@ ocio::ConstConfigRcPtr load_config(const std::filesystem::path& file) {
 }
 
 /// Throws: Error (bad_config) unless the job's name is one of the config's.
-void check_name(const std::string& name, const std::vector<std::string>& known, const std::string& kind,
+void check_name(const std::string& name, const std::vector<std::string>& known, const char* fault, const char* key,
                 const std::string& config) {
   if (std::find(known.begin(), known.end(), name) == known.end())
-    throw Error(ExitCode::bad_config, fmt::format("unknown {} `{}`", kind, name), "trace." + kind,
+    throw Error(ExitCode::bad_config, fmt::format("{} `{}`", fault, name), key,
                 fmt::format("{} has: {}", config, known.empty() ? "none" : fmt::format("{}", fmt::join(known, ", "))));
 }
 
@@ -80,8 +80,8 @@ ViewTransform::ViewTransform(const PictureConfig& picture)
     std::vector<std::string> views, looks;
     for (int i = 0; i < config->getNumViews(display); ++i) views.emplace_back(config->getView(display, i));
     for (int i = 0; i < config->getNumLooks(); ++i) looks.emplace_back(config->getLookNameByIndex(i));
-    check_name(picture.view, views, "view", name);
-    if (!picture.look.empty()) check_name(picture.look, looks, "look", name);
+    check_name(picture.view, views, "unknown view", "trace.view", name);
+    if (!picture.look.empty()) check_name(picture.look, looks, "unknown look", "trace.look", name);
     processor_->cpu = config->getProcessor(transform_of(picture, display))->getDefaultCPUProcessor();
   } catch (const ocio::Exception& error) {
     throw Error(ExitCode::bad_data, std::string("bad OpenColorIO config: ") + error.what(), name,

@@ -57,10 +57,16 @@ TEST_F(SceneJob, IsRefusedWhereItIsNoScene) {
   EXPECT_EQ(missing.code, 66);
   EXPECT_FALSE(fs::exists(folder_ / "none.patchlight"));
   folder_.write("room.blend", "BLENDER");
+  ::setenv("BLENDER", "/none/blender", 1);
   const Outcome blend = patchlight("run", "room.blend");
-  EXPECT_EQ(blend.code, 78);
-  EXPECT_THAT(blend.err, HasSubstr("export it from Blender as glTF"));
-  EXPECT_EQ(run_program(folder_, "patchlight-import", {"room.blend"}).code, 78);
+  EXPECT_EQ(blend.code, 69);
+  EXPECT_THAT(blend.err, HasSubstr("set it to Blender's program"));
+  for (const std::string program : {"patchlight-import", "patchlight-solve"})
+    EXPECT_EQ(run_program(folder_, program, {"room.blend"}).code, 69);
+  EXPECT_EQ(patchlight("from-blend", "room.blend", {}).code, 69);
+  EXPECT_EQ(patchlight("from-blend", "none.glb", {}).code, 64);
+  EXPECT_FALSE(fs::exists(folder_ / "room.patchlight/patches.h5"));
+  ::unsetenv("BLENDER");
 }
 
 TEST_F(SceneJob, IsPrintedAsAJobThatMakesTheSameFrames) {
