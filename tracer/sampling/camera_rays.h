@@ -10,8 +10,8 @@ namespace patchlight {
 /// Image points in pixels from the upper left corner, one for each lane of a packet.
 struct ImagePoints {
   std::array<float, RayPacket::kSize> x{}, y{};
-  /// Points of the lens opening, in its radii to the right and up from its centre, at which they begin. Not read without
-  /// a lens.
+  /// Points of the lens opening, in its radii to the right and up from its centre, at which they begin. Not read
+  /// without a lens.
   std::array<Vec2f, RayPacket::kSize> lens;
 
   ImagePoints() { lens.fill(Vec2f(0.0f)); }
