@@ -60,8 +60,7 @@ ProgramOutput capture_program(const std::string& program, const std::vector<std:
   posix_spawn_file_actions_adddup2(&files, fileno(err.get()), STDERR_FILENO);
   const pid_t child = start_program(program, arguments, &files, mend);
   int status = 0;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) ::kill(child, SIGTERM);
   return {exit_code_of(status), all_of(out.get()), all_of(err.get())};
 }
 

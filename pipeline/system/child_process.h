@@ -21,8 +21,8 @@ struct ProgramOutput {
   std::string out, err;
 };
 
-/// Runs a program without input and waits for it. Throws: Error (unavailable), with the remedy `mend`, if it cannot be
-/// started.
+/// Runs a program without input and waits for it. A signal that this program handles ends the other one. Throws: Error
+/// (unavailable), with the remedy `mend`, if it cannot be started.
 ProgramOutput capture_program(const std::string& program, const std::vector<std::string>& arguments,
                               const std::string& mend);
 

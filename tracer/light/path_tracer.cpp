@@ -8,6 +8,7 @@
 #include "pipeline/optics/sampling/random.h"
 #include "pipeline/optics/surface/mirror.h"
 #include "tracer/sampling/pixel_samples.h"
+#include "tracer/sampling/unseen.h"
 
 namespace patchlight {
 
@@ -84,9 +85,8 @@ bool PathTracer::shade(RayPacket& packet, int lane, Path& path, const CameraRays
   }
   const SurfacePoint point = surface_point(hit);
   Vec3f direction = packet.direction(lane);
-  const bool is_seen = scene_.unseen.empty() || path.kind() != ShadingPoint::PathKind::direct ||
-                       scene_.unseen[scene_.primitives[hit.primitive].node] == 0;
-  if (!is_seen || (!hit.front && config_.cull_backfaces)) {
+  const bool is_passed = path.kind() == ShadingPoint::PathKind::direct && is_unseen(scene_, hit.primitive);
+  if (is_passed || (!hit.front && config_.cull_backfaces)) {
     path.pdf = 0;  // shadow rays do not pass back faces: no MIS
     packet.set(lane, ray_scene_.to_local(point.position) + direction * ray_scene_.offset(hit.primitive), direction);
     if (!path.mirrored) camera.set_end(packet, lane, point.position, direction);

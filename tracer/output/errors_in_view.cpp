@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "pipeline/job/more_samples.h"
+#include "tracer/sampling/unseen.h"
 
 namespace patchlight {
 
@@ -47,7 +48,7 @@ void ErrorsInView::add(const Camera& camera, double aspect) {
     ray_scene_.intersect(packet, true);
     for (int lane = 0; lane < std::min(RayPacket::kSize, width * height - first); ++lane) {
       const SurfaceHit hit = ray_scene_.hit(packet, lane);
-      if (!hit.front) continue;
+      if (!hit.front || is_unseen(scene_, hit.primitive)) continue;
       const std::int32_t patch = lookup_.patch(hit.primitive, hit.u, hit.v);
       if (errors_[patch] < 0) continue;
       ++hits_[patch];

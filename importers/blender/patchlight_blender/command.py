@@ -85,6 +85,10 @@ def export(scene, options, report):
         window.scene = scene
         write_all(scene, work, name, options, report)
         written = sorted(work.iterdir(), key=lambda path: (path.suffix == ".yaml", path.name))
+        used = {os.path.realpath(os.path.join(bpy.path.abspath("//"), path)) for path in record.inputs()}
+        for path in written:
+            if os.path.realpath(folder / path.name) in used:
+                raise ExportError(f"'{folder / path.name}' is a file of the scene: choose another folder with --output", 73)
         for path in written:
             os.replace(path, folder / path.name)
         return [folder / path.name for path in written]
@@ -111,7 +115,7 @@ def write_all(scene, folder, name, options, report):
     found = capture.capture(scene, report)
     motion.warn(found, scene, report)
     materials = Materials(scene, report, options.bake_resolution, options.threads)
-    lamps = Lamps(scene, materials.baker, report)
+    lamps = Lamps(scene, name, materials.baker, report)
     world = World(scene, folder, name, options, materials.baker, report)
     build = Build(scene, frame)
     points = [obj.matrix_world.translation for obj in views] + [item.matrix.translation for item in found.lamps]

@@ -42,6 +42,11 @@ def warn_of_render(scene, report):
     render, cycles = scene.render, scene.cycles
     if render.engine != "CYCLES":
         report.warn(f"the scene's render engine is {render.engine}: it is exported as Cycles would render it")
+    if render.pixel_aspect_x != render.pixel_aspect_y:
+        report.warn("pixels that are not square are left out: the frame has square ones")
+    if scene.display_settings.display_device not in {"sRGB", "None"}:
+        report.warn(f"display device '{scene.display_settings.display_device}' is left out: the PNG is for the "
+                    "configuration's default display")
     if render.film_transparent:
         report.warn("a transparent film is left out: the frame shows the sky")
     if render.use_border:

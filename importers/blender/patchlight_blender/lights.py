@@ -20,8 +20,8 @@ RAYS = ("diffuse", "glossy", "transmission")
 class Lamps:
     """Reads lamps. `files` collects photometric files to write: name to bytes."""
 
-    def __init__(self, scene, baker, report):
-        self.scene, self.baker, self.report, self.files = scene, baker, report, {}
+    def __init__(self, scene, name, baker, report):
+        self.scene, self.name, self.baker, self.report, self.files = scene, name, baker, report, {}
         self.back = None
         holders = {group for obj in scene.objects if obj.type == "LIGHT" and not obj.hide_render
                    for group in [self._collection(obj)] if group}
@@ -59,7 +59,7 @@ class Lamps:
                     found = next((n for n in nodes.upstream(part) if n.type == "TEX_IES"), None)
             color, strength = (self._number(values, part, warn) for part in (color, strength))
             total = total + color * strength * weight
-        profile = ies.profile(found, warn) if found else None
+        profile = ies.profile(found, lamp.library, warn) if found else None
         bpy.data.lights.remove(copy)
         return base * total, profile
 
@@ -149,7 +149,7 @@ class Lamps:
     def _file(self, profile, power):
         """The name of the photometric file of a lamp of that power, which lamps alike share."""
         data = profile.text(power).encode("ascii")
-        stem = re.sub(r"[^A-Za-z0-9._-]", "_", profile.name)
+        stem = re.sub(r"[^A-Za-z0-9._-]", "_", f"{self.name}_{profile.name}")
         names = (f"{stem}{suffix}.ies" for suffix in itertools.chain([""], (f"_{k}" for k in itertools.count(2))))
         name = next(name for name in names if self.files.get(name, data) == data)
         self.files[name] = data

@@ -14,12 +14,22 @@ def inputs():
     """Paths of the libraries, images, fonts, caches and photometric files that the scene's file names, relative to its
     folder; missing ones too, since they may come."""
     data = bpy.data
-    named = [library.filepath for library in data.libraries]
-    named += [image.filepath for image in data.images if image.source != "GENERATED" and not image.packed_file]
-    named += [font.filepath for font in data.fonts if font.filepath != "<builtin>" and not font.packed_file]
-    named += [cache.filepath for cache in data.cache_files]
-    trees = [lamp.node_tree for lamp in data.lights if lamp.node_tree] + list(data.node_groups)
-    named += [node.filepath for tree in trees for node in tree.nodes
+    named = [(library.filepath, library.parent) for library in data.libraries]
+    named += [(path, image.library) for image in data.images if image.source != "GENERATED" and not image.packed_file
+              for path in _parts(image)]
+    named += [(font.filepath, font.library) for font in data.fonts
+              if font.filepath != "<builtin>" and not font.packed_file]
+    named += [(cache.filepath, cache.library) for cache in data.cache_files]
+    trees = [(lamp.node_tree, lamp.library) for lamp in data.lights if lamp.node_tree]
+    trees += [(tree, tree.library) for tree in data.node_groups]
+    named += [(node.filepath, library) for tree, library in trees for node in tree.nodes
               if node.type == "TEX_IES" and node.mode == "EXTERNAL"]
     folder = bpy.path.abspath("//")
-    return sorted({os.path.relpath(bpy.path.abspath(path), folder) for path in named if path})
+    return sorted({os.path.relpath(bpy.path.abspath(path, library=library), folder) for path, library in named if path})
+
+
+def _parts(image):
+    """Paths of an image's files: more than one if it has tiles."""
+    if image.source != "TILED":
+        return [image.filepath]
+    return [image.filepath.replace("<UDIM>", str(tile.number)) for tile in image.tiles]

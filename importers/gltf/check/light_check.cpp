@@ -76,7 +76,7 @@ GltfLight checked_light(const Json& item, const GltfPlace& place) {
       refuse_gltf(fmt::format("has a strength (intensity x color) of {}; it must be finite and not negative", strength),
                   place, "color");
     result.light.strength[k] = static_cast<float>(strength);
-    if (color) result.color[k] = (*color)[k].get<float>();
+    if (color) result.color[k] = std::max(0.0f, (*color)[k].get<float>());
   }
   if (item.contains("range") && !(non_negative(item, "range", 1.0, place) > 0.0))
     refuse_gltf("must be greater than 0", place, "range");
@@ -160,10 +160,14 @@ std::map<int, GltfLightExtras> checked_light_extras(const GltfLists& gltf, const
     if (node.contains("mesh") && extras && extras->is_object())
       result[static_cast<int>(place.index)].ies = string_member(*extras, "ies");
   });
-  for (const auto& [node, light] : checked.node_lights)
-    for (const int one : {node, checked.parents[node]}) read(one);
-  for (const auto& [node, light] : checked.profile_lights)
-    for (const int one : {node, checked.parents[node]}) read(one);
+  const auto read_with_parent = [&](int node) {
+    read(node);
+    const int parent = checked.parents[node];
+    const auto name = [&](int of) { return string_member(*gltf.place("nodes", std::size_t(of)).item, "name"); };
+    if (parent >= 0 && name(node) == name(parent) + "_Orientation") read(parent);  // Blender's, of the light's object
+  };
+  for (const auto& [node, light] : checked.node_lights) read_with_parent(node);
+  for (const auto& [node, light] : checked.profile_lights) read_with_parent(node);
   return result;
 }
 

@@ -15,6 +15,7 @@ namespace patchlight {
 namespace {
 
 constexpr float kLumensPerWatt = 683.0f;
+constexpr double kMaxStrength = 3e38;
 constexpr double kMaxDistance = 1e12;  // m, as for surfaces
 
 /// The node whose name the user knows: the parent, if Blender's exporter added this node to rotate the light.
@@ -95,7 +96,7 @@ ColoredFile photometric_file(const LightInput& input, const std::string& group, 
 }
 
 /// Gives a light the distribution of a photometric file. Nothing if its transform has no axes.
-bool make_photometric(const ColoredFile& colored, const Matrix4& to_world, Light& light) {
+bool make_photometric(const ColoredFile& colored, const Matrix4& to_world, const std::string& where, Light& light) {
   const Vec3d nadir = light.direction;
   const Vec3d side(to_world[0][0], to_world[0][1], to_world[0][2]);
   const Vec3d across = side - nadir * (side ^ nadir);
@@ -103,6 +104,10 @@ bool make_photometric(const ColoredFile& colored, const Matrix4& to_world, Light
   const Photometry& photometry = colored.file->photometry;
   const double tilt = std::acos(std::clamp(-nadir.y, -1.0, 1.0)) * 180 / kPi;
   const double strength = photometry.candela / kLumensPerWatt * photometry.tilt_factor(tilt);
+  const double largest = strength * double(std::max({colored.color.x, colored.color.y, colored.color.z}));
+  if (!(largest <= kMaxStrength))
+    throw Error(ExitCode::bad_data, "a photometric light of a strength that no number holds", where,
+                "lower its `multiplier` or colour");
   light.strength = colored.color * static_cast<float>(strength);
   light.kind = Light::Kind::point;
   light.inner = light.outer = 0.0;
@@ -146,7 +151,7 @@ std::optional<PlacedLight> placed_light(const GltfModel& model, const Job& job, 
   if (light.kind == Light::Kind::point && !colored.file) return placed;
   const bool has_direction = forward.length() > 0.0;
   if (has_direction) light.direction = forward.normalized();
-  if (!has_direction || (colored.file && !make_photometric(colored, to_world, light))) {
+  if (!has_direction || (colored.file && !make_photometric(colored, to_world, input.where, light))) {
     progress.warning(
         fmt::format("light '{}' is skipped: its transform has no direction: its local {} axis has length 0", light.name,
                     has_direction ? "X" : "Z"));

@@ -1,8 +1,10 @@
 #include "pipeline/job/blender/blender_export.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -26,13 +28,15 @@ constexpr const char* kRecord = "export.json";        // what an export was made
 constexpr const char* kSays = "patchlight-export: ";  // begins lines of the exporter
 constexpr int kLevels = 4;                            // folders above an output in which exports are looked for
 
-/// Hash of the exporter's files.
+/// Hash of the exporter's files, and of what else an export depends on.
 std::string exporter_hash(const fs::path& exporter) {
   std::vector<fs::path> files;
   for (const auto& entry : fs::recursive_directory_iterator(exporter))
     if (entry.path().extension() == ".py") files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   KeyHasher hasher;
+  const char* const ocio = std::getenv("OCIO");  // named in the job
+  hasher.add(ocio ? ocio : "");
   for (const fs::path& file : files) hasher.add(file.lexically_relative(exporter).string()).add(hash_file(file));
   return hasher.hex();
 }
@@ -41,6 +45,11 @@ std::string exporter_hash(const fs::path& exporter) {
 std::string hash_of(const fs::path& file) {
   std::error_code fault;
   return fs::is_regular_file(file, fault) ? hash_file(file) : "";
+}
+
+/// Whether a path of a record is a file in its folder.
+bool is_name(const fs::path& file) {
+  return file.has_filename() && file.filename() == file && file != ".." && file != ".";
 }
 
 /// The lines of the exporter of one kind, without what they begin with.
@@ -66,7 +75,7 @@ std::optional<BlenderExport> fresh_export(const fs::path& folder, const fs::path
     for (const auto& [file, hash] : record.at("inputs").items())
       if (hash_of(blend.parent_path() / file) != hash) return {};
     for (const auto& [file, hash] : record.at("files").items())
-      if (hash_of(folder / file) != hash) return {};
+      if (!is_name(file) || hash_of(folder / file) != hash) return {};
     return BlenderExport{folder / fs::path(blend.filename()).replace_extension(".yaml"), record.at("warnings"), {}, {}};
   } catch (const json::exception&) {
     return {};
@@ -99,7 +108,7 @@ std::vector<fs::path> files_of_export(const fs::path& output) {
   try {
     if (!record.is_object()) return {};
     for (const auto& [file, hash] : record.at("files").items()) {
-      if (hash_of(folder / file) != hash) return {};
+      if (!is_name(file) || hash_of(folder / file) != hash) return {};
       files.push_back(folder / file);
     }
   } catch (const json::exception&) {
@@ -113,7 +122,7 @@ BlenderExport export_blender_file(const fs::path& blend, const fs::path& folder)
   if (!fs::is_regular_file(blend, fault))
     throw Error(ExitCode::missing_input, "missing scene", blend.string(), "check the path");
   const fs::path blender = blender_program(), exporter = blender_exporter();
-  const fs::path used = folder / fmt::format("{}inputs.json", kTemporaryPrefix);
+  const fs::path used = folder / fmt::format("{}{}.json", kTemporaryPrefix, ::getpid());
   const ProgramOutput run = capture_program(
       blender,
       {"--background", "--factory-startup", "--disable-autoexec", fs::absolute(blend), "--python-exit-code", "70",
@@ -142,8 +151,15 @@ BlenderExport cached_blender_export(const fs::path& blend, const fs::path& outpu
   fs::path above = own.parent_path();
   for (int level = 0; level < kLevels; ++level, above = above.parent_path())
     if (auto found = fresh_export(above / kFolder, blend, content, exporter)) return *found;
+  for (const fs::path& file : files_of_export(own.parent_path())) fs::remove(file, fault);
   fs::remove(own / kRecord, fault);
+  const auto start = fs::file_time_type::clock::now();
   BlenderExport result = export_blender_file(blend, own);
+  const auto is_newer = [&](const std::string& file) {
+    const auto changed = fs::last_write_time(blend.parent_path() / file, fault);
+    return !fault && changed > start;
+  };
+  if (std::any_of(result.inputs.begin(), result.inputs.end(), is_newer)) return result;  // it may be of either content
   json record{{"content", content}, {"exporter", exporter}, {"warnings", result.warnings}};
   record["inputs"] = record["files"] = json::object();
   for (const std::string& file : result.inputs) record["inputs"][file] = hash_of(blend.parent_path() / file);

@@ -7,7 +7,7 @@ import sys
 import unittest
 
 import bpy
-from patchlight_blender import command
+from patchlight_blender import command, record
 from patchlight_blender.report import ExportError, Report
 from support import ExportTest, Shaders, diffuse
 
@@ -74,7 +74,7 @@ class Command(ExportTest):
         self.assertEqual(len(list((self.folder / "out").iterdir())), 2)
 
     def test_resolution_and_view_go_to_the_job(self):
-        camera = self.add_camera('the "best" view')
+        self.add_camera('the "best" view')
         render = self.scene.render
         render.resolution_x, render.resolution_y, render.resolution_percentage = 800, 600, 50
         self.scene.view_settings.view_transform, self.scene.view_settings.exposure = "Standard", 1.5
@@ -89,7 +89,34 @@ class Command(ExportTest):
         text = self.export().job
         for line in ('view: "Filmic"', 'look: "High Contrast"', "gamma: 1.2", "config.ocio"):
             self.assertIn(line, text)
-        self.assertTrue(camera)
+
+    def test_the_record_names_files_of_libraries_by_their_folder(self):
+        library = self.folder / "library"
+        library.mkdir()
+        lamp = self.add_lamp("lamp", "POINT", 10)
+        lamp.data.use_nodes = True
+        texture = lamp.data.node_tree.nodes.new("ShaderNodeTexIES")
+        texture.mode, texture.filepath = "EXTERNAL", "//down.ies"
+        bpy.ops.wm.save_as_mainfile(filepath=str(library / "lamps.blend"))
+        self.setUp()
+        bpy.ops.wm.save_as_mainfile(filepath=str(self.folder / "room.blend"))
+        with bpy.data.libraries.load(str(library / "lamps.blend"), link=True) as (_, target):
+            target.objects = ["lamp"]
+        self.assertEqual(record.inputs(), [os.path.join(self.path_of(library), name)
+                                           for name in ("down.ies", "lamps.blend")])
+
+    def path_of(self, folder):
+        return os.path.relpath(folder, bpy.path.abspath("//"))
+
+    def test_files_of_the_scene_are_not_replaced(self):
+        self.add_square("square", diffuse("white"))
+        image = bpy.data.images.new("sky", 8, 8, float_buffer=True)
+        image.filepath_raw, image.file_format = str(self.folder / "room.glb"), "OPEN_EXR"
+        image.source, image.use_fake_user = "FILE", True
+        bpy.ops.wm.save_as_mainfile(filepath=str(self.folder / "room.blend"))
+        done = self.run_blender(str(self.folder / "room.blend"), "--python", str(ENTRY))
+        self.assertEqual(done.returncode, 73, done.stderr)
+        self.assertIn("is a file of the scene", done.stderr)
 
     def test_missing_libraries_are_named(self):
         self.add_square("linked", diffuse("white"))
@@ -115,4 +142,3 @@ class Command(ExportTest):
         report.warn("two\nlines")
         report.warn("two lines")
         self.assertEqual(stream.getvalue(), "patchlight-export: warning: two lines\n")
-        self.assertTrue(sys.stderr)

@@ -31,6 +31,16 @@ void expect_refused(const Json& light, const std::string& text) {
   EXPECT_ERROR(importer.import(gltf), ExitCode::bad_data, text);
 }
 
+TEST(Lights, PropertiesOfOtherParentsAreTheirOwn) {
+  GltfBuilder gltf = lit_scene({{"type", "point"}}, {{"name", "lamp"}});
+  gltf.json["nodes"].push_back({{"name", "rig"}, {"children", {1}}, {"extras", {{"radius", "big"}, {"angle", 270}}}});
+  gltf.json["scenes"][0]["nodes"] = {0, 2};
+  Importer importer;
+  EXPECT_EQ(importer.import(gltf).lights.at(0).radius, 0);
+  gltf.json["nodes"][1]["name"] = "rig_Orientation";
+  EXPECT_ERROR(importer.import(gltf), ExitCode::bad_data, "radius");
+}
+
 TEST(Lights, PowerOfABlenderLampIsRestored) {
   // A point lamp of 100 W as Blender 3.4 exports it by default; Cycles' intensity is 100 / (4 pi).
   const PatchSet scene = imported({{"type", "point"}, {"color", {1, 0.5, 0}}, {"intensity", 100 * 683 / (4 * kPi)}},

@@ -30,6 +30,18 @@ class ViewConfig : public ::testing::Test {
   test::TemporaryFolder folder_;
 };
 
+TEST_F(ViewConfig, OfAJobPrecedesTheEnvironmentAndItsContentCounts) {
+  use_config("a");
+  const std::filesystem::path own = folder_.write("own.ocio", "b");
+  const std::string key = view_config_key(own);
+  EXPECT_NE(key, view_config_key({}));
+  folder_.write("config.ocio", "c");
+  EXPECT_EQ(view_config_key(own), key);
+  folder_.write("own.ocio", "d");
+  EXPECT_NE(view_config_key(own), key);
+  EXPECT_ERROR(view_config_key(folder_ / "none.ocio"), ExitCode::missing_input, "trace.ocio");
+}
+
 TEST_F(ViewConfig, KeyCoversItsContent) {
   EXPECT_EQ(view_config_key({}), "shipped");
   use_config("a");
