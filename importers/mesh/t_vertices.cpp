@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "importers/mesh/open_edges.h"
 #include "importers/mesh/vertex_welding.h"
