@@ -10,7 +10,7 @@ struct BlenderExport {
   std::filesystem::path job;          ///< A job; its scene and images are beside it.
   std::vector<std::string> warnings;  ///< Of what could not be kept.
   std::vector<std::string> inputs;    ///< Further files that were read, relative to the Blender file; of a new export.
-  std::vector<std::string> files;     ///< Names of those that were written; of a new export.
+  std::vector<std::string> files;     ///< Names of the files that a new export wrote into the folder; else empty.
 };
 
 /// Runs Blender, which writes a glTF scene and a job for a Blender file into a folder. Throws: Error (missing_input)
