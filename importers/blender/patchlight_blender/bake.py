@@ -17,7 +17,7 @@ class Baker:
         self.scene = bpy.data.scenes.new("patchlight bake")
         self.scene.render.engine, self.scene.frame_current = "CYCLES", frame
         cycles = self.scene.cycles
-        cycles.device, cycles.samples, cycles.use_adaptive_sampling, cycles.use_denoising = "CPU", 4, False, False
+        cycles.samples, cycles.use_adaptive_sampling, cycles.use_denoising = 4, False, False
         if threads:
             self.scene.render.threads_mode, self.scene.render.threads = "FIXED", threads
         self.plane = bpy.data.meshes.new("patchlight plane")

@@ -16,7 +16,7 @@ class Panorama:
         render, cycles = self.scene.render, self.scene.cycles
         render.engine, render.resolution_percentage, render.film_transparent = "CYCLES", 100, False
         render.image_settings.file_format, render.image_settings.color_depth = "OPEN_EXR", "32"
-        cycles.device, cycles.use_denoising, cycles.use_adaptive_sampling = "CPU", False, False
+        cycles.use_denoising, cycles.use_adaptive_sampling = False, False
         cycles.pixel_filter_type, cycles.filter_width = "BOX", 1.0
         cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0
         if threads:
