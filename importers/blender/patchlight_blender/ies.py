@@ -51,8 +51,8 @@ def _closed(planes):
     return {**planes, 360.0: planes[0.0]}
 
 
-def profile(node, library, warn):
-    """The file of an IES Texture node of a lamp from `library`; None, with a warning, if it cannot be read."""
+def profile(node, warn):
+    """The file of an IES Texture node; None, with a warning, if it cannot be read."""
     if nodes.source(node.inputs["Vector"]):
         warn(f"the vector of its node '{node.name}' is left out: turn the lamp instead")
     if node.mode == "INTERNAL":
@@ -62,7 +62,7 @@ def profile(node, library, warn):
             return None
         name, text = text.name, text.as_string()
     else:
-        path = pathlib.Path(bpy.path.abspath(node.filepath, library=library))
+        path = pathlib.Path(bpy.path.abspath(node.filepath))
         if not path.is_file():
             warn(f"the photometric file '{path}' is missing: the lamp shines alike in all directions")
             return None

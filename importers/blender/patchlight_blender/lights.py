@@ -59,7 +59,7 @@ class Lamps:
                     found = next((n for n in nodes.upstream(part) if n.type == "TEX_IES"), None)
             color, strength = (self._number(values, part, warn) for part in (color, strength))
             total = total + color * strength * weight
-        profile = ies.profile(found, lamp.library, warn) if found else None
+        profile = ies.profile(found, warn) if found else None
         bpy.data.lights.remove(copy)
         return base * total, profile
 

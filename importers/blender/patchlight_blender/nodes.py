@@ -36,6 +36,10 @@ def flat_copy(data, rays=CAMERA, backfacing=0.0):
     """
     copy = data.copy()
     tree = copy.node_tree
+    for node in tree.nodes:
+        if node.type == "TEX_IES":  # Blender moves relative paths of linked data twice
+            origin = data.node_tree.nodes[node.name].filepath
+            node.filepath = bpy.path.abspath(origin, library=getattr(data, "library", None)) if origin else ""
     for _ in range(64):
         groups = [node for node in tree.nodes if node.bl_idname == "ShaderNodeGroup"]
         if not groups:

@@ -1,4 +1,5 @@
 """The record of an export: what it was made of and what it wrote, for programs that keep it."""
+import glob
 import json
 import os
 
@@ -11,25 +12,13 @@ def write(path, written):
 
 
 def inputs():
-    """Paths of the libraries, images, fonts, caches and photometric files that the scene's file names, relative to its
-    folder; missing ones too, since they may come."""
-    data = bpy.data
-    named = [(library.filepath, library.parent) for library in data.libraries]
-    named += [(path, image.library) for image in data.images if image.source != "GENERATED" and not image.packed_file
-              for path in _parts(image)]
-    named += [(font.filepath, font.library) for font in data.fonts
-              if font.filepath != "<builtin>" and not font.packed_file]
-    named += [(cache.filepath, cache.library) for cache in data.cache_files]
-    trees = [(lamp.node_tree, lamp.library) for lamp in data.lights if lamp.node_tree]
-    trees += [(tree, tree.library) for tree in data.node_groups]
-    named += [(node.filepath, library) for tree, library in trees for node in tree.nodes
-              if node.type == "TEX_IES" and node.mode == "EXTERNAL"]
+    """Paths of the files that the scene's file and its linked files name, relative to its folder; missing ones too,
+    since they may come."""
     folder = bpy.path.abspath("//")
-    return sorted({os.path.relpath(bpy.path.abspath(path, library=library), folder) for path, library in named if path})
+    named = bpy.utils.blend_paths(absolute=True, packed=False, local=False)
+    return sorted({os.path.relpath(path, folder) for name in named for path in _parts(name)})
 
 
-def _parts(image):
-    """Paths of an image's files: more than one if it has tiles."""
-    if image.source != "TILED":
-        return [image.filepath]
-    return [image.filepath.replace("<UDIM>", str(tile.number)) for tile in image.tiles]
+def _parts(path):
+    """The files that a path stands for: more than one if it has tiles."""
+    return glob.glob(glob.escape(path).replace("<UDIM>", "[0-9]" * 4)) if "<UDIM>" in path else [path]

@@ -75,7 +75,7 @@ def _factors(values, node):
 
 
 def _path(image):
-    return f" ('{bpy.path.abspath(image.filepath, library=image.library)}')" if image else ""
+    return f" ('{image.filepath_from_user()}')" if image else ""
 
 
 def is_missing(image):

@@ -96,7 +96,7 @@ class World:
         if image.packed_file:
             data = image.packed_file.data
         else:
-            path = pathlib.Path(bpy.path.abspath(image.filepath, library=image.library))
+            path = pathlib.Path(image.filepath_from_user())
             data = path.read_bytes() if path.is_file() else b""
         kind = ".exr" if data[:4] == b"\x76\x2f\x31\x01" else ".hdr" if data[:2] == b"#?" else None
         values = textures.pixels(image)[..., :3]

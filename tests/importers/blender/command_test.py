@@ -105,6 +105,26 @@ class Command(ExportTest):
         self.assertEqual(record.inputs(), [os.path.join(self.path_of(library), name)
                                            for name in ("down.ies", "lamps.blend")])
 
+    def test_linked_lamps_have_their_photometric_files(self):
+        library = self.folder / "library"
+        library.mkdir()
+        (library / "down.ies").write_text("IESNA:LM-63-2002\nTILT=NONE\n1 -1 1 2 1 1 2 0 0 0\n1 1 9\n0 90\n0\n100 0\n")
+        lamp = self.add_lamp("lamp", "POINT", 10)
+        lamp.data.use_nodes = True
+        tree = lamp.data.node_tree
+        texture = tree.nodes.new("ShaderNodeTexIES")
+        texture.mode, texture.filepath = "EXTERNAL", "//down.ies"
+        tree.links.new(texture.outputs[0], tree.nodes["Emission"].inputs["Strength"])
+        bpy.ops.wm.save_as_mainfile(filepath=str(library / "lamps.blend"))
+        self.setUp()
+        bpy.ops.wm.save_as_mainfile(filepath=str(self.folder / "room.blend"))
+        with bpy.data.libraries.load(str(library / "lamps.blend"), link=True, relative=True) as (_, target):
+            target.objects = ["lamp"]
+        self.scene.collection.objects.link(bpy.data.objects["lamp"])
+        self.add_square("square", diffuse("white"))
+        exported = self.export()
+        self.assertTrue((exported.folder / exported.node("lamp")["extras"]["ies"]).is_file())
+
     def path_of(self, folder):
         return os.path.relpath(folder, bpy.path.abspath("//"))
 
