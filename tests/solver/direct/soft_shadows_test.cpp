@@ -67,6 +67,16 @@ Penumbra penumbra_of(const Light& light, Visible visible) {
 /// 256 in each of two sample sets.
 const double kTolerance = 3 * 0.5 / std::sqrt(2 * 256.0);
 
+/// Expects the part of a light that is visible; `sharp`: the light without extent, whose shadow must be told apart.
+template <class Visible>
+void expect_penumbra(const Light& light, const Light& sharp, const Visible& visible) {
+  const Penumbra penumbra = penumbra_of(light, visible);
+  EXPECT_GE(penumbra.partial, 8);
+  EXPECT_LT(penumbra.largest, kTolerance);
+  EXPECT_LT(penumbra.rms, kTolerance / 6);
+  EXPECT_GT(penumbra_of(sharp, visible).largest, 2 * kTolerance);
+}
+
 TEST(SoftShadows, OfASunBehindAnEdgeShowTheVisiblePartOfItsDisk) {
   Light sun = light_at({0, 0, 0}, Light::Kind::sun);
   sun.outer = 0.15;
@@ -75,12 +85,9 @@ TEST(SoftShadows, OfASunBehindAnEdgeShowTheVisiblePartOfItsDisk) {
     const double tangent = -x / kEdgeHeight;
     return beyond_chord(tangent / std::sqrt(1 + tangent * tangent) / sine);
   };
-  const Penumbra penumbra = penumbra_of(sun, visible);
-  EXPECT_GE(penumbra.partial, 8);
-  EXPECT_LT(penumbra.largest, kTolerance);
-  EXPECT_LT(penumbra.rms, kTolerance / 6);
-  sun.outer = 0;
-  EXPECT_GT(penumbra_of(sun, visible).largest, 2 * kTolerance) << "a sharp shadow is told apart";
+  Light sharp = sun;
+  sharp.outer = 0;
+  expect_penumbra(sun, sharp, visible);
 }
 
 TEST(SoftShadows, OfALightWithARadiusBehindAnEdgeShowTheVisiblePartOfItsBall) {
@@ -93,12 +100,9 @@ TEST(SoftShadows, OfALightWithARadiusBehindAnEdgeShowTheVisiblePartOfItsBall) {
     const double edge = std::atan2(-x, kEdgeHeight), center = std::atan2(-x, height);
     return beyond_chord(std::sin(edge - center) / (radius / distance));
   };
-  const Penumbra penumbra = penumbra_of(ball, visible);
-  EXPECT_GE(penumbra.partial, 8);
-  EXPECT_LT(penumbra.largest, kTolerance);
-  EXPECT_LT(penumbra.rms, kTolerance / 6);
-  ball.radius = 0;
-  EXPECT_GT(penumbra_of(ball, visible).largest, 2 * kTolerance) << "a sharp shadow is told apart";
+  Light sharp = ball;
+  sharp.radius = 0;
+  expect_penumbra(ball, sharp, visible);
 }
 
 TEST(SoftShadows, OfALightWithARadiusCloseAboveAPlaneGiveWayToThePointsIrradiance) {
