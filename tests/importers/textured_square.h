@@ -1,18 +1,15 @@
 #pragma once
-#include <OpenImageIO/imageio.h>
-
+#include "tests/images.h"
 #include "tests/importers/gltf_builder.h"
 
 namespace patchlight::test {
 
 /// A PNG of one row of RGBA texels.
 inline void write_row(const std::filesystem::path& file, const std::vector<std::array<unsigned char, 4>>& texels) {
-  OIIO::ImageSpec spec(int(texels.size()), 1, 4, OIIO::TypeDesc::UINT8);
-  spec["oiio:UnassociatedAlpha"] = 1;
-  const auto image = OIIO::ImageOutput::create(file.string());
-  ASSERT_TRUE(image && image->open(file.string(), spec));
-  ASSERT_TRUE(image->write_image(OIIO::TypeDesc::UINT8, texels.data()));
-  image->close();
+  Pixels row{int(texels.size()), 1, 4};
+  for (const auto& texel : texels)
+    for (const unsigned char value : texel) row.values.push_back(float(value) / 255);
+  write_image(file, row, PixelType::byte);
 }
 
 /// A unit square with texture coordinates equal to x and y. Texture i uses images[i], without filtering.

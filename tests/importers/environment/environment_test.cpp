@@ -1,12 +1,12 @@
 #include "importers/environment/environment.h"
 
-#include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "pipeline/optics/lights/sky.h"
 #include "tests/expect_error.h"
+#include "tests/images.h"
 #include "tests/importers/gltf_builder.h"
 
 namespace patchlight::test {
@@ -16,17 +16,13 @@ namespace {
 template <class ColorOf>
 std::filesystem::path write_sky(const std::filesystem::path& file, int width, int height, ColorOf color,
                                 bool tiles = false) {
-  std::vector<float> values;
+  Pixels pixels{width, height, 3};
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const Color c = color(x, y);
-      values.insert(values.end(), {c.x, c.y, c.z});
+      pixels.values.insert(pixels.values.end(), {c.x, c.y, c.z});
     }
-  const auto image = OIIO::ImageOutput::create(file.string());
-  OIIO::ImageSpec spec(width, height, 3, OIIO::TypeDesc::FLOAT);
-  if (tiles) spec.tile_width = spec.tile_height = 16;
-  if (!image->open(file.string(), spec) || !image->write_image(OIIO::TypeDesc::FLOAT, values.data()) || !image->close())
-    throw std::runtime_error("cannot write " + file.string());
+  write_image(file, pixels, PixelType::floating, tiles ? 16 : 0);
   return file;
 }
 

@@ -1,9 +1,9 @@
-#include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "tests/expect_error.h"
+#include "tests/images.h"
 #include "tests/importers/expect_color.h"
 #include "tests/importers/gltf_builder.h"
 
@@ -12,10 +12,9 @@ namespace {
 
 /// A PNG of 2 x 1 texels.
 void write_png(const std::filesystem::path& file, const std::array<unsigned char, 6>& texels) {
-  const auto image = OIIO::ImageOutput::create(file.string());
-  ASSERT_TRUE(image && image->open(file.string(), OIIO::ImageSpec(2, 1, 3, OIIO::TypeDesc::UINT8)));
-  ASSERT_TRUE(image->write_image(OIIO::TypeDesc::UINT8, texels.data()));
-  image->close();
+  Pixels row{2, 1, 3};
+  for (const unsigned char value : texels) row.values.push_back(float(value) / 255);
+  write_image(file, row, PixelType::byte);
 }
 
 GltfBuilder textured(const std::string& slot, const std::string& uri) {
