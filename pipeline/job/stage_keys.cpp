@@ -11,8 +11,8 @@ namespace {
 
 // Raised whenever a stage computes different results from the same inputs.
 constexpr int kImportVersion = 13;
-constexpr int kTransportKeyVersion = 38;
-constexpr int kSolveVersion = 38;
+constexpr int kTransportKeyVersion = 39;
+constexpr int kSolveVersion = 39;
 constexpr int kTraceVersion = 19;
 
 void add_color(KeyHasher& hasher, const std::optional<Color>& color) {

@@ -30,8 +30,8 @@ std::int32_t DisplayVertices::at(const VertexKey& key, const Leaf& leaf, std::in
   }
   Place& place = places_[number];
   if (place.kind == Kind::hidden && is_open_[patch]) place.kind = Kind::gathered;
-  // Nothing meets a cut that is not a crossing.
-  const float cells = key.grid < 0 ? 0.0f : std::min(float(leaf.size), kLargest * float(kFinestCells));
+  const bool on_cut = key.grid < 0 && key.grid != VertexKey::kOfPoints;  // that is not a crossing: nothing stands there
+  const float cells = on_cut ? 0.0f : std::min(float(leaf.size), kLargest * float(kFinestCells));
   place.size = std::min(place.size, cells);
   place.around.room = std::min(place.around.room, around.room);
   return number;

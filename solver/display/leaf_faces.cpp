@@ -15,8 +15,7 @@ namespace patchlight {
 
 namespace {
 
-constexpr double kSmall = 0.1;  // extent of crossings that do not cut, over the size of a leaf
-constexpr std::int32_t kOfPoints = std::numeric_limits<std::int32_t>::min();  // VertexKey::grid
+constexpr double kSmall = 0.1;          // extent of crossings that do not cut, over the size of a leaf
 constexpr double kInside = 1e-3;        // part of a face's area that lies in its region
 constexpr double kSmallestPart = 1e-9;  // of a patch; faces have an area
 constexpr double kSamePoint = 0.05;     // of a leaf: distance of vertices of two quads that are one
@@ -207,7 +206,7 @@ class Faces {
     const double u = leaf.step.x * (corners[1] - corners[0]).length(),
                  v = leaf.step.y * (corners[3] - corners[0]).length();
     const double near = kSamePoint * size * std::min(u, v);
-    return {kOfPoints, points_.number(point, frame.normal(), std::min(near, seams_.rounding()))};
+    return {VertexKey::kOfPoints, points_.number(point, frame.normal(), std::min(near, seams_.rounding()))};
   }
 
   /// The key of a vertex on a cut, or where other surfaces stand: no other primitive shares it.

@@ -1,6 +1,7 @@
 #pragma once
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "pipeline/model/display_mesh.h"
@@ -14,8 +15,10 @@ constexpr int kFinestCells = 1 << kMostLevels;  ///< Along an edge of a patch.
 
 /// Names a vertex of a DisplayMesh: faces share it if nothing stands between them there.
 struct VertexKey {
-  /// First patch of the lattice or, on a sphere, of the ring; ~primitive where other surfaces stand; the least number
-  /// for SharedPoints, whose number is x.
+  static constexpr std::int32_t kOfPoints = std::numeric_limits<std::int32_t>::min();
+
+  /// First patch of the lattice or, on a sphere, of the ring; ~primitive where other surfaces stand; kOfPoints for
+  /// SharedPoints, whose number is x.
   std::int32_t grid = 0;
   std::int64_t x = 0, y = 0;  ///< A node of the lattice of finest cells; a rounded position for a point on a cut.
   int sector = 0;             ///< Of Sectors, around the vertex.
