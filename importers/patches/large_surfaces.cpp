@@ -35,9 +35,14 @@ struct Piece {
 /// Divides one quad.
 class Divider {
  public:
-  /// `size`: of its patches, m. `coarser`: factor of the sizes that the field asks for.
+  /// `size`: wanted size of its patches, m. `coarser`: factor of the sizes that the field asks for.
   Divider(const SizeField& field, const Primitive& quad, double size, double coarser)
-      : field_(field), quad_(quad), size_(size), coarser_(coarser), grid_(quad_grid(quad, size * size)) {}
+      : field_(field), quad_(quad), coarser_(coarser), grid_(quad_grid(quad, size * size)) {
+    const auto& c = quad.corners;
+    const double along = std::max((c[1] - c[0]).length(), (c[2] - c[3]).length()) / grid_.columns;
+    const double across = std::max((c[3] - c[0]).length(), (c[2] - c[1]).length()) / grid_.rows;
+    size_ = std::min(size, std::max(along, across));
+  }
 
   /// The pieces in their order; none if the quad stays whole. Where they have more than `most` patches, some that do.
   std::vector<Piece> pieces(double most) const {
@@ -102,8 +107,9 @@ class Divider {
 
   const SizeField& field_;
   const Primitive& quad_;
-  double size_, coarser_;
+  double coarser_;
   QuadGrid grid_;
+  double size_;  ///< Of its patches, m; of a small quad its longest side.
 };
 
 /// Values at the corners of a piece of a quad, bilinear between the quad's.

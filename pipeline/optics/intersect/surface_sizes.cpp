@@ -6,7 +6,7 @@ namespace patchlight {
 
 namespace {
 
-constexpr std::size_t kMostForPackets = 1 << 18;
+constexpr std::size_t kMostForPackets = 1 << 19;
 constexpr double kFinestForPackets = 1.0 / 8;
 
 double area_of(const std::array<Vec3d, 4>& corners) {

@@ -11,7 +11,7 @@ struct SurfaceSizes {
 
   explicit SurfaceSizes(const PatchSet& scene);
 
-  /// Whether the PacketTracer is faster than Embree, as measured for 20 to 200,000 surfaces: it is in furnished rooms
+  /// Whether the PacketTracer is faster than Embree, as measured for 20 to 330,000 surfaces: it is in furnished rooms
   /// with fine parts of up to 0.11, but not in a cave and in halls full of small things with 0.18 and more. Its BVH
   /// takes longer to build.
   bool suit_packets() const;

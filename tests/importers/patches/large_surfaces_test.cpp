@@ -91,6 +91,16 @@ TEST(LargeSurfaces, StayWholeWithoutSmallThings) {
   EXPECT_EQ(Divided(ground_with_hut(10'000, 0, -3)).list.primitives.size(), 5u) << "behind";
 }
 
+TEST(LargeSurfaces, AreNotThoseThatAreSmallerThanTheirPatchesMayBe) {
+  PrimitiveList list;
+  list.primitives = {level_square(0.006, Vec3d(0.0)), quad({Vec3d(0, 0, 0.01), Vec3d(0.001, 0, 0.01),
+                                                            Vec3d(0.001, 0.001, 0.01), Vec3d(0, 0.001, 0.01)})};
+  list.primitives[1].smooth_vertices = {4, 5, 6, 7};
+  const std::vector<PatchTarget> targets = divide_large_surfaces({{}}, {0.15, 1e-4}, {}, list);
+  ASSERT_EQ(targets.size(), 2u);
+  for (const PatchTarget& target : targets) EXPECT_LE(target.grid.columns * target.grid.rows, 1);
+}
+
 TEST(LargeSurfaces, StayWholeWhereTheJobOrLightSaysSo) {
   ImportConfig config;
   config.patch_area = 1e6;
