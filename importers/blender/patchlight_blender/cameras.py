@@ -11,9 +11,9 @@ class Frame:
     """The size of the render's frame. `aspect` is width over height, with the pixels' own aspect."""
 
     def __init__(self, render, resolution=None):
-        percent = render.resolution_percentage / 100
-        self.width, self.height = resolution or (max(int(render.resolution_x * percent), 1),
-                                                 max(int(render.resolution_y * percent), 1))
+        percent = render.resolution_percentage
+        self.width, self.height = resolution or (max(render.resolution_x * percent // 100, 1),
+                                                 max(render.resolution_y * percent // 100, 1))
         self.aspect = self.width * render.pixel_aspect_x / (self.height * render.pixel_aspect_y)
 
 

@@ -83,6 +83,8 @@ class Command(ExportTest):
         self.assertIn("view: sRGB", text)
         self.assertIn("exposure: 1.5", text)
         self.assertIn('cameras: ["the \\"best\\" view"]', text)
+        render.resolution_x, render.resolution_percentage = 100, 29  # 100 x 0.29 is just below 29
+        self.assertIn("resolution: [29, 174]", self.export().job)
         self.assertIn("resolution: [300, 400]", self.export("--resolution", "300", "400").job)
         self.scene.view_settings.view_transform = "Filmic"
         self.scene.view_settings.look, self.scene.view_settings.gamma = "High Contrast", 1.2
