@@ -27,6 +27,7 @@ def main(arguments):
     """Exports as `arguments` say. Ends Blender with one sentence and an exit code of `pipeline/README.md` on errors."""
     try:
         options = parse(arguments)
+        bpy.utils.register_class(_Engine)
         written = export(bpy.context.scene, options, Report())
         for path in written:
             print(f"{PREFIX}: wrote {path}")
@@ -37,6 +38,11 @@ def main(arguments):
     except Exception as error:
         traceback.print_exc()
         fail(f"internal fault ({error}): please report it with the scene", 70)
+
+
+class _Engine(bpy.types.RenderEngine):
+    """Stands for the add-on's engine, which is not loaded here, so that Blender knows the engine of its scenes."""
+    bl_idname, bl_label = job.ENGINE, "Patchlight"
 
 
 def fail(text, code):

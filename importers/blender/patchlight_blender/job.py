@@ -5,6 +5,9 @@ import os
 
 import bpy
 
+ENGINE = "PATCHLIGHT"
+"""Identifier of the add-on's render engine."""
+
 VIEWS = {"Standard": "sRGB", "Raw": "Raw"}
 """Blender's view transforms that Patchlight has without a configuration of OpenColorIO."""
 
@@ -40,7 +43,7 @@ def view_settings(scene, report):
 def warn_of_render(scene, report):
     """Names the settings of the render that have no counterpart."""
     render, cycles = scene.render, scene.cycles
-    if render.engine != "CYCLES":
+    if render.engine not in {"CYCLES", ENGINE}:
         report.warn(f"the scene's render engine is {render.engine}: it is exported as Cycles would render it")
     if render.pixel_aspect_x != render.pixel_aspect_y:
         report.warn("pixels that are not square are left out: the frame has square ones")
