@@ -20,6 +20,18 @@ file(CREATE_LINK ${PROJECT_SOURCE_DIR}/importers/blender ${share}/patchlight/ble
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/importers/blender/ DESTINATION share/patchlight/blender
   FILES_MATCHING PATTERN *.py PATTERN __pycache__ EXCLUDE)
 
+# The add-on with the exporter, which Blender installs from its preferences.
+set(addon ${share}/patchlight/patchlight_blender.zip)
+file(GLOB_RECURSE addon_files CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR}/importers/blender
+  ${PROJECT_SOURCE_DIR}/importers/blender/patchlight_blender/*.py)
+list(TRANSFORM addon_files PREPEND ${PROJECT_SOURCE_DIR}/importers/blender/ OUTPUT_VARIABLE addon_sources)
+add_custom_command(OUTPUT ${addon} DEPENDS ${addon_sources} VERBATIM COMMENT "Blender's add-on"
+  WORKING_DIRECTORY ${PROJECT_SOURCE_DIR}/importers/blender
+  COMMAND ${CMAKE_COMMAND} -E tar cf ${addon} --format=zip ${addon_files})
+add_custom_target(blender-addon DEPENDS ${addon})
+add_dependencies(programs blender-addon)
+install(FILES ${addon} DESTINATION share/patchlight)
+
 # Every program writes its own completions.
 file(MAKE_DIRECTORY ${share}/bash ${share}/zsh ${share}/man)
 find_program(HELP2MAN help2man)
