@@ -21,7 +21,7 @@ def inputs():
     folder = bpy.path.abspath("//")
     named = set(bpy.utils.blend_paths(absolute=True, packed=False, local=False))
     named -= {bpy.path.abspath(image.filepath) for image in bpy.data.images if FRAME_OF in image}
-    return sorted({os.path.relpath(path, folder) for name in named for path in _parts(name)})
+    return sorted({os.path.relpath(path, folder) for name in named if name for path in _parts(name)})
 
 
 def _parts(path):
