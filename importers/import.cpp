@@ -118,6 +118,24 @@ std::string summary(const GltfScene& scene, const PrimitiveList& list, const Pat
       set.shaders.empty() ? "" : fmt::format(", {} shaders", set.shaders.size()));
 }
 
+/// Marks the surfaces of nodes that ask for it as intangible. Only lamps that reflect nothing may be: rays never meet
+/// them.
+void mark_intangible(const GltfScene& scene, PatchSet& set, Progress& progress) {
+  std::vector<std::int32_t> wanted = scene.intangible;
+  for (const Patch& patch : set.patches) {
+    const Primitive& p = set.primitives[patch.primitive];
+    const bool is_lamp = p.light_group >= 0 && p.mask < 0 && patch.reflectance == Color(0.0f) &&
+                         scene.materials[p.material].specular == Color(0.0f);
+    if (is_lamp || !wanted[p.node]) continue;
+    wanted[p.node] = 0;
+    progress.warning(
+        fmt::format("node `{}` is `intangible`, but not a lamp that reflects nothing: it hides what is "
+                    "behind it",
+                    scene.nodes[p.node]));
+  }
+  for (Primitive& p : set.primitives) p.intangible = wanted[p.node] != 0;
+}
+
 }  // namespace
 
 PatchSet import_scene(const Job& job, Progress& progress) {
@@ -139,6 +157,7 @@ PatchSet import_scene(const Job& job, Progress& progress) {
   set.colors = std::move(list.colors);
   set.normals = std::move(list.normals);
   set.shaders = scene.shaders;
+  if (!scene.intangible.empty()) mark_intangible(scene, set, progress);
   const std::size_t whole = set.patches.size();
   cut_patches(targets, set);
   if (static_cast<std::int64_t>(set.patches.size()) > job.import.max_patches) {

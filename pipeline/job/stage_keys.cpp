@@ -10,7 +10,7 @@ namespace patchlight {
 namespace {
 
 // Raised whenever a stage computes different results from the same inputs.
-constexpr int kImportVersion = 14;
+constexpr int kImportVersion = 15;
 constexpr int kTransportKeyVersion = 39;
 constexpr int kSolveVersion = 39;
 constexpr int kTraceVersion = 19;

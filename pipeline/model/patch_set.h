@@ -1,6 +1,7 @@
 #pragma once
 #include <ImathBox.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <limits>
@@ -47,9 +48,15 @@ struct Primitive {
   std::array<std::int32_t, 4> smooth_vertices{-1, -1, -1, -1};
   std::shared_ptr<const Region> region{};  ///< What there is of the quad, a parallelogram; null: all of it.
   double patch_area = 0.0;  ///< m2; the import's target for patches of its scale, however small the primitive is.
+  bool intangible = false;  ///< A lamp that hides nothing: rays pass it, and camera rays add its light.
 
   bool is_triangle() const { return shape == Shape::quad && corners[2] == corners[3]; }
 };
+
+/// Whether any primitive is intangible.
+inline bool has_intangible(const std::vector<Primitive>& primitives) {
+  return std::any_of(primitives.begin(), primitives.end(), [](const Primitive& p) { return p.intangible; });
+}
 
 /// Properties that are constant over a material.
 struct Material {

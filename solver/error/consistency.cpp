@@ -26,6 +26,12 @@ std::vector<double> visible_areas(const PatchSet& scene, const Transport& transp
   return areas;
 }
 
+std::vector<double> receiving_areas(const PatchSet& scene, std::vector<double> areas) {
+  for (std::size_t i = 0; i < areas.size(); ++i)
+    if (scene.primitives[scene.patches[i].primitive].intangible) areas[i] = 0;
+  return areas;
+}
+
 double reciprocity_error(const Transport& transport, const FormFactorRows& rows, const std::vector<double>& areas) {
   const std::size_t n = areas.size();
   std::vector<double> column_sums(n);
@@ -47,6 +53,7 @@ double reciprocity_error(const Transport& transport, const FormFactorRows& rows,
   const SpectrumField row_sums = padded_row_sums(n, rows);
   double square = 0, norm = 0;
   for (std::size_t j = 0; j < n; ++j) {
+    if (areas[j] == 0) continue;
     const double row_sum = areas[j] * row_sums[j].sum() / 3;
     square += (column_sums[j] - row_sum) * (column_sums[j] - row_sum) / areas[j];
     norm += row_sum * row_sum / areas[j];
@@ -57,11 +64,12 @@ double reciprocity_error(const Transport& transport, const FormFactorRows& rows,
 EnergyBalance::EnergyBalance(const PatchSet& scene, const FormFactorRows& rows, const std::vector<double>& areas,
                              const SpectrumField& reflectance, SpectrumField external_irradiance,
                              const SpectrumField& irradiance)
-    : areas_(areas), reflectance_(reflectance), row_sums_(padded_row_sums(areas.size(), rows)) {
+    : areas_(receiving_areas(scene, areas)), reflectance_(reflectance), row_sums_(padded_row_sums(areas.size(), rows)) {
   for (std::size_t i = 0; i < areas.size(); ++i) {
-    const Spectrum area(areas[i]), emission(scene.patches[i].emission), reflected = reflectance[i] * irradiance[i];
-    emitted_ += (emission + external_irradiance[i]) * area;
-    excess_ += ((emission + reflected) * row_sums_[i] + external_irradiance[i] - irradiance[i]) * area;
+    const Spectrum area(areas_[i]), reflected = reflectance[i] * irradiance[i];
+    const Spectrum emitted = Spectrum(scene.patches[i].emission) * Spectrum(areas[i]);
+    emitted_ += emitted + external_irradiance[i] * area;
+    excess_ += emitted * row_sums_[i] + (reflected * row_sums_[i] + external_irradiance[i] - irradiance[i]) * area;
   }
 }
 

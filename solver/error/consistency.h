@@ -6,8 +6,11 @@ namespace patchlight {
 /// Covered patch areas times their visible area fractions, m2. Shape: [n].
 std::vector<double> visible_areas(const PatchSet& scene, const Transport& transport);
 
+/// `areas` with zeros for intangible lamps, which no light meets. Shape: [n].
+std::vector<double> receiving_areas(const PatchSet& scene, std::vector<double> areas);
+
 /// Violation of reciprocity A_i F_ij = A_j F_ji: for every patch j, the column sum of A_i F_ij over i minus A_j times
-/// the sum of row j, as an area-weighted relative L2 norm. 0 for exact form factors.
+/// the sum of row j, as an area-weighted relative L2 norm. 0 for exact form factors. Patches of area 0 do not count.
 double reciprocity_error(const Transport& transport, const FormFactorRows& rows, const std::vector<double>& areas);
 
 /// Violation of the energy balance by a solution. All fields are sums over the light groups, W/m2. Shape: [n].
@@ -26,7 +29,7 @@ class EnergyBalance {
   Spectrum missing_power(const SpectrumField& missing) const;
 
  private:
-  const std::vector<double>& areas_;
+  const std::vector<double> areas_;  ///< See receiving_areas().
   const SpectrumField& reflectance_;
   const SpectrumField row_sums_;
   Spectrum emitted_, excess_;  ///< W.

@@ -117,7 +117,8 @@ PatchIdRenderer::Quads PatchIdRenderer::upload_quads(const PatchSet& scene, cons
   std::int32_t masks = 0;
   for (std::int32_t i = 0; i < std::int32_t(scene.primitives.size()); ++i) {
     const Primitive& p = scene.primitives[i];
-    if (p.shape != Primitive::Shape::quad || (p.back >= 0 && p.back < i) || (p.mask >= 0) != masked) continue;
+    if (p.shape != Primitive::Shape::quad || (p.back >= 0 && p.back < i) || (p.mask >= 0) != masked || p.intangible)
+      continue;
     const Vec2f shape = quad_shape(p.corners);
     const std::array<Vec2f, 4> st{Vec2f(0, 0), Vec2f(1, 0), shape, Vec2f(0, 1)};
     const std::array<int, 6> order{0, 1, 2, 0, 2, 3};
@@ -203,7 +204,7 @@ void PatchIdRenderer::upload_spheres(const PatchSet& scene, const PatchLookup& l
   };
   for (std::int32_t i = 0; i < std::int32_t(scene.primitives.size()); ++i) {
     const Primitive& p = scene.primitives[i];
-    if (p.shape != Primitive::Shape::sphere || (p.back >= 0 && p.back < i)) continue;
+    if (p.shape != Primitive::Shape::sphere || (p.back >= 0 && p.back < i) || p.intangible) continue;
     const bool outside = p.sphere_radius > 0;
     const auto outer = add_rings(outside ? i : p.back), inner = add_rings(outside ? p.back : i);
     sphere_of_[i] = std::int32_t(spheres.size());

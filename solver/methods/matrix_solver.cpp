@@ -124,7 +124,7 @@ EnergyField solve_matrix(const PatchSet& scene, const SolveConfig& config, int r
   const EnergyBalance balance(scene, system.rows, areas, system.reflectance, std::move(external_irradiance),
                               total.irradiance);
   energy.estimate = estimate_error(scene, system.rows, system.reflectance, system.areas, total, balance);
-  energy.estimate->reciprocity = reciprocity_error(transport, system.rows, areas);
+  energy.estimate->reciprocity = reciprocity_error(transport, system.rows, receiving_areas(scene, areas));
   energy.estimate->balance = balance.error();
   return energy;
 }

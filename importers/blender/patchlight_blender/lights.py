@@ -11,8 +11,6 @@ from .shader import Shader
 from .values import Values, is_constant
 
 DISK_SIDES = 64
-PANEL, THICKNESS = 0.8, 1e-4
-"""Reflectance of the panels that stand for area lamps, and the distance of their two faces over their size."""
 
 RAYS = ("diffuse", "glossy", "transmission")
 
@@ -22,7 +20,6 @@ class Lamps:
 
     def __init__(self, scene, name, baker, report):
         self.scene, self.name, self.baker, self.report, self.files = scene, name, baker, report, {}
-        self.back = None
         holders = {group for obj in scene.objects if obj.type == "LIGHT" and not obj.hide_render
                    for group in [self._collection(obj)] if group}
         self.by_collection = len(holders) > 1
@@ -156,10 +153,7 @@ class Lamps:
         return name
 
     def _area(self, item, power, warn):
-        """A mesh that emits on the side that the lamp shines to: radiance P / (4 A), as Cycles has it.
-
-        Light passes Cycles' area lamps. A panel cannot do that, but it is white on both sides, so no light is lost.
-        """
+        """A black mesh that emits on the side that the lamp shines to: radiance P / (4 A), as Cycles has it."""
         lamp = item.source.data
         if abs(lamp.spread - math.pi) > 1e-3:
             warn(f"its spread of {math.degrees(lamp.spread):.0f} degrees becomes 180")
@@ -174,33 +168,24 @@ class Lamps:
         axes = [item.matrix.to_3x3().col[k] * size for k, size in enumerate((width, height))]
         area = axes[0].cross(axes[1]).length * (1 if len(outline) == 4 else math.pi / 4)
         mesh = bpy.data.meshes.new("patchlight lamp")
-        corners = range(len(outline))
-        mesh.from_pydata([(x * width, y * height, z * max(width, height)) for z in (0, THICKNESS) for x, y in outline],
-                         [], [corners, [k + len(outline) for k in reversed(corners)]])
-        mesh.polygons[1].material_index = 1
-        front = _white(item.source.name)
-        self.back = self.back or _white("back of lamps")
-        for shader in (front, self.back):
-            mesh.materials.append(shader.material)
+        mesh.from_pydata([(x * width, y * height, 0) for x, y in outline], [], [range(len(outline))])
+        shader = Shader(item.source.name, False)
+        shader.color("Base Color", (0, 0, 0))
+        shader.number("Specular", 0)
         radiance = np.clip(power, 0, None) / (4 * area)
-        front.color("Emission", radiance / radiance.max())
-        front.number("Emission Strength", radiance.max())
+        shader.color("Emission", radiance / radiance.max())
+        shader.number("Emission Strength", radiance.max())
+        mesh.materials.append(shader.material)
         mesh["patchlight_name"] = item.source.name
-        return bpy.data.objects.new("patchlight lamp", mesh)
+        made = bpy.data.objects.new("patchlight lamp", mesh)
+        made["intangible"] = True
+        return made
 
 
 def _shape(data, outer, inner):
     """Gives a spot the cosines of its outer and inner angle."""
     data.spot_size = 2 * math.acos(outer)
     data.spot_blend = 1 - math.acos(inner) / math.acos(outer)
-
-
-def _white(name):
-    shader = Shader(name, False)
-    shader.color("Base Color", (PANEL, PANEL, PANEL))
-    shader.number("Specular", 0)
-    shader.number("Roughness", 1)
-    return shader
 
 
 def fitted_cone(outer, blend, steps=2000):

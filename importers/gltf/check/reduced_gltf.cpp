@@ -24,10 +24,11 @@ Json reduced_list(const Json& root, const char* key, const Reduce& reduce) {
   return result;
 }
 
-/// Copies what the importer reads of `extras` from tinygltf: the light group, and whether cameras see the node.
+/// Copies what the importer reads of `extras` from tinygltf: the light group, and how rays see the node.
 void keep_extras(const Json& item, Json& result) {
   const Json* extras = find_member(item, "extras");
-  if (extras && extras->is_object()) result["extras"] = selected(*extras, {"light_group", "visible_camera"});
+  if (extras && extras->is_object())
+    result["extras"] = selected(*extras, {"light_group", "visible_camera", "intangible"});
 }
 
 Json reduced_node(const Json& node) {

@@ -141,16 +141,21 @@ class LightGroups {
   std::map<std::string, int> numbers_;
 };
 
-/// Marks the nodes with surfaces that cameras do not see: those whose extras have `visible_camera` false, or 0 as
-/// Blender writes it.
-void mark_unseen_nodes(const GltfModel& model, GltfScene& scene) {
+/// Marks the nodes with surfaces that cameras do not see or that rays pass, by their extras `visible_camera` and
+/// `intangible`: true or false, or 1 or 0 as Blender writes it.
+void mark_ray_visibility(const GltfModel& model, GltfScene& scene) {
+  const auto mark = [&](std::int32_t node, const char* name, bool wanted, std::vector<std::int32_t>& marks) {
+    const tinygltf::Value& extras = model.gltf.nodes[node].extras;
+    if (!extras.Has(name)) return;
+    const tinygltf::Value& value = extras.Get(name);
+    if (!value.IsBool() && !value.IsNumber()) return;
+    if ((value.IsBool() ? value.Get<bool>() : value.GetNumberAsDouble() != 0) != wanted) return;
+    marks.resize(scene.nodes.size());
+    marks[node] = 1;
+  };
   for (const Surface& surface : scene.surfaces) {
-    const tinygltf::Value& extras = model.gltf.nodes[surface.node].extras;
-    if (!extras.Has("visible_camera")) continue;
-    const tinygltf::Value& visible = extras.Get("visible_camera");
-    if (visible.IsBool() ? visible.Get<bool>() : !visible.IsNumber() || visible.GetNumberAsDouble() != 0) continue;
-    scene.unseen.resize(scene.nodes.size());
-    scene.unseen[surface.node] = 1;
+    mark(surface.node, "visible_camera", false, scene.unseen);
+    mark(surface.node, "intangible", true, scene.intangible);
   }
 }
 
@@ -283,7 +288,7 @@ GltfScene read_gltf_scene(const Job& job, Progress& progress) {
   warn_of_missing_materials(scene, model->gltf.materials.size(), progress);
   assign_vertex_colors(*model, scene);
   LightGroups groups(*model, scene);
-  mark_unseen_nodes(*model, scene);
+  mark_ray_visibility(*model, scene);
   assign_light_groups(*model, groups, scene);
   place_lights(*model, job, nodes, groups, scene, progress);
   scene.cameras = placed_cameras(*model, nodes, scene.nodes, progress);

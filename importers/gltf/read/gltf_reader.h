@@ -31,8 +31,9 @@ struct Surface {
 /// Imported contents of a glTF file, except triangles: these are read surface by surface, since instances can make a
 /// scene much larger than its file.
 struct GltfScene {
-  std::vector<std::string> nodes;    ///< All nodes of the file; `node_N` for one without a name.
-  std::vector<std::int32_t> unseen;  ///< As in PatchSet.
+  std::vector<std::string> nodes;        ///< All nodes of the file; `node_N` for one without a name.
+  std::vector<std::int32_t> unseen;      ///< As in PatchSet.
+  std::vector<std::int32_t> intangible;  ///< By node: whether it asks for Primitive::intangible; empty: none does.
   std::vector<SurfaceMaterial> materials;
   std::vector<std::string> light_groups;
   std::vector<Shader> shaders;

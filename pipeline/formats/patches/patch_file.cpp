@@ -50,6 +50,8 @@ void write_primitives(H5Writer& writer, const PatchSet& scene) {
                            [](P p, auto* r) { std::copy(p.smooth_vertices.begin(), p.smooth_vertices.end(), r); });
   write_rows<std::int32_t>(writer, "/primitives/node", all, 0, [](P p, auto* r) { *r = p.node; });
   write_rows<double>(writer, "/primitives/patch_area", all, 0, [](P p, auto* r) { *r = p.patch_area; });
+  if (has_intangible(all))
+    write_rows<std::int32_t>(writer, "/primitives/intangible", all, 0, [](P p, auto* r) { *r = p.intangible; });
   std::vector<std::string> names;
   names.reserve(all.size());
   for (const auto& p : all) names.push_back(scene.nodes[p.node]);
@@ -126,6 +128,8 @@ std::vector<bool> read_primitives(const H5Reader& reader, PatchSet& scene) {
   read_rows<std::int32_t>(reader, "/primitives/node", all, 0, [](P p, auto* r) { p.node = *r; });
   if (reader.has("/primitives/patch_area"))
     read_rows<double>(reader, "/primitives/patch_area", all, 0, [](P p, auto* r) { p.patch_area = *r; });
+  if (reader.has("/primitives/intangible"))
+    read_rows<std::int32_t>(reader, "/primitives/intangible", all, 0, [](P p, auto* r) { p.intangible = *r != 0; });
   return is_cluster;
 }
 
@@ -195,6 +199,7 @@ void write_patches(const std::filesystem::path& file, PatchSet& scene) {
                       "/primitives/normals",
                       "/primitives/patch_area",
                       "/primitives/light_group",
+                      "/primitives/intangible",
                       "/light_groups/",
                       "/lights/kind",
                       "/lights/light_group",
@@ -210,7 +215,7 @@ void write_patches(const std::filesystem::path& file, PatchSet& scene) {
       key_of({"/patches/center", "/patches/primitive", "/patches/uv", "/cuts/", "/regions/", "/clusters/",
               "/facets/corners", "/facets/smooth_vertices", "/facets/back", "/facets/normals", "/primitives/type",
               "/primitives/corners", "/primitives/sphere", "/primitives/back", "/primitives/smooth_vertices",
-              "/primitives/normals", "/primitives/patch_area", "/environment/rows"});
+              "/primitives/normals", "/primitives/patch_area", "/primitives/intangible", "/environment/rows"});
   scene.frames_key = writer.key_of({"/primitives/material",
                                     "/nodes/unseen",
                                     "/shaders/",

@@ -197,7 +197,7 @@ std::vector<std::vector<Crossing>> find(const std::vector<Primitive>& primitives
   for (std::size_t i = 0; i < primitives.size(); ++i) {
     const Primitive& p = primitives[i];
     const bool is_back = p.back >= 0 && p.back < std::int32_t(i);  // in the same place as its front
-    if (p.shape != Primitive::Shape::quad || p.mask >= 0 || is_back) continue;
+    if (p.shape != Primitive::Shape::quad || p.mask >= 0 || p.intangible || is_back) continue;
     if (!p.region) {
       crossers.emplace_back(Crosser::Part::quad, p, p.corners);
       continue;

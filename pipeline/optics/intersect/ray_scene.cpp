@@ -105,7 +105,7 @@ void RayPacket::set_shadow(int lane, const Vec3f& origin, const Vec3f& direction
   rays.ray.tfar[lane] = distance * (1.0f - kShadowEnd);
 }
 
-RayScene::RayScene(const PatchSet& scene, Tracer tracer) {
+RayScene::RayScene(const PatchSet& scene, Tracer tracer, Surfaces surfaces) {
   const Imath::Box3d bounds = bounds_of(scene.primitives);
   origin_ = bounds.center();
   offsets_.resize(scene.primitives.size());
@@ -120,14 +120,14 @@ RayScene::RayScene(const PatchSet& scene, Tracer tracer) {
     masked_embree_ = EmbreeTracer::create();
     scene_ = &scene;
   }
-  add_quads(scene);
-  add_spheres(scene);
+  add_quads(scene, surfaces);
+  add_spheres(scene, surfaces);
   if (packet_tracer_) packet_tracer_->build();
   if (embree_) embree_->build();
   if (masked_embree_) masked_embree_->build();
 }
 
-void RayScene::add_quads(const PatchSet& scene) {
+void RayScene::add_quads(const PatchSet& scene, Surfaces surfaces) {
   std::vector<std::array<Vec3f, 4>> corners, masked_corners;
   std::vector<Quad> masked;
   quads_.reserve(scene.primitives.size());
@@ -145,6 +145,7 @@ void RayScene::add_quads(const PatchSet& scene) {
       offsets_[i] = offsets_[p.back];
       continue;
     }
+    if (p.intangible != (surfaces == Surfaces::intangible)) continue;
     const auto add = [&](const std::array<Vec3f, 4>& traced, const Vec2f& shape, std::int32_t piece) {
       const bool plane = packet_tracer_ && packet_tracer_->add_quad(exact(traced), std::int32_t(quads_.size()));
       quads_.push_back({std::int32_t(i), p.back, shape.x, shape.y, Vec3f(normal), !plane, piece});
@@ -173,7 +174,7 @@ void RayScene::add_quads(const PatchSet& scene) {
   quads_.insert(quads_.end(), masked.begin(), masked.end());
 }
 
-void RayScene::add_spheres(const PatchSet& scene) {
+void RayScene::add_spheres(const PatchSet& scene, Surfaces surfaces) {
   std::vector<std::array<float, 4>> spheres;
   for (std::size_t i = 0; i < scene.primitives.size(); ++i) {
     const Primitive& p = scene.primitives[i];
@@ -181,7 +182,7 @@ void RayScene::add_spheres(const PatchSet& scene) {
     const Vec3f center = to_local(p.sphere_center);
     const float radius = float(std::abs(p.sphere_radius));
     offsets_[i] = sphere_offset(Vec3d(center), double(radius));
-    if (p.back >= 0 && p.back < std::int32_t(i)) continue;
+    if ((p.back >= 0 && p.back < std::int32_t(i)) || p.intangible != (surfaces == Surfaces::intangible)) continue;
     if (packet_tracer_)
       packet_tracer_->add_sphere(Vec3d(center), double(radius), std::int32_t(spheres_.size()));
     else

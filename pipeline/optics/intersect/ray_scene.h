@@ -48,7 +48,9 @@ class RayScene {
  public:
   enum class Tracer { fastest, packets, embree };  ///< Of unmasked primitives; fastest: see SurfaceSizes.
 
-  explicit RayScene(const PatchSet& scene, Tracer tracer = Tracer::fastest);
+  enum class Surfaces { tangible, intangible };  ///< Those that hide others, or Primitive::intangible ones.
+
+  explicit RayScene(const PatchSet& scene, Tracer tracer = Tracer::fastest, Surfaces surfaces = Surfaces::tangible);
   RayScene(const RayScene&) = delete;
   RayScene& operator=(const RayScene&) = delete;
 
@@ -93,8 +95,8 @@ class RayScene {
     Vec3f center;
   };
 
-  void add_quads(const PatchSet& scene);
-  void add_spheres(const PatchSet& scene);
+  void add_quads(const PatchSet& scene, Surfaces surfaces);
+  void add_spheres(const PatchSet& scene, Surfaces surfaces);
   bool accepts_hit(unsigned quad, const Vec2f& at, const Vec3f& origin, const Vec3f& direction, float distance) const;
   SurfaceHit surface_hit(unsigned geometry, unsigned index, float s, float t, const Vec3f& origin,
                          const Vec3f& direction, float distance) const;

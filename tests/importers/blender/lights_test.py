@@ -41,6 +41,8 @@ class Lights(ExportTest):
                 exported = self.export()
                 material = exported.material("lamp")
                 self.assertFalse(material.get("doubleSided", False))
+                self.assertTrue(exported.node("lamp")["extras"]["intangible"], "rays pass it, as in Cycles")
+                self.assertEqual(material["pbrMetallicRoughness"]["baseColorFactor"][:3], [0, 0, 0])
                 points = exported.positions("lamp") * exported.node("lamp")["scale"]
                 index = exported.accessor(exported.mesh("lamp")["primitives"][0]["indices"]).reshape(-1, 3)
                 a, b, c = (points[index[:, k]] for k in range(3))

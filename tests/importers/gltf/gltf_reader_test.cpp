@@ -221,6 +221,19 @@ TEST(GltfReader, NodesOfWhichCamerasSeeNothingAreMarked) {
   }
 }
 
+TEST(GltfReader, LampsThatReflectNothingMayBeIntangible) {
+  Json lamp{{"name", "lamp"}, {"emissiveFactor", {1, 1, 1}}};
+  for (const double reflectance : {0.0, 0.5}) {
+    lamp["pbrMetallicRoughness"] = {{"baseColorFactor", {reflectance, 0, 0, 1}}, {"metallicFactor", 0}};
+    GltfBuilder gltf = single_mesh(grid(1), lamp);
+    Importer importer;
+    EXPECT_FALSE(has_intangible(importer.import(gltf).primitives));
+    gltf.json["nodes"][0]["extras"] = {{"intangible", true}};
+    EXPECT_EQ(has_intangible(importer.import(gltf).primitives), reflectance == 0);
+    EXPECT_EQ(importer.messages().find("not a lamp that reflects nothing") == std::string::npos, reflectance == 0);
+  }
+}
+
 /// The only camera of a scene.
 Camera imported_camera(const Json& camera, const Json& extras, Importer& importer) {
   GltfBuilder gltf = single_mesh(cube());

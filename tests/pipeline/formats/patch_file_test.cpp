@@ -123,6 +123,22 @@ TEST(PatchFile, KeepsTheKeysOfWhatDidNotChange) {
   EXPECT_EQ(scene.frames_key, repainted.frames_key);
 }
 
+TEST(PatchFile, HoldsIntangibleLamps) {
+  const TemporaryFolder folder;
+  const auto file = folder / "patches.h5";
+  PatchSet scene = sample();
+  write_patches(file, scene);
+  EXPECT_FALSE(has_intangible(read_patches(file).primitives));
+  const std::string key = scene.key, geometry_key = scene.geometry_key;
+  scene.primitives[0].intangible = true;
+  write_patches(file, scene);
+  const PatchSet read = read_patches(file);
+  EXPECT_TRUE(read.primitives[0].intangible);
+  EXPECT_FALSE(read.primitives[1].intangible);
+  EXPECT_NE(scene.key, key);
+  EXPECT_NE(scene.geometry_key, geometry_key) << "rays see other surfaces";
+}
+
 TEST(PatchFile, KeepsNormals) {
   const TemporaryFolder folder;
   PatchSet scene = sample();

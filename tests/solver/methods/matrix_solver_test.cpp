@@ -81,6 +81,31 @@ TEST(MatrixSolver, ADoubleSidedLampLightsARoomHoweverItIsTurned) {
   }
 }
 
+TEST(Solve, IntangibleLampsHideNothing) {
+  for (const char* method : {"matrix", "progressive"})
+    for (const char* form_factors : {"rays", "hemicube"}) {
+      PatchScene builder;
+      builder.room(1, 6, {0.5f, 1.0f});  // a furnace
+      const int lamp =
+          builder.quad({{{-0.5, 0.9, -0.5}, {0.5, 0.9, -0.5}, {0.5, 0.9, 0.5}, {-0.5, 0.9, 0.5}}}, 1, 1, {0.0f, 1e-6f});
+      PatchSet& scene = builder.get();
+      scene.primitives[lamp].intangible = true;
+      SolveConfig config;
+      config.method = method;
+      config.form_factors = form_factors;
+      config.tolerance = 1e-5;
+      Transport transport;
+      Progress progress({"test", true, ""});
+      const EnergyField energy = solve(scene, config, transport, progress);
+      const std::vector<Color> b = radiosity(scene, energy);
+      const double noise = method == std::string("matrix") ? 0.02 : 0.3;  // a lamp that hides takes 0.8
+      for (int i = 0; i < 6 * 36; ++i) EXPECT_NEAR(b[i].y, 2.0, noise) << method << ' ' << form_factors << ' ' << i;
+      if (energy.estimate) {
+        EXPECT_LT(energy.estimate->balance, 0.01);
+      }
+    }
+}
+
 TEST(MatrixSolver, DirectLightOfAPlaneMatchesTheClosedForm) {
   PatchScene builder;
   builder.quad({{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}, 1, 1, {0.5f, 3.0f});

@@ -78,6 +78,35 @@ TEST(Integrator, MirrorsShowNodesThatCamerasDoNotSee) {
   for (const Color& pixel : solved.render().pixels) EXPECT_NEAR(pixel.y, 0.5 * 3 / kPi, 1e-5);
 }
 
+TEST(Integrator, AddsTheLightOfIntangibleLampsToWhatIsBehindThem) {
+  for (const bool turned_away : {false, true})
+    for (const bool unseen : {false, true}) {
+      PatchScene builder;
+      const std::array<Vec3d, 4> lamp{{{-9, -9, -1}, {9, -9, -1}, {9, 9, -1}, {-9, 9, -1}}};
+      builder.quad(turned_away ? std::array{lamp[1], lamp[0], lamp[3], lamp[2]} : lamp, 1, 1, {0.0f, 7.0f});
+      builder.quad({{{-9, -9, -2}, {9, -9, -2}, {9, 9, -2}, {-9, 9, -2}}}, 1, 1, {0.0f, 3.0f});
+      Solved solved(builder, 0.0f, 0.0f);
+      solved.scene.nodes = {"wall", "lamp"};
+      solved.scene.primitives[0].node = 1;
+      solved.scene.primitives[0].intangible = true;
+      if (unseen) solved.scene.unseen = {0, 1};
+      const double expected = turned_away || unseen ? 3 : 7 + 3;
+      for (const Color& pixel : solved.render().pixels) EXPECT_NEAR(pixel.y, expected / kPi, 1e-5);
+    }
+}
+
+TEST(Integrator, MirrorsShowIntangibleLampsBeforeWhatIsBehindThem) {
+  PatchScene builder;
+  builder.get().materials.push_back({"mirror", Color(0.5f), 0.0f});
+  builder.quad({{{-9, -9, 2}, {-9, 9, 2}, {9, 9, 2}, {9, -9, 2}}}, 1, 1, {0.0f, 3.0f});            // behind the camera
+  builder.quad({{{-9, -9, 1}, {-9, 9, 1}, {9, 9, 1}, {9, -9, 1}}}, 1, 1, {0.0f, 7.0f});            // before it
+  builder.quad({{{-9, -9, -1}, {9, -9, -1}, {9, 9, -1}, {-9, 9, -1}}}, 1, 1, {0.0f, 0.0f, 0, 1});  // the mirror
+  Solved solved(builder, 0.0f, 0.0f);
+  solved.scene.primitives[1].intangible = true;
+  solved.camera.vertical = 1e-3;
+  for (const Color& pixel : solved.render().pixels) EXPECT_NEAR(pixel.y, 0.5 * (3 + 7) / kPi, 1e-5);
+}
+
 TEST(Integrator, FindsDirectLightAtThePixelAndInMirrors) {
   // The camera sees, in a mirror, a wall behind it that is lit by a lamp parallel to it.
   PatchScene builder;

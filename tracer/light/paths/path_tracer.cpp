@@ -1,4 +1,4 @@
-#include "tracer/light/path_tracer.h"
+#include "tracer/light/paths/path_tracer.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,6 +7,7 @@
 #include "pipeline/optics/sampling/patch_sampling.h"
 #include "pipeline/optics/sampling/random.h"
 #include "pipeline/optics/surface/mirror.h"
+#include "tracer/light/paths/passed_lamps.h"
 #include "tracer/sampling/pixel_samples.h"
 #include "tracer/sampling/unseen.h"
 
@@ -48,12 +49,15 @@ PathTracer::PathTracer(const PatchSet& scene, const RayScene& ray_scene, const O
       direct_(config.quality != "patches"),
       gather_(config.quality == "gather"),
       normals_(scene),
-      glossy_lights_(glossy_lights) {}
+      glossy_lights_(glossy_lights) {
+  if (has_intangible(scene.primitives)) lamps_.emplace(scene, surfaces, mixes, glossy_lights);
+}
 
 void PathTracer::trace(RayPacket& packet, std::array<Path, RayPacket::kSize>& paths, const CameraRays& camera,
                        PathSums& sums) const {
   for (bool coherent = true, active = true; active; coherent = false) {
     ray_scene_.intersect(packet, coherent);
+    if (lamps_) lamps_->add(packet, paths, sums);
     active = false;
     for (int lane = 0; lane < RayPacket::kSize; ++lane) {
       if (packet.valid[lane] == 0) continue;
