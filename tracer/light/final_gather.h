@@ -1,5 +1,5 @@
 #pragma once
-#include "tracer/light/solved_surfaces.h"
+#include "tracer/light/solution/solved_surfaces.h"
 #include "tracer/light/tile_light.h"
 
 namespace patchlight {

@@ -6,7 +6,7 @@
 #include "importers/patches/patch_cuts.h"
 #include "solver/solve.h"
 #include "tests/end_to_end/accuracy/light_scenes.h"
-#include "tracer/light/solved_surfaces.h"
+#include "tracer/light/solution/solved_surfaces.h"
 
 namespace patchlight::test {
 namespace {

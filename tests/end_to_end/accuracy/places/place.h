@@ -9,7 +9,7 @@
 #include "pipeline/optics/sampling/patch_sampling.h"
 #include "solver/solve.h"
 #include "tests/importers/gltf_builder.h"
-#include "tracer/light/solved_surfaces.h"
+#include "tracer/light/solution/solved_surfaces.h"
 
 namespace patchlight::test {
 

@@ -1,4 +1,4 @@
-#include "tracer/light/paths/glossy_lights.h"
+#include "tracer/light/glossy_lights.h"
 
 #include <algorithm>
 

@@ -1,6 +1,6 @@
 #pragma once
-#include "tracer/light/paths/camera_path.h"
-#include "tracer/light/solved_surfaces.h"
+#include "tracer/light/camera_path.h"
+#include "tracer/light/solution/solved_surfaces.h"
 
 namespace patchlight {
 

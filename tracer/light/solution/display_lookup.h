@@ -1,7 +1,7 @@
 #pragma once
 #include "pipeline/model/energy_field.h"
 #include "pipeline/optics/transport/face_lookup.h"
-#include "tracer/light/irradiance_lookup.h"
+#include "tracer/light/solution/irradiance_lookup.h"
 
 namespace patchlight {
 

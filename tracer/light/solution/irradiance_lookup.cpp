@@ -1,4 +1,4 @@
-#include "tracer/light/irradiance_lookup.h"
+#include "tracer/light/solution/irradiance_lookup.h"
 
 #include <algorithm>
 #include <cmath>

@@ -7,7 +7,7 @@
 #include "pipeline/model/energy_field.h"
 #include "pipeline/optics/intersect/ray_scene.h"
 #include "pipeline/optics/surface/material_shader.h"
-#include "tracer/light/display_lookup.h"
+#include "tracer/light/solution/display_lookup.h"
 
 namespace patchlight {
 

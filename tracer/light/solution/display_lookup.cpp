@@ -1,4 +1,4 @@
-#include "tracer/light/display_lookup.h"
+#include "tracer/light/solution/display_lookup.h"
 
 #include <algorithm>
 #include <cmath>

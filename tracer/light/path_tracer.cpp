@@ -1,4 +1,4 @@
-#include "tracer/light/paths/path_tracer.h"
+#include "tracer/light/path_tracer.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include "pipeline/optics/sampling/patch_sampling.h"
 #include "pipeline/optics/sampling/random.h"
 #include "pipeline/optics/surface/mirror.h"
-#include "tracer/light/paths/passed_lamps.h"
+#include "tracer/light/passed_lamps.h"
 #include "tracer/sampling/pixel_samples.h"
 #include "tracer/sampling/unseen.h"
 

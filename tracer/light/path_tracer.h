@@ -2,8 +2,8 @@
 #include "pipeline/optics/sampling/patch_sampling.h"
 #include "pipeline/optics/surface/smooth_normals.h"
 #include "pipeline/optics/surface/texture_lookup.h"
-#include "tracer/light/paths/passed_lamps.h"
-#include "tracer/light/solved_surfaces.h"
+#include "tracer/light/passed_lamps.h"
+#include "tracer/light/solution/solved_surfaces.h"
 #include "tracer/sampling/camera_rays.h"
 #include "tracer/sampling/outlines.h"
 

@@ -1,4 +1,4 @@
-#include "tracer/light/paths/passed_lamps.h"
+#include "tracer/light/passed_lamps.h"
 
 #include "tracer/sampling/unseen.h"
 

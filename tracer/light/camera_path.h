@@ -4,7 +4,7 @@
 
 #include "tracer/light/explicit_lights.h"
 #include "tracer/light/final_gather.h"
-#include "tracer/light/paths/glossy_lights.h"
+#include "tracer/light/glossy_lights.h"
 #include "tracer/output/layer_sums.h"
 #include "tracer/sampling/pixel_detail.h"
 

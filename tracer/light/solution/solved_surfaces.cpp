@@ -1,4 +1,4 @@
-#include "tracer/light/solved_surfaces.h"
+#include "tracer/light/solution/solved_surfaces.h"
 
 #include <algorithm>
 
