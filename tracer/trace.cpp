@@ -9,6 +9,7 @@
 #include "pipeline/frames/frame_check.h"
 #include "pipeline/frames/frame_layers.h"
 #include "pipeline/frames/frame_warnings.h"
+#include "pipeline/frames/light_settings.h"
 #include "tracer/light/integrator.h"
 #include "tracer/output/errors_in_view.h"
 #include "tracer/output/frame_claims.h"
@@ -63,9 +64,10 @@ void trace_frames(const Job& job, const PatchSet& scene, const EnergyField& ener
   if (frames.empty()) return progress.note(fmt::format("this shard has none of the {} frames", all.size()));
   FrameWriter writer(job, scene, energy.key);
   if (energy.estimate) writer.state_error(*energy.estimate);
-  const Integrator integrator(scene, energy, job);
+  Integrator integrator(scene, energy, job);
   const auto render = [&](const Frame& frame) {
     const auto start = std::chrono::steady_clock::now();
+    integrator.set_lights(light_settings(job, scene, frame.number));
     const Image image = integrator.render(frame.camera, progress);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     writer.write(frame, image, seconds);

@@ -76,9 +76,11 @@ std::vector<Frame> job_frames(const Job& job, const PatchSet& scene) {
   const std::vector<FrameCamera> cameras = frame_cameras(job, scene);
   const std::vector<std::string> names = file_names(cameras);
   const std::vector<int> requested = frame_numbers(job.trace.frames), first{1};
+  const bool lights_change =
+      std::any_of(job.lights.begin(), job.lights.end(), [](const auto& light) { return light.second.is_animated(); });
   std::vector<Frame> frames;
   for (const std::size_t i : chosen_cameras(job, cameras)) {
-    const std::vector<int>& numbers = cameras[i].moves() ? requested : first;
+    const std::vector<int>& numbers = cameras[i].moves() || lights_change ? requested : first;
     if (frames.size() + numbers.size() > kMaxFrames)
       throw Error(ExitCode::over_limit, fmt::format("more than {} frames of all cameras", kMaxFrames),
                   job.file.string() + ", trace.frames", "name fewer frames, or fewer trace.cameras");

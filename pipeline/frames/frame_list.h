@@ -17,7 +17,8 @@ struct Frame {
   std::filesystem::path png;
 };
 
-/// The frames that a job requests, camera by camera; a static camera has only frame 1.
+/// The frames that a job requests, camera by camera; a static camera under lights that
+/// do not change has only frame 1.
 /// Throws: Error (bad_config) for an unknown camera or a lens that cannot be, (over_limit) for too many frames,
 /// (bad_data) for a camera whose transform is degenerate at a frame.
 std::vector<Frame> job_frames(const Job& job, const PatchSet& scene);

@@ -39,8 +39,8 @@ std::string names(const std::vector<const Frame*>& frames) {
   return fmt::format("{}{}", fmt::join(cameras.begin(), cameras.begin() + std::ptrdiff_t(shown), ", "), more);
 }
 
-std::string reason_for_black(const Job& job, const PatchSet& scene) {
-  const std::vector<Color> settings = light_settings(job, scene);
+std::string reason_for_black(const Job& job, const PatchSet& scene, int frame) {
+  const std::vector<Color> settings = light_settings(job, scene, frame);
   if (std::all_of(settings.begin(), settings.end(), [](const Color& color) { return color == Color(0.0f); }))
     return "the job's `lights` turn every light group off; raise a scale or a colour";
   return "no light reaches the surfaces in view, or they show their backs, which are black; move the camera, add a "
@@ -65,7 +65,8 @@ std::vector<std::string> frame_warnings(const Job& job, const PatchSet& scene, c
         "if it has any, or leave it out of `trace.cameras`",
         names(without_view)));
   if (!black.empty())
-    warnings.push_back(fmt::format("a frame is black ({}): {}", names(black), reason_for_black(job, scene)));
+    warnings.push_back(
+        fmt::format("a frame is black ({}): {}", names(black), reason_for_black(job, scene, black[0]->number)));
   return warnings;
 }
 

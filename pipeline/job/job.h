@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <string>
@@ -61,13 +62,36 @@ struct SolveConfig {
 /// Prefix of the layers of light groups, as in Blender.
 inline constexpr const char* kLightGroupLayer = "Combined_";
 
+/// A value that may change from frame to frame.
+template <class Value>
+struct ByFrame {
+  Value constant;               ///< Without keys.
+  std::map<int, Value> keys{};  ///< By frame.
+
+  ByFrame(const Value& value) : constant(value) {}
+  friend bool operator==(const ByFrame&, const ByFrame&) = default;
+
+  /// Linear between keys, constant before the first and after the last.
+  Value at(int frame) const {
+    if (keys.empty()) return constant;
+    const auto next = keys.upper_bound(frame);
+    if (next == keys.begin()) return next->second;
+    const auto last = std::prev(next);
+    if (next == keys.end()) return last->second;
+    const float part = float(frame - last->first) / float(next->first - last->first);
+    return last->second * (1 - part) + next->second * part;
+  }
+};
+
 /// Settings of one light group: how frames show it, and the size and distribution of its lights without a surface.
 struct LightSetting {
-  double scale = 1.0;
-  Color color{1.0f};
+  ByFrame<double> scale = 1.0;
+  ByFrame<Color> color = Color(1.0f);
   std::optional<double> radius{};  ///< Of point lights and spots, m; absent: the scene's.
   std::optional<double> angle{};   ///< Apparent diameter of suns, degrees; absent: the scene's.
   std::filesystem::path ies{};     ///< Photometric file of point lights and spots; empty: the scene's.
+
+  bool is_animated() const { return !scale.keys.empty() || !color.keys.empty(); }
 };
 
 /// A camera defined by the job, or changes to a camera of the scene.

@@ -128,9 +128,11 @@ std::string frame_key(const PatchSet& scene, const std::string& energy_key, cons
   hasher.add(trace.pixel_type).add(trace.compression);
   for (const std::string& layer : trace.layers) hasher.add(layer);
   for (const auto& [name, light] : job.lights) {
-    if (light.scale == 1.0 && light.color == Color(1.0f)) continue;
-    hasher.add(name).add(light.scale);
-    add_color(hasher, light.color);
+    const double scale = light.scale.at(frame);
+    const Color color = light.color.at(frame);
+    if (scale == 1.0 && color == Color(1.0f)) continue;
+    hasher.add(name).add(scale);
+    add_color(hasher, color);
   }
   return hasher.hex();
 }

@@ -148,7 +148,7 @@ Image draw_preview(const Job& job, const PatchSet& scene, const PreviewOptions& 
       return options.patch && std::int64_t(i) == *options.patch ? kHighlight : patch_color(i);
     }));
   const std::vector<Color> received =
-      irradiance(read_energy(job.energy_file(), scene), light_settings(job, scene), scene.patches.size());
+      irradiance(read_energy(job.energy_file(), scene), light_settings(job, scene, 1), scene.patches.size());
   if (options.kind == "radiosity") {
     const float gain = float(std::exp2(job.trace.picture.exposure) / kPi);
     return downsample(paint(ids, width, false, [&](std::uint32_t i) {

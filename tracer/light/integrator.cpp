@@ -210,25 +210,30 @@ class Integrator::Tile {
 };
 
 Integrator::Integrator(const PatchSet& scene, const EnergyField& energy, const Job& job)
-    : Integrator(scene, energy, job, SmoothEdges(scene.primitives)) {}
-
-Integrator::Integrator(const PatchSet& scene, const EnergyField& energy, const Job& job, const SmoothEdges& smooth)
     : scene_(scene),
+      energy_(energy),
       config_(job.trace),
       counts_(config_.samples),
+      smooth_(scene.primitives),
       ray_scene_(scene),
-      outlines_(scene, smooth),
-      mixes_(light_settings(job, scene), config_.asks_for("light_groups")),
-      surfaces_(scene, energy, mixes_, config_, smooth),
+      outlines_(scene, smooth_),
       direct_(config_.quality != "patches") {
-  const bool glossy = GlossyLights::is_needed(scene);
+  set_lights(light_settings(job, scene, 1));
+}
+
+void Integrator::set_lights(const std::vector<Color>& settings) {
+  if (mixes_ && settings == settings_) return;
+  settings_ = settings;
+  mixes_.emplace(settings, config_.asks_for("light_groups"));
+  surfaces_.emplace(scene_, energy_, *mixes_, config_, smooth_);
+  const bool glossy = GlossyLights::is_needed(scene_);
   if (direct_ || glossy) {
-    lights_.emplace(scene, ray_scene_, mixes_.all[0]);
-    further_.emplace(scene, ray_scene_, mixes_.all[0]);
+    lights_.emplace(scene_, ray_scene_, mixes_->all[0]);
+    further_.emplace(scene_, ray_scene_, mixes_->all[0]);
   }
-  if (glossy) glossy_lights_.emplace(scene, *lights_, *further_);
-  paths_.emplace(scene, ray_scene_, outlines_, surfaces_, mixes_, glossy ? &*glossy_lights_ : nullptr, config_);
-  if (config_.quality == "gather") gather_.emplace(scene, ray_scene_, surfaces_, mixes_, config_.gather_rays);
+  if (glossy) glossy_lights_.emplace(scene_, *lights_, *further_);
+  paths_.emplace(scene_, ray_scene_, outlines_, *surfaces_, *mixes_, glossy ? &*glossy_lights_ : nullptr, config_);
+  if (config_.quality == "gather") gather_.emplace(scene_, ray_scene_, *surfaces_, *mixes_, config_.gather_rays);
 }
 
 Image Integrator::render(const Camera& camera, Progress& progress) const {

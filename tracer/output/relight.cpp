@@ -93,7 +93,6 @@ void relight_frames(const Job& job, const PatchSet& scene, bool skip_fresh, Prog
   if (!job.trace.asks_for("light_groups"))
     throw Error(ExitCode::bad_config, "frames without the layers of their light groups cannot be relit",
                 job.file.string() + ", trace.layers", "add `light_groups` to it, and `patchlight run` the job once");
-  const std::vector<Color> settings = light_settings(job, scene);
   const FrameWriter writer(job, scene, energy_key(scene.key, job.solve));
   std::vector<Frame> frames = job_frames(job, scene);
   if (skip_fresh) {
@@ -123,7 +122,8 @@ void relight_frames(const Job& job, const PatchSet& scene, bool skip_fresh, Prog
       continue;
     }
     const std::string from = image.metadata["patchlight:key"];
-    image.pixels = sum_of_groups(image.layers, scene, settings, image.pixels.size());
+    image.pixels =
+        sum_of_groups(image.layers, scene, light_settings(job, scene, frames[i].number), image.pixels.size());
     const Frame relit = relit_frame(job, frames[i]);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     writer.write(relit, std::move(image), seconds, from);

@@ -32,7 +32,8 @@ constexpr int kLevels = 4;                            // folders above an output
 std::string exporter_hash(const fs::path& exporter) {
   std::vector<fs::path> files;
   for (const auto& entry : fs::recursive_directory_iterator(exporter))
-    if (entry.path().extension() == ".py") files.push_back(entry.path());
+    if (entry.path().extension() == ".py" && entry.path().parent_path().filename() != "addon")
+      files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   KeyHasher hasher;
   const char* const ocio = std::getenv("OCIO");  // named in the job

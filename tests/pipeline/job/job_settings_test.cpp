@@ -185,6 +185,27 @@ TEST_F(JobFile, KnowsLightGroupsByTheNamesThatFilesGiveThem) {
   EXPECT_EQ(job.lights.at("..").scale, 4);
 }
 
+TEST_F(JobFile, ReadsLightsThatChangeWithTheFrame) {
+  const std::string lights = "lights: {a: {scale: {5: 1, 9: 3}, color: {0: [1, 0, 0], 2: [0, 1, 0]}}, b: {scale: 2}}\n";
+  const Job read_once = read(std::string(kMinimal) + lights);
+  for (const Job& job : {read_once, parse_effective_job(effective_job(read_once))}) {
+    const LightSetting &a = job.lights.at("a"), &b = job.lights.at("b");
+    EXPECT_TRUE(a.is_animated());
+    for (const auto& [frame, scale] : {std::pair(0, 1.0), {5, 1.0}, {6, 1.5}, {8, 2.5}, {9, 3.0}, {100, 3.0}})
+      EXPECT_DOUBLE_EQ(a.scale.at(frame), scale) << frame;
+    EXPECT_EQ(a.color.at(1), Color(0.5f, 0.5f, 0));
+    EXPECT_FALSE(b.is_animated());
+    EXPECT_EQ(b.scale.at(7), 2);
+  }
+  EXPECT_EQ(read(std::string(kMinimal) + lights, {"lights.a.scale=4"}).lights.at("a").scale.at(6), 4);
+  for (const auto& [value, problem] : {std::pair("{}", "expected a value, or values by frame"),
+                                       {"{x: 1}", "expected a whole number"},
+                                       {"{-1: 1}", "expected a whole number"},
+                                       {"{1: -1}", "expected a number"},
+                                       {"{1: 2, 01: 3}", "comes again"}})
+    EXPECT_ERROR(read(std::string(kMinimal) + "lights: {a: {scale: " + value + "}}\n"), ExitCode::bad_config, problem);
+}
+
 TEST_F(JobFile, ReadsSizesAndPhotometricFilesOfLights) {
   std::filesystem::create_directory(folder_ / "base");
   folder_.write("base/light.yaml", "lights: {lamp: {ies: down.ldt}}\n");
