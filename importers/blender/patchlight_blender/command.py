@@ -122,6 +122,7 @@ def write_all(scene, folder, name, options, report):
     motion.warn(found, scene, report)
     materials = Materials(scene, report, options.bake_resolution, options.threads)
     lamps = Lamps(scene, name, materials.baker, report)
+    lamps.follow(found.lamps)
     world = World(scene, folder, name, options, materials.baker, report)
     build = Build(scene, frame)
     points = [obj.matrix_world.translation for obj in views] + [item.matrix.translation for item in found.lamps]
@@ -139,5 +140,5 @@ def write_all(scene, folder, name, options, report):
         (folder / file).write_bytes(data)
     used = [obj for obj in cameras.active(scene, report) if obj in views]
     (folder / f"{name}.yaml").write_text(
-        job.text(name, frame, used, any(obj in paths for obj in used), materials.excluded, world.environment,
-                 job.view_settings(scene, report), scene), encoding="utf-8")
+        job.text(name, frame, used, bool(lamps.settings) or any(obj in paths for obj in used), materials.excluded,
+                 world.environment, lamps.settings, job.view_settings(scene, report), scene), encoding="utf-8")

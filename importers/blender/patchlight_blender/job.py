@@ -4,6 +4,7 @@ import math
 import os
 
 import bpy
+import numpy as np
 
 ENGINE = "PATCHLIGHT"
 """Identifier of the add-on's render engine."""
@@ -75,8 +76,9 @@ def shown(value):
     return "[" + ", ".join(map(shown, value)) + "]" if hasattr(value, "__len__") else f"{value:.7g}"
 
 
-def text(name, frame, cameras, animated, excluded, environment, view, scene):
-    """The job as YAML. `environment` has its keys and values, `excluded` names of materials."""
+def text(name, frame, cameras, animated, excluded, environment, lights, view, scene):
+    """The job as YAML. `environment` has its keys and values, `excluded` names of materials, `lights` the factors of
+    light groups by frame."""
     lines = [f"# Exported from {name}.blend. Keys: pipeline/README.md", f"scene: {quoted(name + '.glb')}",
              f"output: {quoted(name + '.patchlight')}",
              "import: {punctual_units: blender}    # the unit of the lamps in the file"]
@@ -87,6 +89,9 @@ def text(name, frame, cameras, animated, excluded, environment, view, scene):
         lines.append("environment:")
         for key, value in environment.items():
             lines.append(f"  {key}: {shown(value)}")
+    if lights:
+        lines.append("lights:")
+        lines += [f"  {quoted(group)}: {settings(factors)}" for group, factors in sorted(lights.items())]
     lines.append("trace:")
     if cameras:
         lines.append("  cameras: [" + ", ".join(quoted(camera.name) for camera in cameras) + "]")
@@ -96,6 +101,32 @@ def text(name, frame, cameras, animated, excluded, environment, view, scene):
         lines.append(f"  frames: {scene.frame_start}-{scene.frame_end}{step}")
         lines.append(f"  fps: {scene.render.fps}")
     return "\n".join(lines + view) + "\n"
+
+
+def settings(factors):
+    """Scale and colour of a light group by frame, as YAML. `factors`: frame to colour."""
+    scales = {frame: max(factor) for frame, factor in factors.items()}
+    colors = {frame: factor / scales[frame] for frame, factor in factors.items() if scales[frame] > 0}
+    parts = [f"scale: {_by_frame(scales)}"]
+    if any(abs(part - 1) > 1e-6 for color in colors.values() for part in color):
+        parts.append(f"color: {_by_frame(colors)}")
+    return "{" + ", ".join(parts) + "}"
+
+
+def _by_frame(values):
+    """A map of the frames between which values are linear."""
+    frames = sorted(values)
+    kept = frames[:1]
+    for frame, after in zip(frames[1:], frames[2:]):
+        start = kept[-1]
+        passed = [f for f in frames if start < f <= frame]
+        line = [np.interp(f, (start, after), (0, 1)) for f in passed]
+        rise = np.subtract(values[after], values[start])
+        if any(np.abs(values[start] + t * rise - values[f]).max() > 1e-5 for f, t in zip(passed, line)):
+            kept.append(frame)
+    if frames[-1] != kept[-1]:
+        kept.append(frames[-1])
+    return "{" + ", ".join(f"{frame}: {shown(values[frame])}" for frame in kept) + "}"
 
 
 def escaped(name):

@@ -6,7 +6,7 @@ import re
 import bpy
 import numpy as np
 
-from . import ies, nodes
+from . import ies, motion, nodes
 from .shader import Shader
 from .values import Values, is_constant
 
@@ -23,6 +23,22 @@ class Lamps:
         holders = {group for obj in scene.objects if obj.type == "LIGHT" and not obj.hide_render
                    for group in [self._collection(obj)] if group}
         self.by_collection = len(holders) > 1
+        self.powers, self.settings = {}, {}
+
+    def follow(self, items):
+        """Finds the lamps whose strength or colour changes in the scene's frames. `add` gives each a light group, whose
+        factors by frame are in `settings`: group to frame to colour."""
+        suspects = {item.source.data for item in items
+                    if motion.is_animated(item.source.data) or motion.is_animated(item.source.data.node_tree)}
+        now = self.scene.frame_current
+        found = {lamp: {} for lamp in suspects}
+        for frame in motion.frames(self.scene) if suspects else ():
+            self.scene.frame_set(frame)
+            for lamp in suspects:
+                found[lamp][frame] = np.clip(self.strength(lamp)[0], 0, None)
+        if suspects:
+            self.scene.frame_set(now)
+        self.powers = {lamp: path for lamp, path in found.items() if np.ptp(list(path.values()), axis=0).any()}
 
     def _collection(self, obj):
         """The collection right below the scene's own that holds an object; '' if none does."""
@@ -106,6 +122,9 @@ class Lamps:
         if lamp.type == "AREA" and lamp.cycles.is_portal:
             return None
         power, profile = self.strength(lamp)
+        path = self.powers.get(lamp)
+        if path:
+            power = np.max(list(path.values()), axis=0)
         if not np.any(power > 0):
             return None
         if not (lamp.cycles.cast_shadow if hasattr(lamp.cycles, "cast_shadow") else lamp.use_shadow):
@@ -114,7 +133,13 @@ class Lamps:
         if unseen:
             warn(f"is invisible to {', '.join(unseen)} rays in Cycles, but lights all surfaces in Patchlight")
         made = self._area(item, power, warn) if lamp.type == "AREA" else self._punctual(obj, power, profile)
-        made["light_group"] = self.group(obj, item.instancer) or obj.name
+        group = self.group(obj, item.instancer)
+        if path:
+            if group:
+                warn(f"has a light group of its own instead of '{group}', since it changes with the frame")
+            group = lamp.name
+            self.settings[group] = {frame: one / np.where(power > 0, power, 1) for frame, one in path.items()}
+        made["light_group"] = group or obj.name
         if not obj.visible_camera:
             made["visible_camera"] = False
         return made

@@ -1,4 +1,4 @@
-"""What moves: cameras keep their motion, everything else is named."""
+"""What changes with the frame: cameras keep their motion and lamps their strength, everything else is named."""
 import bpy
 
 from .report import names
@@ -45,13 +45,18 @@ def may_deform(obj):
     return False
 
 
+def frames(scene):
+    """The numbers of the scene's frames."""
+    return range(scene.frame_start, scene.frame_end + 1, scene.frame_step)
+
+
 def paths(scene, objects, place):
     """For each object that moves in the scene's frames, `place` of its matrices by frame."""
     suspects = [obj for obj in objects if may_move(obj)]
     if not suspects:
         return {}
     now, found = scene.frame_current, {obj: {} for obj in suspects}
-    for frame in range(scene.frame_start, scene.frame_end + 1, scene.frame_step):
+    for frame in frames(scene):
         scene.frame_set(frame)
         graph = bpy.context.evaluated_depsgraph_get()
         for obj in suspects:
@@ -66,7 +71,7 @@ def _varies(matrices):
 
 
 def warn(found, scene, report):
-    """Names the meshes, lamps, materials and the world that change with the frame."""
+    """Names what changes with the frame and stays as it is: places, shapes, materials and the world."""
     frame = f"as in frame {scene.frame_current}"
     moving = {item.source.name for item in found.meshes + found.lamps
               if may_move(item.source) or item.instancer and may_move(item.instancer)}
@@ -75,10 +80,6 @@ def warn(found, scene, report):
     shapes = {item.source.name for item in found.meshes if may_deform(item.source)}
     if shapes:
         report.warn(f"the shapes of {names(shapes)} stay {frame}")
-    lamps = {item.source.name for item in found.lamps
-             if is_animated(item.source.data) or is_animated(item.source.data.node_tree)}
-    if lamps:
-        report.warn(f"the strength and colour of the lamps {names(lamps)} stay {frame}")
     used = {m for item in found.meshes for m in item.mesh.materials if m}
     changing = {m.name for m in used if is_animated(m) or is_animated(m.node_tree)}
     if changing:

@@ -114,11 +114,9 @@ class Cameras(ExportTest):
         shape = self.add_cube("shape", location=(5, 0, 0))
         shape.shape_key_add(name="Basis")
         shape.shape_key_add(name="other").keyframe_insert("value", frame=1)
-        lamp = self.add_lamp("lamp", "POINT", 10)
-        lamp.data.keyframe_insert("energy", frame=1)
         cube.data.materials[0].node_tree.nodes["Diffuse BSDF"].inputs[0].keyframe_insert("default_value", frame=1)
         exported = self.export()
-        for words in (("'cube'", "do not move"), ("'shape'", "shapes"), ("'lamp'", "strength"), ("'paint'", "stay")):
+        for words in (("'cube'", "do not move"), ("'shape'", "shapes"), ("'paint'", "stay")):
             self.assert_warned(exported, *words)
 
     def test_scenes_without_an_active_camera(self):

@@ -53,6 +53,29 @@ class Lights(ExportTest):
                 seen = strength(material)[0] * area / 100
                 np.testing.assert_allclose(self.irradiance()[0], seen, rtol=0.012)
 
+    def test_strength_and_colour_by_frame(self):
+        self.scene.frame_start, self.scene.frame_end = 1, 5
+        fading, steady = self.add_lamp("fading", "POINT", 0), self.add_lamp("steady", "POINT", 5)
+        for frame, energy, green in ((1, 0, 1), (3, 100, 1), (5, 100, 0.5)):
+            fading.data.energy, fading.data.color[1] = energy, green
+            for path in ("energy", "color"):
+                fading.data.keyframe_insert(path, frame=frame)
+        for curve in fading.data.animation_data.action.fcurves:
+            for key in curve.keyframe_points:
+                key.interpolation = "LINEAR"
+        steady.data.keyframe_insert("energy", frame=1)
+        fading["light_group"] = "all"
+        self.scene.frame_set(2)
+        exported = self.export()
+        self.assert_warned(exported, "'fading'", "a light group of its own instead of 'all'")
+        self.assertIn('"fading": {scale: {1: 0, 3: 1, 5: 1}, color: {2: [1, 1, 1], 3: [1, 1, 1], 5: [1, 0.5, 1]}}',
+                      exported.job)
+        self.assertNotIn('"steady"', exported.job)
+        self.assertIn("frames: 1-5", exported.job)
+        self.assertAlmostEqual(exported.light("fading")["intensity"] / 683, 100 / (4 * math.pi), 4)
+        self.assertEqual(exported.node("fading")["extras"]["light_group"], "fading")
+        self.assertEqual(self.scene.frame_current, 2)
+
     def test_point_lamps_and_suns(self):
         point = self.add_lamp("point", "POINT", 100, color=(1, 0.5, 0.25), shadow_soft_size=0.05)
         point.location = (0, 0, 3)
