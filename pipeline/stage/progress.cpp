@@ -21,6 +21,9 @@ namespace patchlight {
 
 namespace {
 
+// Seconds between two lines of progress.
+constexpr double kTerminalInterval = 0.1, kFileInterval = 5.0, kLogInterval = 0.5;
+
 volatile std::sig_atomic_t stop_requested = 0;  ///< Number of the received signal.
 volatile std::sig_atomic_t informed_process = 0;
 
@@ -163,13 +166,18 @@ void Progress::update(double fraction, const std::string& detail, std::int64_t r
   }
   last_fraction_ = fraction;
   last_update_ = now;
-  const double interval = terminal_ ? 0.1 : 5.0;
-  if (in_seconds(now - std::max(last_shown_, start_)) < interval) return;
-  last_shown_ = now;
+  const auto is_due = [&](Clock::time_point& last, double interval) {
+    if (in_seconds(now - std::max(last, start_)) < interval) return false;
+    last = now;
+    return true;
+  };
+  const bool log = json_log_ && is_due(last_logged_, kLogInterval);
+  const bool show = !options_.quiet && is_due(last_shown_, terminal_ ? kTerminalInterval : kFileInterval);
+  if (!log && !show) return;
   const double spent = in_seconds(now - part_start_);
   const double rate = rays > 0 && spent > 0 ? double(rays) / spent : 0.0;
-  write_json("progress", detail, -1, fraction, rate);
-  if (options_.quiet) return;
+  if (log) write_json("progress", detail, -1, fraction, rate);
+  if (!show) return;
   std::string line = fmt::format("{:3.0f}%  {}", 100 * fraction, detail);
   if (rate > 0) line += fmt::format("  {:.3g} million rays/s", rate * 1e-6);
   if (const double done = fraction - start_fraction_; done > 0.01)

@@ -97,7 +97,7 @@ class Progress {
   bool json_failed_ = false;
   double part_begin_ = 0, part_end_ = 1;  ///< Over the whole.
   Clock::time_point start_ = Clock::now();
-  Clock::time_point last_shown_{};
+  Clock::time_point last_shown_{}, last_logged_{};
   Clock::time_point whole_start_ = start_, part_start_ = start_, last_update_ = start_;
   double start_fraction_ = 0.0;  ///< Of the whole, at whole_start_.
   double last_fraction_ = 0.0;
