@@ -15,6 +15,11 @@ DISK_SIDES = 64
 RAYS = ("diffuse", "glossy", "transmission")
 
 
+def is_animated(lamp):
+    """Whether the strength or colour of a lamp may change with the frame: it has a light group of its own then."""
+    return motion.is_animated(lamp) or motion.is_animated(lamp.node_tree)
+
+
 class Lamps:
     """Reads lamps. `files` collects photometric files to write: name to bytes."""
 
@@ -26,10 +31,9 @@ class Lamps:
         self.powers, self.settings = {}, {}
 
     def follow(self, items):
-        """Finds the lamps whose strength or colour changes in the scene's frames. `add` gives each a light group, whose
-        factors by frame are in `settings`: group to frame to colour."""
-        suspects = {item.source.data for item in items
-                    if motion.is_animated(item.source.data) or motion.is_animated(item.source.data.node_tree)}
+        """Finds the strengths of animated lamps in the scene's frames. The factors by frame of those that change are in
+        `settings` once they are added: light group to frame to colour."""
+        suspects = {item.source.data for item in items if is_animated(item.source.data)}
         now = self.scene.frame_current
         found = {lamp: {} for lamp in suspects}
         for frame in motion.frames(self.scene) if suspects else ():
@@ -134,10 +138,11 @@ class Lamps:
             warn(f"is invisible to {', '.join(unseen)} rays in Cycles, but lights all surfaces in Patchlight")
         made = self._area(item, power, warn) if lamp.type == "AREA" else self._punctual(obj, power, profile)
         group = self.group(obj, item.instancer)
-        if path:
+        if is_animated(lamp):
             if group:
-                warn(f"has a light group of its own instead of '{group}', since it changes with the frame")
+                warn(f"has a light group of its own instead of '{group}', since it is animated")
             group = lamp.name
+        if path:
             self.settings[group] = {frame: one / np.where(power > 0, power, 1) for frame, one in path.items()}
         made["light_group"] = group or obj.name
         if not obj.visible_camera:

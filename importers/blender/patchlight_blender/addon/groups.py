@@ -1,7 +1,7 @@
 """Light groups: those that the exporter will make, and those of frames."""
 import bpy
 
-from ..lights import Lamps
+from ..lights import Lamps, is_animated
 from . import exr
 from .session import redraw
 
@@ -15,7 +15,7 @@ def of_scene(scene, view_layer):
         if obj.hide_render:
             continue
         if obj.type == "LIGHT":
-            found.add(lamps.group(obj) or obj.name)
+            found.add(obj.data.name if is_animated(obj.data) else lamps.group(obj) or obj.name)
         else:
             shining = [slot.material for slot in obj.material_slots if slot.material and _shines(slot.material)]
             found.update(lamps.group(obj) or material.name for material in shining)

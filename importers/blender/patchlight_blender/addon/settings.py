@@ -51,7 +51,7 @@ class PatchlightSettings(bpy.types.PropertyGroup):
     frames: bpy.props.EnumProperty(
         name="Frames", default="CURRENT",
         items=[("CURRENT", "Current", "The current frame"),
-               ("RANGE", "Range", "The scene's frames. A camera that stands still has one frame")])
+               ("RANGE", "Range", "The scene's frames. A camera that stands still under lights that stay has one")])
     output: bpy.props.StringProperty(
         name="Output", subtype="DIR_PATH",
         description="Folder of frames and solution. Empty: the folder NAME.patchlight beside the file")
