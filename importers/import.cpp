@@ -129,8 +129,7 @@ void mark_intangible(const GltfScene& scene, PatchSet& set, Progress& progress) 
     if (is_lamp || !wanted[p.node]) continue;
     wanted[p.node] = 0;
     progress.warning(
-        fmt::format("node `{}` is `intangible`, but not a lamp that reflects nothing: it hides what is "
-                    "behind it",
+        fmt::format("node `{}` is `intangible`, but not a lamp that reflects nothing: it hides what is behind it",
                     scene.nodes[p.node]));
   }
   for (Primitive& p : set.primitives) p.intangible = wanted[p.node] != 0;

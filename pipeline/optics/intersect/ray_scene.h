@@ -48,7 +48,8 @@ class RayScene {
  public:
   enum class Tracer { fastest, packets, embree };  ///< Of unmasked primitives; fastest: see SurfaceSizes.
 
-  enum class Surfaces { tangible, intangible };  ///< Those that hide others, or Primitive::intangible ones.
+  /// Which surfaces of the scene it holds: those that stop rays, or the lamps that rays pass (Primitive::intangible).
+  enum class Surfaces { tangible, intangible };
 
   explicit RayScene(const PatchSet& scene, Tracer tracer = Tracer::fastest, Surfaces surfaces = Surfaces::tangible);
   RayScene(const RayScene&) = delete;
