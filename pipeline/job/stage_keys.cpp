@@ -11,8 +11,8 @@ namespace {
 
 // Raised whenever a stage computes different results from the same inputs.
 constexpr int kImportVersion = 15;
-constexpr int kTransportKeyVersion = 39;
-constexpr int kSolveVersion = 39;
+constexpr int kTransportKeyVersion = 40;
+constexpr int kSolveVersion = 40;
 constexpr int kTraceVersion = 19;
 
 void add_color(KeyHasher& hasher, const std::optional<Color>& color) {

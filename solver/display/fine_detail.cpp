@@ -17,7 +17,7 @@ constexpr double kOfDistance = 0.5;        // size of a cell over its distance f
 constexpr double kCellsBesideAPart = 6.0;  // an estimate: cells for each that lies beside a crossing
 constexpr double kUsual = 0.25;            // size of cells at creases over that of their patch, without this class
 constexpr double kStep = 1.1;              // of the search for the smallest cells
-constexpr double kMostCells = 0.5;         // over the number of patches
+constexpr double kMostCells = 2.0;         // over the number of patches
 
 Imath::Box2d box_of(const Crossing& crossing) {
   Imath::Box2d box(crossing.from);
