@@ -10,7 +10,7 @@ namespace patchlight {
 namespace {
 
 // Raised whenever a stage computes different results from the same inputs.
-constexpr int kImportVersion = 15;
+constexpr int kImportVersion = 16;
 constexpr int kTransportKeyVersion = 40;
 constexpr int kSolveVersion = 40;
 constexpr int kTraceVersion = 19;

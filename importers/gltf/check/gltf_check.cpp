@@ -13,6 +13,7 @@
 #include "importers/gltf/check/light_check.h"
 #include "importers/gltf/check/mesh_check.h"
 #include "importers/gltf/check/reduced_gltf.h"
+#include "importers/gltf/check/texture_check.h"
 #include "importers/gltf/check/tree_check.h"
 #include "pipeline/model/error.h"
 
@@ -27,14 +28,14 @@ constexpr std::array kSupportedExtensions{"KHR_materials_emissive_strength",
                                           "KHR_draco_mesh_compression",
                                           "EXT_meshopt_compression",
                                           "KHR_texture_transform",
+                                          kWebp,
+                                          kBasisu,
                                           "KHR_materials_transmission",
                                           "KHR_materials_variants",
                                           "EXT_mesh_gpu_instancing",
                                           "KHR_lights_punctual",
                                           "EXT_lights_ies",
                                           "KHR_node_visibility"};
-
-constexpr std::size_t kMaxTexcoordSets = 1000;
 
 bool is_supported(const std::string& extension) {
   return std::find(kSupportedExtensions.begin(), kSupportedExtensions.end(), extension) != kSupportedExtensions.end();
@@ -88,19 +89,6 @@ std::vector<GltfData> checked_data(const GltfLists& gltf, const char* key) {
   return result;
 }
 
-void check_texture_info(const GltfLists& gltf, const Json& owner, const char* key, const GltfPlace& place) {
-  const Json* info = find_object(owner, key, place);
-  if (!info) return;
-  if (index_member(*info, "index", gltf.count("textures"), place) < 0) refuse_gltf("has no index", place, key);
-  index_member(*info, "texCoord", kMaxTexcoordSets, place);
-  if (const Json* transform = find_extension(*info, "KHR_texture_transform", place)) {
-    check_numbers(*transform, "offset", 2, place);
-    check_numbers(*transform, "scale", 2, place);
-    check_number(*transform, "rotation", place);
-    index_member(*transform, "texCoord", kMaxTexcoordSets, place);
-  }
-}
-
 void check_materials(GltfLists& gltf) {
   gltf.each("materials", [&](const Json& material, const GltfPlace& place) {
     check_string(material, "name", place);
@@ -129,13 +117,6 @@ void check_materials(GltfLists& gltf) {
       if (extensions->contains("KHR_materials_unlit"))
         gltf.ignored.insert("unlit materials are read as diffuse materials of their base colour");
     }
-  });
-  gltf.each("textures", [&](const Json& texture, const GltfPlace& place) {
-    index_member(texture, "source", gltf.count("images"), place);
-    index_member(texture, "sampler", gltf.count("samplers"), place);
-  });
-  gltf.each("samplers", [&](const Json& sampler, const GltfPlace& place) {
-    for (const char* key : {"magFilter", "wrapS", "wrapT"}) whole_number(sampler, key, 0, place);
   });
 }
 
@@ -207,6 +188,7 @@ CheckedGltf check_gltf(std::string_view json, const std::string& file, const Glt
   check_buffer_views(gltf, result.buffers);
   check_accessors(gltf);
   check_materials(gltf);
+  check_textures(gltf);
   std::set<int> texcoord_sets = used_texcoords(gltf);
   if (options.texcoords) texcoord_sets.insert(0);
   check_meshes(gltf, texcoord_sets);

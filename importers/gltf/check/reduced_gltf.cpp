@@ -4,6 +4,8 @@
 
 #include <initializer_list>
 
+#include "importers/gltf/check/texture_check.h"
+
 namespace patchlight {
 namespace {
 
@@ -35,6 +37,19 @@ Json reduced_node(const Json& node) {
   Json result = selected(
       node, {"name", "children", "matrix", "translation", "rotation", "scale", "mesh", "camera", "skin", "weights"});
   keep_extras(node, result);
+  return result;
+}
+
+/// A texture whose `source` is the image to read. Without one, an extension that could have it is kept, for the
+/// message.
+Json with_source(const Json& texture) {
+  Json result = selected(texture, {"sampler"});
+  const int image = texture_image(texture);
+  const Json* extensions = find_member(texture, "extensions");
+  if (image >= 0)
+    result["source"] = image;
+  else if (extensions && extensions->contains(kBasisu))
+    result["extensions"][kBasisu] = Json::object();
   return result;
 }
 
@@ -138,9 +153,7 @@ Json reduced_gltf(const Json& root, const std::set<int>& texcoord_sets) {
   result["skins"] = reduced_list(root, "skins", [](const Json& skin) {
     return selected(skin, {"joints", "inverseBindMatrices"});
   });
-  result["textures"] = reduced_list(root, "textures", [](const Json& texture) {
-    return selected(texture, {"source", "sampler"});
-  });
+  result["textures"] = reduced_list(root, "textures", with_source);
   result["samplers"] = reduced_list(root, "samplers", [](const Json& sampler) {
     return selected(sampler, {"magFilter", "wrapS", "wrapT"});
   });

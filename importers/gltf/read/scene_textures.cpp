@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include "importers/gltf/check/texture_check.h"
+#include "pipeline/model/error.h"
+
 namespace patchlight {
 namespace {
 
@@ -27,19 +30,21 @@ std::pair<Vec3d, std::int32_t> SceneTextures::texture(const tinygltf::TextureInf
   const std::pair<Vec3d, std::int32_t> none(Vec3d(1.0), -1);
   if (info.index < 0) return none;
   const tinygltf::Texture& source = model_.gltf.textures[info.index];
-  if (source.source < 0) {
+  const int image = image_of(info.index);
+  if (image < 0) {
     progress_.warning(
-        fmt::format("textures[{}] has no PNG or JPEG image: only the material's factor is used", info.index));
+        fmt::format("textures[{}] has no PNG, JPEG or WebP image: only the material's factor is used", info.index));
     return none;
   }
   const auto [entry, is_new] =
       read_textures_.emplace(std::pair(info.index, encoding), std::pair(Vec3d(1.0), std::int32_t(textures_.size())));
-  if (is_new) entry->second.first = read(source.source, encoding, &textures_.emplace_back(without_texels(source)));
+  if (is_new) entry->second.first = read(image, encoding, &textures_.emplace_back(without_texels(source)));
   return entry->second;
 }
 
 std::int32_t SceneTextures::mask(const tinygltf::TextureInfo& info) {
-  const bool none = info.index < 0 || model_.gltf.textures[info.index].source < 0;
+  const int image = info.index < 0 ? -1 : image_of(info.index);
+  const bool none = image < 0;
   const auto [entry, is_new] = read_masks_.emplace(none ? -1 : info.index, std::int32_t(masks_.size()));
   if (!is_new) return entry->second;
   if (none) {
@@ -48,9 +53,21 @@ std::int32_t SceneTextures::mask(const tinygltf::TextureInfo& info) {
   }
   const tinygltf::Texture& source = model_.gltf.textures[info.index];
   Texture texture = without_texels(source);
-  read(source.source, TextureEncoding::alpha, &texture);
+  read(image, TextureEncoding::alpha, &texture);
   masks_.push_back(texture.texels.empty() ? opaque_mask() : std::move(texture));
   return entry->second;
+}
+
+/// -1: none.
+int SceneTextures::image_of(int texture) const {
+  const tinygltf::Texture& source = model_.gltf.textures[texture];
+  if (source.source < 0 && source.extensions.contains(kBasisu)) {
+    throw Error(ExitCode::bad_data,
+                fmt::format("the texture's only image is compressed by {}, which is not supported", kBasisu),
+                fmt::format("{}, textures[{}]", model_.file.name, texture),
+                "convert the scene's textures to PNG: `gltf-transform ktxdecompress SCENE.glb CONVERTED.glb`");
+  }
+  return source.source;
 }
 
 Texture SceneTextures::without_texels(const tinygltf::Texture& source) const {

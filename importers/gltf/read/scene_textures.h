@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "importers/gltf/model/gltf_model.h"
-#include "importers/gltf/read/texture_reader.h"
+#include "importers/gltf/textures/texture_reader.h"
 #include "importers/mesh/surface.h"
 #include "pipeline/stage/progress.h"
 
@@ -20,7 +20,7 @@ class SceneTextures {
   SceneTextures(GltfModel& model, Progress& progress, std::vector<Texture>& textures, std::vector<Texture>& masks);
 
   /// Mean value of a texture, and its index in `textures`. Without an image: ones and -1.
-  /// Throws: Error as read_texture and image_bytes do.
+  /// Throws: Error as read_texture and image_bytes do; (bad_data) if its only image is of KHR_texture_basisu.
   std::pair<Vec3d, std::int32_t> texture(const tinygltf::TextureInfo& info, TextureEncoding encoding);
 
   /// Index in `masks` of a base colour texture's alpha; of a single opaque texel without a texture or without alpha.
@@ -31,6 +31,7 @@ class SceneTextures {
   const Texture& mask_at(std::int32_t index) const { return masks_[static_cast<std::size_t>(index)]; }
 
  private:
+  int image_of(int texture) const;
   Texture without_texels(const tinygltf::Texture& source) const;
   Vec3d read(int image, TextureEncoding encoding, Texture* texture);
 

@@ -7,7 +7,8 @@
 #include <cmath>
 #include <vector>
 
-#include "importers/gltf/read/texture_reader.h"
+#include "importers/gltf/textures/texture_reader.h"
+#include "importers/gltf/textures/webp.h"
 #include "pipeline/model/error.h"
 
 namespace patchlight {
@@ -17,7 +18,7 @@ constexpr std::int64_t kMaxTexels = 8192 * 8192;
 constexpr int kRowsAtOnce = 64;
 
 [[noreturn]] void refuse(const std::string& what, const std::string& place) {
-  throw Error(ExitCode::bad_data, what, place, "save the texture as PNG or JPEG again");
+  throw Error(ExitCode::bad_data, what, place, "save the texture as PNG, JPEG or WebP again");
 }
 
 /// A file name whose extension makes OpenImageIO choose the right reader, from the image's first bytes.
@@ -29,7 +30,8 @@ const char* format_name(std::span<const unsigned char> bytes, const std::string&
   };
   if (begins_with(png)) return "image.png";
   if (begins_with(jpeg)) return "image.jpg";
-  refuse(bytes.empty() ? "the texture has no data" : "the texture is neither PNG nor JPEG", place);
+  if (is_webp(bytes)) return "image.webp";
+  refuse(bytes.empty() ? "the texture has no data" : "the texture is none of PNG, JPEG and WebP", place);
 }
 
 std::vector<float> decoding_table(TextureEncoding encoding) {
@@ -56,26 +58,45 @@ void append_texels(std::span<const std::uint16_t> values, std::size_t channels, 
   }
 }
 
+void check_size(std::int64_t width, std::int64_t height, std::int64_t texels_left, const std::string& place) {
+  if (width <= 0 || height <= 0) refuse("the texture holds no colours", place);
+  if (width > std::min(kMaxTexels, texels_left) / height) {
+    throw Error(ExitCode::over_limit, fmt::format("a texture of {} x {} texels is too large", width, height), place,
+                "scale it down; a texture may have 8192 x 8192 texels, all textures 2^30, and these limits are fixed");
+  }
+}
+
+/// Checks a WebP image, which OpenImageIO decodes when it opens it, and takes away the alpha of one that is read for
+/// its colours: replaces `bytes` by those in `colors`.
+void prepare_webp(TextureEncoding encoding, const std::string& place, std::int64_t texels_left,
+                  std::vector<unsigned char>& colors, std::span<const unsigned char>& bytes) {
+  const WebpHeader header = webp_header(bytes);
+  check_size(header.width, header.height, texels_left, place);
+  if (header.is_animated) refuse("the texture is an animated WebP image", place);
+  if (encoding == TextureEncoding::alpha && header.has_alpha) return;
+  colors = webp_without_alpha(bytes);
+  bytes = colors;
+}
+
 }  // namespace
 
 void decode_texture(std::span<const unsigned char> bytes, TextureEncoding encoding, const std::string& place,
                     std::int64_t& texels_left, Texture* kept, Vec3d& mean) {
+  const char* const name = format_name(bytes, place);
+  std::vector<unsigned char> colors;
+  if (is_webp(bytes)) prepare_webp(encoding, place, texels_left, colors, bytes);
   OIIO::Filesystem::IOMemReader memory(const_cast<unsigned char*>(bytes.data()), bytes.size());
   OIIO::ImageSpec config;
   config["oiio:UnassociatedAlpha"] = 1;
   OIIO::Filesystem::IOProxy* proxy = &memory;
   config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
-  const auto image = OIIO::ImageInput::open(format_name(bytes, place), &config, proxy);
+  const auto image = OIIO::ImageInput::open(name, &config, proxy);
   if (!image) refuse(fmt::format("the texture cannot be decoded: {}", OIIO::geterror()), place);
 
   const OIIO::ImageSpec& spec = image->spec();
+  if (spec.nchannels < 1 || spec.nchannels > 4) refuse("the texture holds no colours", place);
+  check_size(spec.width, spec.height, texels_left, place);
   const std::int64_t texels = std::int64_t{spec.width} * spec.height;
-  if (texels <= 0 || spec.nchannels < 1 || spec.nchannels > 4) refuse("the texture holds no colours", place);
-  if (texels > std::min(kMaxTexels, texels_left)) {
-    throw Error(ExitCode::over_limit, fmt::format("a texture of {} x {} texels is too large", spec.width, spec.height),
-                place,
-                "scale it down; a texture may have 8192 x 8192 texels, all textures 2^30, and these limits are fixed");
-  }
   const auto channels = static_cast<std::size_t>(spec.nchannels);
   if (encoding == TextureEncoding::alpha && channels % 2 != 0) {
     mean = Vec3d(1.0);

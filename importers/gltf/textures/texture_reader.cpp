@@ -1,4 +1,4 @@
-#include "importers/gltf/read/texture_reader.h"
+#include "importers/gltf/textures/texture_reader.h"
 
 #include "pipeline/system/on_demand.h"
 
