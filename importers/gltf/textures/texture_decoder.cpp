@@ -78,6 +78,14 @@ void prepare_webp(TextureEncoding encoding, const std::string& place, std::int64
   bytes = colors;
 }
 
+/// Refuses a JPEG that ends too early. OpenImageIO decodes it with grey in place of what is missing, and keeps the
+/// warning of libjpeg: "Premature end of JPEG file", or "Corrupt JPEG data: premature end of data segment".
+void check_end(const OIIO::ImageInput& image, const std::string& place) {
+  const std::string warning = image.geterror();
+  if (warning.find("remature end") != std::string::npos)
+    refuse(fmt::format("the texture is damaged: {}", warning), place);
+}
+
 }  // namespace
 
 void decode_texture(std::span<const unsigned char> bytes, TextureEncoding encoding, const std::string& place,
@@ -122,6 +130,7 @@ void decode_texture(std::span<const unsigned char> bytes, TextureEncoding encodi
     for (std::size_t i = 0; i < values; ++i) sums[i % channels] += table[rows[i]];
     if (kept) append_texels(std::span(rows).first(values), channels, encoding, kept->texels);
   }
+  check_end(*image, place);
   for (double& sum : sums) sum /= static_cast<double>(texels);
   if (encoding == TextureEncoding::alpha)
     mean = Vec3d(sums[channels - 1]);

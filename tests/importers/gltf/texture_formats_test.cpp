@@ -139,5 +139,32 @@ TEST(TextureFormats, BadWebpIsRefused) {
   expect_refused(importer, changed, ExitCode::over_limit, "7968 x 15485");
 }
 
+TEST(TextureFormats, TruncatedImagesAreRefused) {
+  Importer importer;
+  Pixels noise{64, 64, 3};
+  std::uint32_t random = 1;
+  for (int i = 0; i < 64 * 64 * 3; ++i)
+    noise.values.push_back(float((random = random * 1664525u + 1013904223u) >> 24) / 255);
+  for (const char* name : {"noise.jpg", "noise.png", "noise.webp"}) {
+    write_image(importer.folder / name, noise, PixelType::byte);
+    const std::string intact = read_text(importer.folder / name);
+    for (const double left : {0.05, 0.3, 0.6, 0.95})
+      expect_refused(importer, intact.substr(0, std::size_t(double(intact.size()) * left)), ExitCode::bad_data,
+                     "images[0]");
+    importer.folder.write("image", intact);
+    GltfBuilder gltf = square({{"source", 0}}, {"image"});
+    EXPECT_NO_THROW(importer.import(gltf)) << name;
+  }
+}
+
+TEST(TextureFormats, JpegWithBytesToSpareIsRead) {
+  Importer importer;
+  std::string bytes = encoded(importer, "plain.jpg", {128, 128, 128});
+  const std::string end = bytes.substr(bytes.size() - 2);
+  importer.folder.write("image", bytes.substr(0, bytes.size() - 2) + "spare" + end + "more");
+  GltfBuilder gltf = square({{"source", 0}}, {"image"});
+  EXPECT_NEAR(importer.import(gltf).patches.at(0).reflectance.x, linear(128), 0.01);
+}
+
 }  // namespace
 }  // namespace patchlight::test
