@@ -101,7 +101,7 @@ std::vector<Light> extract_suns(Environment& sky, std::vector<Sample>& samples) 
   }
 }
 
-void read_image(const Job& job, Environment& sky, PatchSet& scene) {
+void read_image(const Job& job, Environment& sky, PatchSet& scene, Progress& progress) {
   const std::filesystem::path& file = job.environment.image;
   const std::string place = job.file.string() + ", environment.image";
   std::error_code fault;
@@ -112,7 +112,11 @@ void read_image(const Job& job, Environment& sky, PatchSet& scene) {
                 "set it to the path of an image");
   static auto* const decode = on_demand<decltype(decode_environment)>("patchlight-textures", "decode_environment");
   scene.sources.push_back({path_beside_scene(file, job), hash_file(file)});
-  decode(file, file.string(), kMaxColumns, sky);
+  std::int64_t negative_texels = 0;
+  decode(file, file.string(), kMaxColumns, sky, negative_texels);
+  if (negative_texels > 0)
+    progress.warning(fmt::format("{} texels of the environment's image '{}' have negative radiance, which counts as 0",
+                                 negative_texels, file.string()));
 }
 
 /// Index of a light group, added if it is new.
@@ -132,7 +136,7 @@ void add_environment(const Job& job, PatchSet& scene, Progress& progress) {
   if (config.image.empty())
     sky.texels.assign(1, Color(1.0f));
   else
-    read_image(job, sky, scene);
+    read_image(job, sky, scene, progress);
   const Color factor = config.color.value_or(Color(1.0f)) * static_cast<float>(config.strength);
   for (Color& texel : sky.texels) {
     texel *= factor;

@@ -189,6 +189,24 @@ TEST(Environment, ImagesOfAnyAspectRatioAreReduced) {
   EXPECT_NEAR(irradiance(scene, {0, -1, 0}).x, 0, 0.02);
 }
 
+TEST(Environment, SmallNegativeRadianceCountsAsNone) {
+  Importer importer;
+  float negative = -0.009f;  // of a mean of about 1
+  const auto write = [&] {
+    importer.job.environment.image = write_sky(importer.folder / "sky.exr", 32, 16, [&](int x, int y) {
+      return x == 3 && y > 0 && y < 5 ? Color(1.0f, negative, 1.0f) : Color(1.0f);
+    });
+  };
+  write();
+  const PatchSet scene = imported(importer);
+  EXPECT_EQ(scene.environment->texels.at(32 + 3), Color(1.0f, 0.0f, 1.0f));
+  EXPECT_EQ(scene.environment->texels.at(32 + 4), Color(1.0f));
+  EXPECT_THAT(importer.messages(), ::testing::HasSubstr("4 texels of the environment's image"));
+  negative = -0.011f;
+  write();
+  EXPECT_ERROR(imported(importer), ExitCode::bad_data, "column 3, row 1; it must be at least -1% of the image's mean");
+}
+
 TEST(Environment, BadImagesAreRefused) {
   Importer importer;
   importer.job.environment.image = importer.folder / "none.hdr";
