@@ -7,23 +7,24 @@
 namespace patchlight {
 namespace {
 
-constexpr const char* kMeshopt = "EXT_meshopt_compression";
 constexpr const char* kDraco = "KHR_draco_mesh_compression";
 
-MeshoptView::Mode mode_of(const Json& compressed, const GltfPlace& place) {
+MeshoptView::Mode mode_of(const Json& compressed, const GltfPlace& place, const char* extension) {
   const std::string mode = string_member(compressed, "mode");
   if (mode == "ATTRIBUTES") return MeshoptView::Mode::attributes;
   if (mode == "TRIANGLES") return MeshoptView::Mode::triangles;
-  if (mode != "INDICES") refuse_gltf("has an unknown mode", place, kMeshopt);
+  if (mode != "INDICES") refuse_gltf(fmt::format("has the unknown mode '{}'", mode.substr(0, 100)), place, extension);
   return MeshoptView::Mode::indices;
 }
 
-MeshoptView::Filter filter_of(const Json& compressed, const GltfPlace& place) {
+MeshoptView::Filter filter_of(const Json& compressed, const GltfPlace& place, const char* extension, bool khr) {
   const std::string filter = string_member(compressed, "filter");
   if (filter == "OCTAHEDRAL") return MeshoptView::Filter::octahedral;
   if (filter == "QUATERNION") return MeshoptView::Filter::quaternion;
   if (filter == "EXPONENTIAL") return MeshoptView::Filter::exponential;
-  if (!filter.empty() && filter != "NONE") refuse_gltf("has an unknown filter", place, kMeshopt);
+  if (filter == "COLOR" && khr) return MeshoptView::Filter::color;
+  if (!filter.empty() && filter != "NONE")
+    refuse_gltf(fmt::format("has the unknown filter '{}'", filter.substr(0, 100)), place, extension);
   return MeshoptView::Filter::none;
 }
 
@@ -34,7 +35,8 @@ bool is_valid_stride(const MeshoptView& compressed) {
     const bool whole_triangles = compressed.mode == MeshoptView::Mode::indices || compressed.count % 3 == 0;
     return (stride == 2 || stride == 4) && whole_triangles && compressed.filter == MeshoptView::Filter::none;
   }
-  if (compressed.filter == MeshoptView::Filter::octahedral) return stride == 4 || stride == 8;
+  if (compressed.filter == MeshoptView::Filter::octahedral || compressed.filter == MeshoptView::Filter::color)
+    return stride == 4 || stride == 8;
   if (compressed.filter == MeshoptView::Filter::quaternion) return stride == 8;
   return stride % 4 == 0 && stride >= 4 && stride <= 256;
 }
@@ -61,37 +63,49 @@ DracoPrimitive checked_draco(const GltfLists& gltf, const Json& primitive, const
   return result;
 }
 
+MeshoptView checked_meshopt_view(const GltfLists& gltf, const Json& view, const Json& compressed,
+                                 const GltfPlace& place, const char* extension, bool khr) {
+  const Json& buffers = gltf.list("buffers");
+  const auto number = [&](const char* key) {
+    return static_cast<std::size_t>(whole_number(compressed, key, 0, place));
+  };
+  MeshoptView entry;
+  entry.khr = khr;
+  entry.view = static_cast<int>(place.index);
+  entry.buffer = index_member(compressed, "buffer", buffers.size(), place);
+  if (entry.buffer < 0) refuse_gltf("has no buffer", place, extension);
+  entry.offset = number("byteOffset");
+  entry.size = number("byteLength");
+  entry.count = number("count");
+  entry.stride = number("byteStride");
+  entry.mode = mode_of(compressed, place, extension);
+  entry.filter = filter_of(compressed, place, extension, khr);
+  const std::size_t length = static_cast<std::size_t>(whole_number(buffers[entry.buffer], "byteLength", 0, place));
+  if (entry.offset > length || entry.size > length - entry.offset) {
+    refuse_gltf("reaches beyond its buffer", place, extension);
+  }
+  if (!is_valid_stride(entry))
+    refuse_gltf("has a byteStride or count that its mode or filter does not permit", place, extension);
+  const std::size_t bytes = entry.count * entry.stride;
+  if (bytes > entry.max_ratio() * (entry.size + 1) ||
+      bytes != static_cast<std::size_t>(whole_number(view, "byteLength", 0, place))) {
+    refuse_gltf(fmt::format("has {} elements, which do not match its byteLength", entry.count), place, extension);
+  }
+  return entry;
+}
+
 }  // namespace
 
 std::vector<MeshoptView> checked_meshopt_views(const GltfLists& gltf) {
   std::vector<MeshoptView> result;
-  const Json& buffers = gltf.list("buffers");
   gltf.each("bufferViews", [&](const Json& view, const GltfPlace& place) {
-    const Json* compressed = find_extension(view, kMeshopt, place);
-    if (!compressed) return;
-    MeshoptView& entry = result.emplace_back();
-    const auto number = [&](const char* key) {
-      return static_cast<std::size_t>(whole_number(*compressed, key, 0, place));
-    };
-    entry.view = static_cast<int>(place.index);
-    entry.buffer = index_member(*compressed, "buffer", buffers.size(), place);
-    if (entry.buffer < 0) refuse_gltf("has no buffer", place, kMeshopt);
-    entry.offset = number("byteOffset");
-    entry.size = number("byteLength");
-    entry.count = number("count");
-    entry.stride = number("byteStride");
-    entry.mode = mode_of(*compressed, place);
-    entry.filter = filter_of(*compressed, place);
-    const std::size_t length = static_cast<std::size_t>(whole_number(buffers[entry.buffer], "byteLength", 0, place));
-    if (entry.offset > length || entry.size > length - entry.offset) {
-      refuse_gltf("reaches beyond its buffer", place, kMeshopt);
-    }
-    if (!is_valid_stride(entry))
-      refuse_gltf("has a byteStride or count that its mode or filter does not permit", place, kMeshopt);
-    const std::size_t bytes = entry.count * entry.stride;
-    if (bytes > kMaxMeshoptRatio * (entry.size + 1) ||
-        bytes != static_cast<std::size_t>(whole_number(view, "byteLength", 0, place))) {
-      refuse_gltf(fmt::format("has {} elements, which do not match its byteLength", entry.count), place, kMeshopt);
+    for (const bool khr : {false, true}) {
+      const char* const extension = khr ? "KHR_meshopt_compression" : "EXT_meshopt_compression";
+      const Json* compressed = find_extension(view, extension, place);
+      if (!compressed) continue;
+      if (!result.empty() && result.back().view == static_cast<int>(place.index))
+        refuse_gltf("must not be used together with EXT_meshopt_compression", place, extension);
+      result.push_back(checked_meshopt_view(gltf, view, *compressed, place, extension, khr));
     }
   });
   return result;

@@ -10,13 +10,10 @@ namespace patchlight {
 
 struct GltfLists;
 
-/// Largest compression ratio of EXT_meshopt_compression that is accepted; vertices reach 64, indices 12.
-constexpr std::size_t kMaxMeshoptRatio = 128;
-
-/// A bufferView compressed by EXT_meshopt_compression.
+/// A bufferView compressed by EXT_meshopt_compression or KHR_meshopt_compression.
 struct MeshoptView {
   enum class Mode { attributes, triangles, indices };
-  enum class Filter { none, octahedral, quaternion, exponential };
+  enum class Filter { none, octahedral, quaternion, exponential, color };
 
   int view = 0;  ///< Index of the bufferView.
   int buffer = 0;
@@ -25,6 +22,11 @@ struct MeshoptView {
   std::size_t stride = 0;            ///< Bytes of an element.
   Mode mode = Mode::attributes;
   Filter filter = Filter::none;
+  bool khr = false;  ///< Of KHR_meshopt_compression.
+
+  /// Largest compression ratio that is accepted. Vertices of the EXT reach 64, indices 12; constant ones of the KHR
+  /// 1024.
+  std::size_t max_ratio() const { return khr ? 1024 : 128; }
 };
 
 /// A mesh primitive compressed by KHR_draco_mesh_compression.

@@ -92,12 +92,12 @@ void decompress_primitive(GltfModel& model, const DracoPrimitive& compressed) {
 
 /// Refuses files whose compressed parts overlap so much that they expand far beyond the buffers' size.
 void check_expansion(const GltfModel& model) {
-  std::size_t bytes = 1, elements = 0, compressed = 0;
+  std::size_t bytes = 1, meshopt = 0, draco = 0;
   for (const auto& buffer : model.buffers) bytes += buffer.size();
-  for (const MeshoptView& view : model.checked.meshopt_views) elements += view.count * view.stride;
+  for (const MeshoptView& view : model.checked.meshopt_views) meshopt += view.count * view.stride / view.max_ratio();
   for (const DracoPrimitive& primitive : model.checked.draco_primitives)
-    compressed += model.gltf.bufferViews[primitive.view].byteLength;
-  if (elements / kMaxMeshoptRatio > bytes || compressed / kMaxDracoReuse > bytes)
+    draco += model.gltf.bufferViews[primitive.view].byteLength;
+  if (meshopt > bytes || draco / kMaxDracoReuse > bytes)
     refuse("compressed meshes expand to more than the buffers can contain", model.file.name);
 }
 
@@ -146,7 +146,7 @@ void decompress(GltfModel& model) {
 Bytes decompress_meshopt(const MeshoptView& view, std::span<const unsigned char> compressed, const std::string& place) {
   static auto* const decode = on_demand<decltype(decode_meshopt)>(kDecoders, "decode_meshopt");
   Bytes elements;
-  if (!decode(view, compressed, elements)) refuse("its EXT_meshopt_compression data is damaged", place);
+  if (!decode(view, compressed, elements)) refuse("its data, compressed by meshoptimizer, are damaged", place);
   return elements;
 }
 

@@ -11,6 +11,7 @@
 #include <array>
 #include <cstring>
 
+#include "importers/gltf/model/meshopt_attributes.h"
 #include "pipeline/model/error.h"
 
 namespace patchlight {
@@ -93,7 +94,8 @@ double rounding_of(const draco::PointAttribute& attribute) {
   return 0.5 * static_cast<double>(transform.range()) / ((1 << transform.quantization_bits()) - 1);
 }
 
-bool decode_filter(const MeshoptView& view, unsigned char* elements) {
+bool decode_filter(const MeshoptView& view, Bytes& bytes) {
+  unsigned char* const elements = bytes.data();
   switch (view.filter) {
     case MeshoptView::Filter::octahedral:
       meshopt_decodeFilterOct(elements, view.count, view.stride);
@@ -104,6 +106,8 @@ bool decode_filter(const MeshoptView& view, unsigned char* elements) {
     case MeshoptView::Filter::exponential:
       meshopt_decodeFilterExp(elements, view.count, view.stride);
       return true;
+    case MeshoptView::Filter::color:
+      return decode_colors(view, bytes);
     case MeshoptView::Filter::none:
       return true;
   }
@@ -120,7 +124,9 @@ bool decode_meshopt(const MeshoptView& view, std::span<const unsigned char> comp
   };
   switch (view.mode) {
     case MeshoptView::Mode::attributes:
-      return decompress(meshopt_decodeVertexBuffer) && decode_filter(view, elements.data());
+      return (is_attributes_version_1(compressed) ? decode_attributes_version_1(view, compressed, elements)
+                                                  : decompress(meshopt_decodeVertexBuffer)) &&
+             decode_filter(view, elements);
     case MeshoptView::Mode::triangles:
       return decompress(meshopt_decodeIndexBuffer);
     case MeshoptView::Mode::indices:

@@ -27,7 +27,7 @@ struct DracoMesh {
   Bytes indices;  ///< Output: 32-bit, 3 per triangle.
 };
 
-/// Decodes a bufferView compressed by EXT_meshopt_compression. `place` names it in errors.
+/// Decodes a bufferView compressed by EXT_meshopt_compression or KHR_meshopt_compression. `place` names it in errors.
 /// Throws: Error (bad_data) for damaged bytes.
 Bytes decompress_meshopt(const MeshoptView& view, std::span<const unsigned char> compressed, const std::string& place);
 

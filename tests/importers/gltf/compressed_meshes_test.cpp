@@ -105,8 +105,8 @@ TEST(CompressedMeshes, MeshoptGivesTheSameScene) {
   expect_refused("byteLength", 1 << 20, "reaches beyond its buffer");
   expect_refused("buffer", 9, "index 9");
   expect_refused("buffer", 1, "has no data");
-  expect_refused("mode", "STRIPS", "unknown mode");
-  expect_refused("filter", "OCTAHEDRON", "unknown filter");
+  expect_refused("mode", "STRIPS", "unknown mode 'STRIPS'");
+  expect_refused("filter", "OCTAHEDRON", "unknown filter 'OCTAHEDRON'");
   gltf.binary[packed["byteOffset"].get<std::size_t>()] = 0;
   EXPECT_ERROR(importer.import(gltf), ExitCode::bad_data, "bufferViews[0]");
 }
