@@ -95,6 +95,8 @@ void check_materials(GltfLists& gltf) {
     check_string(material, "name", place);
     check_numbers(material, "emissiveFactor", 3, place);
     check_texture_info(gltf, material, "emissiveTexture", place);
+    if (material.contains("occlusionTexture"))
+      gltf.ignored.insert("occlusion textures are ignored: shading by nearby surfaces is computed");
     check_string(material, "alphaMode", place);
     const std::string alpha = string_member(material, "alphaMode");
     if (alpha == "BLEND")

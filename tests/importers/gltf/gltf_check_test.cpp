@@ -29,6 +29,16 @@ TEST(GltfCheck, UnknownRequiredExtensionIsNamed) {
   expect_refused([](Json& json) { json["extensionsRequired"] = {"EXT_texture_avif"}; }, "EXT_texture_avif");
 }
 
+TEST(GltfCheck, IgnoredOcclusionTexturesAreSaidOnce) {
+  Importer importer;
+  GltfBuilder gltf = single_mesh(cube(), {{"occlusionTexture", {{"index", 0}}}});
+  gltf.material({{"occlusionTexture", {{"index", 0}}}});
+  importer.import(gltf);
+  const std::string messages = importer.messages(), text = "occlusion textures are ignored";
+  EXPECT_NE(messages.find(text), std::string::npos);
+  EXPECT_EQ(messages.find(text), messages.rfind(text));
+}
+
 TEST(GltfCheck, KnownRequiredAndUnknownUsedExtensionsPass) {
   Importer importer;
   GltfBuilder gltf = single_mesh(cube());
