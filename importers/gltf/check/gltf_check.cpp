@@ -13,6 +13,7 @@
 #include "importers/gltf/check/light_check.h"
 #include "importers/gltf/check/mesh_check.h"
 #include "importers/gltf/check/reduced_gltf.h"
+#include "importers/gltf/check/specular_glossiness_check.h"
 #include "importers/gltf/check/texture_check.h"
 #include "importers/gltf/check/tree_check.h"
 #include "pipeline/model/error.h"
@@ -24,6 +25,7 @@ constexpr std::array kSupportedExtensions{"KHR_materials_emissive_strength",
                                           "KHR_materials_specular",
                                           "KHR_materials_ior",
                                           "KHR_materials_unlit",
+                                          kSpecularGlossiness,
                                           "KHR_mesh_quantization",
                                           "KHR_draco_mesh_compression",
                                           "EXT_meshopt_compression",
@@ -114,6 +116,7 @@ void check_materials(GltfLists& gltf) {
       check_texture_info(gltf, *pbr, "baseColorTexture", place);
       check_texture_info(gltf, *pbr, "metallicRoughnessTexture", place);
     }
+    check_specular_glossiness(gltf, material, place);
     if (const Json* extensions = find_object(material, "extensions", place)) {
       const Json* emission = find_object(*extensions, "KHR_materials_emissive_strength", place);
       if (emission) check_number(*emission, "emissiveStrength", place);
@@ -135,6 +138,7 @@ std::set<int> used_texcoords(const GltfLists& gltf) {
     add(pbr, "baseColorTexture");
     add(pbr, "metallicRoughnessTexture");
     add(&material, "emissiveTexture");
+    add(find_specular_glossiness(material, place), "diffuseTexture");
   });
   return sets;
 }

@@ -4,6 +4,7 @@
 
 #include <initializer_list>
 
+#include "importers/gltf/check/specular_glossiness_check.h"
 #include "importers/gltf/check/texture_check.h"
 
 namespace patchlight {
@@ -69,12 +70,21 @@ Json reduced_material(const Json& material) {
   if (const Json* emissive = find_member(material, "emissiveTexture")) {
     result["emissiveTexture"] = reduced_texture(*emissive);
   }
-  if (const Json* pbr = find_member(material, "pbrMetallicRoughness")) {
+  const std::string file;
+  const Json* glossy = find_specular_glossiness(material, {file});
+  const Json dielectric = glossy ? dielectric_of(*glossy) : Json();
+  if (const Json* pbr = glossy ? &dielectric : find_member(material, "pbrMetallicRoughness")) {
     Json& reduced = result["pbrMetallicRoughness"] =
         selected(*pbr, {"baseColorFactor", "metallicFactor", "roughnessFactor"});
     for (const char* key : {"baseColorTexture", "metallicRoughnessTexture"}) {
       if (const Json* info = find_member(*pbr, key)) reduced[key] = reduced_texture(*info);
     }
+  }
+  if (glossy) {
+    Json& reduced = result["extensions"][kSpecularGlossiness] =
+        selected(*glossy, {"specularFactor", "glossinessFactor"});
+    if (const Json* info = find_member(*glossy, "specularGlossinessTexture"))
+      reduced["specularGlossinessTexture"] = selected(*info, {"index"});
   }
   if (const Json* extensions = find_member(material, "extensions")) {
     if (const Json* emission = find_member(*extensions, "KHR_materials_emissive_strength")) {

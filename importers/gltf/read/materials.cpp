@@ -6,6 +6,7 @@
 
 #include "importers/gltf/read/name_pattern.h"
 #include "importers/gltf/read/scene_textures.h"
+#include "importers/gltf/read/specular_glossiness.h"
 #include "pipeline/model/error.h"
 
 namespace patchlight {
@@ -215,6 +216,7 @@ std::vector<SurfaceMaterial> read_materials(GltfModel& model, const std::vector<
                                             Progress& progress) {
   std::vector<SurfaceMaterial> materials;
   SceneTextures reader(model, progress, textures, masks);
+  convert_specular_glossiness(model, used, reader);
   for (std::size_t i = 0; i < model.gltf.materials.size(); ++i) {
     materials.push_back(read_material(model.gltf.materials[i], used[i], reader));
   }

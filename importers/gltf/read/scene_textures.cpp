@@ -42,6 +42,11 @@ std::pair<Vec3d, std::int32_t> SceneTextures::texture(const tinygltf::TextureInf
   return entry->second;
 }
 
+Vec3d SceneTextures::mean(const tinygltf::TextureInfo& info, TextureEncoding encoding) {
+  const int image = info.index < 0 ? -1 : image_of(info.index);
+  return image < 0 ? Vec3d(1.0) : read(image, encoding, nullptr);
+}
+
 std::int32_t SceneTextures::mask(const tinygltf::TextureInfo& info) {
   const int image = info.index < 0 ? -1 : image_of(info.index);
   const bool none = image < 0;

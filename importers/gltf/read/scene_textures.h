@@ -23,6 +23,9 @@ class SceneTextures {
   /// Throws: Error as read_texture and image_bytes do; (bad_data) if its only image is of KHR_texture_basisu.
   std::pair<Vec3d, std::int32_t> texture(const tinygltf::TextureInfo& info, TextureEncoding encoding);
 
+  /// Mean value of a texture that the scene does not keep; ones without an image. Throws: Error as texture() does.
+  Vec3d mean(const tinygltf::TextureInfo& info, TextureEncoding encoding);
+
   /// Index in `masks` of a base colour texture's alpha; of a single opaque texel without a texture or without alpha.
   /// Throws: Error as read_texture and image_bytes do.
   std::int32_t mask(const tinygltf::TextureInfo& info);
