@@ -63,7 +63,8 @@ std::vector<Material> stored_materials(const std::vector<SurfaceMaterial>& mater
   std::vector<Material> result;
   for (const SurfaceMaterial& material : materials)
     result.push_back({material.name, material.specular, material.roughness, material.tint, material.alpha,
-                      material.alpha_cutoff, material.metal, material.roughness_factor, material.emission_tint});
+                      material.alpha_cutoff, material.metal, material.roughness_factor, material.emission_tint,
+                      material.coat});
   return result;
 }
 
@@ -91,14 +92,15 @@ std::string clusters_text(const PatchSet& set) {
 std::string summary(const GltfScene& scene, const PrimitiveList& list, const PatchSet& set) {
   std::vector<char> used(scene.materials.size(), 0);
   for (const Surface& surface : scene.surfaces) used[surface.material] = 1;
-  int mirrors = 0;
+  int mirrors = 0, coats = 0;
   for (std::size_t i = 0; i < used.size(); ++i) {
     if (used[i] && scene.materials[i].specular != Color(0.0f)) ++mirrors;
+    if (used[i] && scene.materials[i].coat.exists()) ++coats;
   }
   const auto moving = std::count_if(set.cameras.begin(), set.cameras.end(),
                                     [](const Camera& camera) { return !camera.motion.empty(); });
   return fmt::format(
-      "{} triangles{} read as {} quads, {} triangles, {} spheres{}{}; {} patches{}; modelled: {} metallic materials, "
+      "{} triangles{} read as {} quads, {} triangles, {} spheres{}{}; {} patches{}; modelled: {} metallic materials{}, "
       "{} light groups, {} cameras{}{}{}{}{}{}",
       scene.triangles,
       list.added_triangles > 0
@@ -109,8 +111,8 @@ std::string summary(const GltfScene& scene, const PrimitiveList& list, const Pat
       list.merged_facets == 0
           ? ""
           : fmt::format(" ({} of them from {} coplanar triangles)", list.merged_facets, list.merged_triangles),
-      set.patches.size(), clusters_text(set), mirrors, set.light_groups.size(), set.cameras.size(),
-      moving > 0 ? fmt::format(" ({} animated)", moving) : "",
+      set.patches.size(), clusters_text(set), mirrors, coats > 0 ? fmt::format(", {} coated ones", coats) : "",
+      set.light_groups.size(), set.cameras.size(), moving > 0 ? fmt::format(" ({} animated)", moving) : "",
       set.lights.empty() ? "" : fmt::format(", {} point lights, spots and suns", set.lights.size()),
       set.environment ? ", an environment" : "",
       set.textures.empty() ? "" : fmt::format(", {} textures", set.textures.size()),
@@ -182,6 +184,7 @@ PatchSet import_scene(const Job& job, Progress& progress) {
   set.sources = scene.sources;
   if (!set.shaders.empty() || !set.textures.empty() || !set.masks.empty() || !set.colors.empty())
     average_colors(job, set, progress);
+  average_coats(set);
   add_environment(job, set, progress);
   set.inputs_key = import_inputs_key(set.sources, job);
   progress.note(summary(scene, list, set));

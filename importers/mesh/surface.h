@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "pipeline/model/math.h"
-#include "pipeline/model/region.h"
+#include "pipeline/model/patch_set.h"
 
 namespace patchlight {
 
@@ -28,7 +28,8 @@ struct SurfaceMaterial {
   std::string name;
   Color reflectance{0.0f};  ///< Diffuse.
   Color specular{0.0f};     ///< Of the metallic part.
-  float roughness = 1.0f;   ///< Of the metallic part.
+  float roughness = 1.0f;   ///< Of the metallic part and of the coat.
+  Coat coat{};
   Color emission{0.0f};     ///< Radiant exitance, W/m2.
   bool double_sided = false;
   std::int32_t texture = -1;           ///< Base colour texture, among the scene's; -1: none.

@@ -8,6 +8,7 @@
 #include "pipeline/model/error.h"
 #include "pipeline/optics/intersect/alpha_mask.h"
 #include "pipeline/optics/sampling/patch_sampling.h"
+#include "pipeline/optics/surface/coat_albedo.h"
 #include "pipeline/optics/surface/material_shader.h"
 #include "pipeline/optics/surface/texture_lookup.h"
 
@@ -182,6 +183,20 @@ void average_colors(const Job& job, PatchSet& scene, Progress& progress) {
         fmt::format("reflectance of shader '{}' is lowered to 0.99999, or to 1 minus the specular reflectance, where "
                     "it is greater: the surface would reflect more light than it receives",
                     scene.shaders[i].name));
+  }
+}
+
+void average_coats(PatchSet& scene) {
+  const CoatAlbedos coats(scene);
+  if (!coats.any()) return;
+  for (Patch& patch : scene.patches) {
+    const std::int32_t material = scene.primitives[patch.primitive].material;
+    if (!scene.materials[material].coat.exists()) continue;
+    const auto passed = [&](std::int32_t p, double u, double v) {
+      return Vec3d(Color(1.0f) - coats.mean(material, specular_properties_at(scene, p, u, v)));
+    };
+    patch.transmittance = has_varying_coat(scene, patch.primitive) ? PatchMean(scene, patch)(passed)
+                                                                   : Color(passed(patch.primitive, 0.5, 0.5));
   }
 }
 

@@ -11,4 +11,7 @@ namespace patchlight {
 /// Throws: Error (bad_config) for a negative or non-finite shader value, naming shader, value and (u,v).
 void average_colors(const Job& job, PatchSet& scene, Progress& progress);
 
+/// Sets what the coats of patches let through, on average over all directions.
+void average_coats(PatchSet& scene);
+
 }  // namespace patchlight

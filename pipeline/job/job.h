@@ -22,6 +22,9 @@ struct MaterialOverride {
   std::optional<Color> reflectance{};
   std::optional<Color> emission{};           ///< Radiant exitance, W/m2.
   std::optional<Color> mirror{};             ///< Perfect specular reflectance.
+  std::optional<double> specular{};          ///< Strength of the coat, in [0,1]; 0: no coat.
+  std::optional<double> roughness{};         ///< Of coat and metal, in [0,1].
+  std::optional<double> ior{};               ///< Index of refraction of the coat, at least 1.
   std::optional<std::string> light_group{};  ///< As in files (light_group_name).
   std::optional<double> patch_area{};        ///< m2
   std::optional<bool> exclude{};             ///< Whether it is excluded from the scene.
@@ -33,6 +36,7 @@ struct ImportConfig {
   std::int64_t max_patches = 5'000'000;
   std::optional<double> time;              ///< s, of the file's animations; absent: rest pose.
   std::string punctual_units = "blender";  ///< Of KHR_lights_punctual: blender, si or raw.
+  bool dielectric_coat = true;             ///< Whether surfaces have the coats of their materials.
 };
 
 /// Light from all directions, of a colour or an image.

@@ -10,10 +10,10 @@ namespace patchlight {
 namespace {
 
 // Raised whenever a stage computes different results from the same inputs.
-constexpr int kImportVersion = 16;
-constexpr int kTransportKeyVersion = 40;
-constexpr int kSolveVersion = 40;
-constexpr int kTraceVersion = 19;
+constexpr int kImportVersion = 17;
+constexpr int kTransportKeyVersion = 41;
+constexpr int kSolveVersion = 41;
+constexpr int kTraceVersion = 20;
 
 void add_color(KeyHasher& hasher, const std::optional<Color>& color) {
   hasher.add(color.has_value());
@@ -36,7 +36,7 @@ std::string import_inputs_key(const std::vector<SourceFile>& sources, const Job&
   // The first source is the scene file. Only its content matters, not its path.
   for (std::size_t i = 0; i < sources.size(); ++i) hasher.add(i == 0 ? "" : sources[i].path).add(sources[i].hash);
   hasher.add(job.import.patch_area.value_or(0.0)).add(job.import.patch_area ? 0.0 : job.import.accuracy);
-  hasher.add(job.import.time.value_or(-1.0)).add(job.import.punctual_units);
+  hasher.add(job.import.time.value_or(-1.0)).add(job.import.punctual_units).add(job.import.dielectric_coat);
   for (const auto* overrides : {&job.materials, &job.nodes}) {
     hasher.add("overrides");
     for (const auto& change : *overrides) {
@@ -44,6 +44,7 @@ std::string import_inputs_key(const std::vector<SourceFile>& sources, const Job&
       add_color(hasher, change.reflectance);
       add_color(hasher, change.emission);
       add_color(hasher, change.mirror);
+      for (const auto& value : {change.specular, change.roughness, change.ior}) hasher.add(value.value_or(-1.0));
       hasher.add(change.light_group.value_or("")).add(change.patch_area.value_or(0.0));
       hasher.add(change.exclude.value_or(false));
     }

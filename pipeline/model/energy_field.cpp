@@ -31,7 +31,7 @@ std::vector<Color> radiosity(const PatchSet& scene, const EnergyField& energy) {
   for (std::size_t i = 0; i < result.size(); ++i) {
     Color irradiance(0.0f);
     for (const auto& group : energy.groups) irradiance += group.direct[i] + group.indirect[i];
-    result[i] = scene.patches[i].emission + scene.patches[i].reflectance * irradiance;
+    result[i] = scene.patches[i].emission + scene.patches[i].total_reflectance() * irradiance;
   }
   return result;
 }

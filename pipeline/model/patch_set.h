@@ -58,17 +58,29 @@ inline bool has_intangible(const std::vector<Primitive>& primitives) {
   return std::any_of(primitives.begin(), primitives.end(), [](const Primitive& p) { return p.intangible; });
 }
 
+/// The dielectric layer over the diffuse part of a material, as glTF defines it. Its Fresnel reflectance follows the
+/// exact curve of `ior`, scaled to run from `normal` to `grazing`; Schlick's (1994) where `ior` is 0.
+struct Coat {
+  Color normal{0.0f};     ///< Reflectance at normal incidence, each in [0,1]; 0: no coat.
+  float grazing = 1.0f;   ///< Reflectance at grazing incidence, in [0,1].
+  float ior = 0.0f;       ///< Of the layer, at least 1; or 0.
+  float metallic = 0.0f;  ///< The metallic part of the surface, in [0,1], which has no coat; times a texture's.
+
+  bool exists() const { return normal != Color(0.0f) && metallic < 1.0f; }
+};
+
 /// Properties that are constant over a material.
 struct Material {
   std::string name;
   Color specular{0.0f};       ///< Specular reflectance (the metallic part), each in [0,1]; the mean if textured.
-  float roughness = 1.0f;     ///< In [0,1]; the mean if textured.
+  float roughness = 1.0f;     ///< Of metal and coat, in [0,1]; the mean if textured.
   Color tint{1.0f};           ///< Diffuse reflectance, multiplied by texture and vertex colours if any.
   float alpha = 1.0f;         ///< Multiplied by the mask and the vertices' alpha.
   float alpha_cutoff = 0.0f;  ///< Alpha test: a masked primitive exists where its alpha is at least this.
   Color metal{0.0f};  ///< If textured, specular reflectance is this times base colour and the texture's metalness.
   float roughness_factor = 1.0f;  ///< Multiplied by a texture's roughness.
   Color emission_tint{0.0f};      ///< Radiant exitance of a white texel of the emission texture, W/m2.
+  Coat coat{};
 };
 
 /// Texture coordinates at corners 0 to 3 of a primitive, bilinear between them; shaders see them as (u,v).
@@ -91,6 +103,7 @@ struct Patch {
   double area = 0.0;   ///< m2, true surface area.
   Color reflectance{0.0f};     ///< Diffuse, each in [0,1).
   Color emission{0.0f};        ///< Radiant exitance, W/m2.
+  Color transmittance{1.0f};   ///< Part of the irradiance that passes the coat, on average over all directions.
   std::int32_t primitive = 0;  ///< Of a cluster, its first facet.
   /// Number of facets of a cluster: whole plane quads of a mesh, which are primitives that follow each other. 0: the
   /// patch is no cluster.
@@ -103,7 +116,8 @@ struct Patch {
   /// m; the corners of triangles that tile a part of a cell, counter-clockwise; empty: the whole cell.
   std::vector<Vec3d> triangles;
 
-  double covered_area() const { return area * double(coverage); }  ///< m2
+  double covered_area() const { return area * double(coverage); }          ///< m2
+  Color total_reflectance() const { return reflectance * transmittance; }  ///< Of the diffuse part, under the coat.
 };
 
 /// A straight line that cuts a cell of a plane primitive, or a part of it, where another surface stands on it or
@@ -164,9 +178,20 @@ inline bool is_colored(const PatchSet& scene, std::int32_t i) {
          (!scene.colors.empty() && scene.colors[i] != kWhiteVertices);
 }
 
+/// Whether a material reflects other than diffusely.
+inline bool is_specular(const Material& material) {
+  return material.specular != Color(0.0f) || material.coat.exists();
+}
+
 /// Whether textures or vertex colours vary the specular reflectance of primitive `i`.
 inline bool has_varying_metal(const PatchSet& scene, std::int32_t i) {
   return is_colored(scene, i) && scene.materials[scene.primitives[i].material].metal != Color(0.0f);
+}
+
+/// Whether a texture varies the coat of primitive `i`.
+inline bool has_varying_coat(const PatchSet& scene, std::int32_t i) {
+  return scene.primitives[i].metallic_roughness_texture >= 0 &&
+         scene.materials[scene.primitives[i].material].coat.exists();
 }
 
 /// Whether primitives are facets of clusters. Shape: [primitives].

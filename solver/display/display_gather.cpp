@@ -4,8 +4,10 @@
 #include <span>
 
 #include "pipeline/optics/lights/direct_light.h"
+#include "solver/direct/coat_light.h"
 #include "solver/display/display_faces.h"
 #include "solver/display/vertex_filter.h"
+#include "solver/form_factors/coated_rows.h"
 #include "solver/linear/form_factor_rows.h"
 #include "solver/linear/linear_system.h"
 #include "solver/linear/patch_interpolation.h"
@@ -14,18 +16,41 @@ namespace patchlight {
 
 namespace {
 
+/// What surfaces reflect towards the rays of rows, over their irradiance.
+struct Reflectances {
+  SpectrumField patches, faces;  ///< See row_reflectance(). Shapes: [patches], [mesh elements].
+  CoatLight coats;
+  bool metals;
+
+  Reflectances(const PatchSet& scene, const Transport& transport, const DisplayMesh& mesh)
+      : patches(row_reflectance(scene, true)),
+        faces(face_reflectance(scene, mesh)),
+        coats(scene, transport.lights),
+        metals(has_metals(scene)) {
+    for (std::int32_t f = 0; f < mesh.elements(); ++f) {
+      const Patch& patch = scene.patches[mesh.faces[f].patch];
+      if (coats.any() && !passes_by_chance(scene, scene.primitives[patch.primitive]))
+        faces[f] *= Spectrum(patch.transmittance);
+    }
+  }
+};
+
+Color color(const Spectrum& s) {
+  return {float(s.c[0]), float(s.c[1]), float(s.c[2])};
+}
+
 /// Display solution of one light group while it is gathered.
 class Gather {
  public:
   Gather(const PatchSet& scene, const Transport& transport, const std::vector<Emitter>& emitters,
-         const std::vector<Emitter>& further, const SpectrumField& face_reflectance, EnergyField::Group& group,
+         const std::vector<Emitter>& further, const Reflectances& reflectances, EnergyField::Group& group,
          RadiosityTable& radiosity, std::size_t field)
       : scene_(scene),
         transport_(transport),
         mesh_(transport.display->mesh),
         emitters_(emitters),
         further_(further),
-        face_reflectance_(face_reflectance),
+        reflectances_(reflectances),
         group_(group),
         light_group_(std::int32_t(std::find(scene.light_groups.begin(), scene.light_groups.end(), group.name) -
                                   scene.light_groups.begin())),
@@ -42,8 +67,9 @@ class Gather {
     if (at_vertices_.empty()) {
       for (std::size_t i = 0; i < patches_; ++i)
         radiosity_.set(field_, i,
-                       gathered_emission_[i] + Spectrum(scene_.patches[i].reflectance) *
-                                                   (Spectrum(group_.direct[i]) + Spectrum(group_.indirect[i])));
+                       gathered_emission_[i] +
+                           reflectances_.patches[i] * (Spectrum(group_.direct[i]) + Spectrum(group_.indirect[i])) +
+                           light_of_coat(i));
       for (std::int32_t f = 0; f < mesh_.elements(); ++f) set_radiosity(f, irradiance_of_patch(mesh_.faces[f].patch));
       at_vertices_.resize(mesh_.gathered);
     } else {
@@ -57,7 +83,7 @@ class Gather {
   /// Adds specular reflections of sampled emitters.
   void end_pass(const FormFactorRows& rows) {
     for (std::size_t i = 0; i < over_metals_.size(); ++i) at_vertices_[i] += over_metals_[i];
-    if (transport_.display->rows.mirrored.empty()) return;
+    if (transport_.display->rows.mirrored.empty() || !reflectances_.metals) return;
     SpectrumField mirrored(mesh_.gathered), deviation(mesh_.gathered);
     rows.gather_mirrored(sampled_exitance(), mirrored, deviation);
     add(mirrored, at_vertices_);
@@ -91,6 +117,7 @@ class Gather {
   void set_emission() {
     gathered_emission_.resize(patches_);
     direct_.assign(mesh_.elements(), Color(0.0f));
+    if (reflectances_.coats.any()) by_coats_ = direct_;
     for (std::size_t i = 0; i < patches_; ++i)
       if (is_of_group(i)) gathered_emission_[i] = Spectrum(scene_.patches[i].emission);
     SpectrumField sampled(patches_);
@@ -104,7 +131,9 @@ class Gather {
         const Spectrum direct = mean(mesh_.corners_of(mesh_.faces[f]), at_vertices, [&](std::size_t i) {
           return group_.sampled_direct.empty() ? Spectrum() : Spectrum(group_.sampled_direct[i]);
         });
-        direct_[f] = Color(float(direct.c[0]), float(direct.c[1]), float(direct.c[2]));
+        direct_[f] = color(direct);
+        if (reflectances_.coats.any() && !reflectances_.metals)
+          by_coats_[f] += color(direct * reflectances_.coats.further_factor(std::size_t(mesh_.faces[f].patch)));
       }
     }
     for (std::size_t e = 0; e < emitters_.size(); ++e) {
@@ -112,8 +141,13 @@ class Gather {
       const Color exitance = exitance_of(emitters_[e]);
       std::fill_n(gathered_emission_.begin() + emitter.first_patch, emitter.patches, Spectrum());
       if (exitance == Color(0.0f)) continue;
-      for (std::int32_t k = 0; k < mesh_.elements(); ++k)
-        direct_[k] += exitance * (0.5f * (emitter.display[2 * k] + emitter.display[2 * k + 1]));
+      for (std::int32_t k = 0; k < mesh_.elements(); ++k) {
+        const Color direct = exitance * (0.5f * (emitter.display[2 * k] + emitter.display[2 * k + 1]));
+        direct_[k] += direct;
+        if (!by_coats_.empty() && direct != Color(0.0f))
+          by_coats_[k] +=
+              color(Spectrum(direct) * reflectances_.coats.factor(emitters_[e], std::size_t(mesh_.faces[k].patch)));
+      }
     }
   }
 
@@ -160,9 +194,27 @@ class Gather {
   }
 
   void set_radiosity(std::int32_t face, const Spectrum& irradiance) {
-    radiosity_.set(
-        field_, patches_ + face,
-        gathered_emission_[mesh_.faces[face].patch] + face_reflectance_[face] * (Spectrum(direct_[face]) + irradiance));
+    const std::int32_t patch = mesh_.faces[face].patch;
+    radiosity_.set(field_, patches_ + face,
+                   gathered_emission_[patch] + reflectances_.faces[face] * (Spectrum(direct_[face]) + irradiance) +
+                       (by_coats_.empty() ? Spectrum() : Spectrum(by_coats_[face])));
+  }
+
+  /// What the coat of a patch reflects of the direct light of sampled emitters.
+  Spectrum light_of_coat(std::size_t i) const {
+    const CoatLight& coats = reflectances_.coats;
+    if (!coats.any()) return {};
+    Spectrum sum;
+    if (!group_.sampled_direct.empty() && !reflectances_.metals)
+      sum += Spectrum(group_.sampled_direct[i]) * coats.further_factor(i);
+    for (std::size_t e = 0; e < emitters_.size(); ++e) {
+      const std::vector<float>& factors = transport_.emitters[e].factors;
+      const Color exitance = exitance_of(emitters_[e]);
+      if (factors.empty() || exitance == Color(0.0f)) continue;
+      const double factor = 0.5 * (double(factors[2 * i]) + double(factors[2 * i + 1]));
+      if (factor != 0) sum += Spectrum(exitance) * Spectrum(factor) * coats.factor(emitters_[e], i);
+    }
+    return sum;
   }
 
   Spectrum irradiance_of_patch(std::size_t i) const {
@@ -198,7 +250,7 @@ class Gather {
   const DisplayMesh& mesh_;
   const std::vector<Emitter>& emitters_;  ///< As in `transport_`.
   const std::vector<Emitter>& further_;   ///< See further_emitters().
-  const SpectrumField& face_reflectance_;
+  const Reflectances& reflectances_;
   EnergyField::Group& group_;
   const std::int32_t light_group_;
   const std::size_t patches_;
@@ -207,6 +259,7 @@ class Gather {
   SpectrumField gathered_emission_;  ///< [patches] Exitance of emitters that are not sampled.
   SpectrumField over_metals_;        ///< [gathered] Light of explicitly sampled emitters by metals; empty: none.
   std::vector<Color> direct_;        ///< [mesh elements] Direct irradiance by sampled emitters.
+  std::vector<Color> by_coats_;      ///< [mesh elements] What coats reflect of it; empty: no coats.
   SpectrumField at_vertices_;        ///< [gathered]; empty before the first pass.
   SpectrumField deviation_;          ///< [gathered] Half the difference of the rows' sample sets.
 };
@@ -220,14 +273,14 @@ SpectrumField gather_display(const PatchSet& scene, const Transport& transport,
   const FormFactorRows rows(transport.display->rows);
   const VertexFilter filter(scene, transport.display->mesh);
   const std::vector<Emitter> emitters = explicit_emitters(scene), further = further_emitters(scene);
-  const SpectrumField reflectance = face_reflectance(scene, transport.display->mesh);
+  const Reflectances reflectances(scene, transport, transport.display->mesh);
   const std::size_t elements = scene.patches.size() + transport.display->mesh.elements() + scene.sky_cells();
   for (std::size_t first = 0; first < groups.size(); first += RadiosityTable::kMaxFields) {
     const std::size_t count = std::min(groups.size() - first, RadiosityTable::kMaxFields);
     RadiosityTable radiosity(count, elements, RadiosityTable::Precision::single);
     std::vector<Gather> gathers;
     for (std::size_t f = 0; f < count; ++f)
-      gathers.emplace_back(scene, transport, emitters, further, reflectance, groups[first + f], radiosity, f);
+      gathers.emplace_back(scene, transport, emitters, further, reflectances, groups[first + f], radiosity, f);
     for (int pass = 0; pass < kDisplayPasses; ++pass) {
       std::vector<FormFactorRows::Output> outputs;
       for (Gather& gather : gathers) outputs.push_back(gather.begin_pass());

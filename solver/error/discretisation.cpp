@@ -4,6 +4,7 @@
 
 #include "solver/error/error_propagation.h"
 #include "solver/error/reflected_errors.h"
+#include "solver/form_factors/coated_rows.h"
 
 namespace patchlight {
 
@@ -27,12 +28,10 @@ void add_further_reflections(const ErrorPropagation& propagation, int reflection
 
 void add_discretisation_error(const PatchSet& scene, const Transport& transport, const SpectrumField& difference,
                               int reflections, EnergyField& energy) {
-  SpectrumField reflectance, irradiance(scene.patches.size()), error = difference;
+  const SpectrumField reflectance = row_reflectance(scene, transport.rays > 0);
+  SpectrumField irradiance(scene.patches.size()), error = difference;
   std::vector<double> areas;
-  for (const Patch& patch : scene.patches) {
-    reflectance.emplace_back(patch.reflectance);
-    areas.push_back(patch.covered_area());
-  }
+  for (const Patch& patch : scene.patches) areas.push_back(patch.covered_area());
   for (const EnergyField::Group& group : energy.groups)
     for (std::size_t i = 0; i < irradiance.size(); ++i)
       irradiance[i] += Spectrum(group.direct[i]) + Spectrum(group.indirect[i]);

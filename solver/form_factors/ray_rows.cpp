@@ -8,8 +8,10 @@
 #include <cmath>
 
 #include "pipeline/optics/cuts/cell_cutter.h"
+#include "pipeline/optics/surface/mirror.h"
 #include "pipeline/optics/transport/mirror_path.h"
 #include "pipeline/system/prefaulted_memory.h"
+#include "solver/form_factors/coated_rows.h"
 #include "solver/form_factors/row_samples.h"
 
 namespace patchlight {
@@ -34,12 +36,23 @@ RayRows::RayRows(const PatchSet& scene, const RayScene& ray_scene, std::span<con
       elements_(elements),
       seed_(hash64(seed)),
       visible_fractions_(visible_fractions),
-      ray_factors_(ray_factors) {
+      ray_factors_(ray_factors),
+      coats_(scene) {
   for (const Primitive& p : scene.primitives) {
-    metallic_.push_back(scene.materials[p.material].specular != Color(0.0f));
-    has_metals_ = has_metals_ || metallic_.back();
+    finish_.push_back(passes_by_chance(scene, p)                 ? Finish::coated
+                      : is_specular(scene.materials[p.material]) ? Finish::specular
+                                                                 : Finish::diffuse);
+    has_specular_ = has_specular_ || finish_.back() != Finish::diffuse;
   }
 }
+
+/// Rays of a packet that go on.
+struct RayRows::Reflections {
+  std::array<Color, RayPacket::kSize> throughput;
+  std::uint32_t started = 0;  ///< Bit of each lane that already starts from a coat.
+
+  Reflections() { throughput.fill(Color(1.0f)); }
+};
 
 /// Rows `first` to `last` - 1; with an environment also, for their guides, those around them.
 std::vector<RayRows::RowBlock> RayRows::row_blocks(std::int32_t first, std::int32_t last) const {
@@ -201,9 +214,22 @@ void RayRows::cast_block(SampleSet& set, const DirectionTable& table, int block)
     shift_samples(table, first, set.shift, samples);
     start_packet(set, samples, first, packet);
     ray_scene_.intersect(packet, coherent);
+    Reflections reflections;
     for (int lane = 0; lane < RayPacket::kSize; ++lane) {
       const SurfaceHit hit = ray_scene_.hit(packet, lane);
       if (hit.front) {
+        if (finish_[hit.primitive] == Finish::coated) {
+          Color passed;
+          if (reflects_at_coat(hit, set.ray_random(first + lane, 0), lane, packet, reflections.throughput[lane],
+                               passed)) {
+            reflections.started |= 1u << lane;
+            continue;
+          }
+          if (passed != Color(1.0f)) {
+            set.mirrored.push_back({set.row, set.index, elements_.at(hit.primitive, hit.u, hit.v), passed});
+            continue;
+          }
+        }
         const Elements::Place place = elements_.find(hit.primitive, hit.u, hit.v);
         const bool certain = !hit.at_edge && !place.cut;
         const std::int32_t element = certain ? place.element : certain_element(packet, lane, hit);
@@ -217,7 +243,7 @@ void RayRows::cast_block(SampleSet& set, const DirectionTable& table, int block)
         set.sky.push_back(set.direction_sample(table, first + lane));
       }
     }
-    if (has_metals_) trace_reflections(set, first, packet);
+    if (has_specular_) trace_reflections(set, first, packet, reflections);
   }
 }
 
@@ -252,24 +278,51 @@ std::int32_t RayRows::certain_element(const RayPacket& packet, int lane, Surface
   return elements_.at(hit.primitive, uv.x, uv.y);
 }
 
-void RayRows::trace_reflections(SampleSet& set, int first, RayPacket& packet) const {
-  std::array<Color, RayPacket::kSize> throughput;
-  throughput.fill(Color(1.0f));
+/// Whether a ray is reflected by the coat that it hits: then it starts again with a weight. Else, `passed`: of its way
+/// to the diffuse part.
+bool RayRows::reflects_at_coat(const SurfaceHit& hit, std::uint64_t random, int lane, RayPacket& packet,
+                               Color& throughput, Color& passed) const {
+  const Primitive& primitive = scene_.primitives[hit.primitive];
+  const SpecularProperties specular = specular_properties_at(scene_, hit.primitive, hit.u, hit.v);
+  const SurfacePoint point = point_at(primitive, hit.u, hit.v);
+  Vec3f direction = packet.direction(lane);
+  const Color albedo = coats_.at(primitive.material, specular, -(direction ^ point.normal));
+  const float chance = std::max({albedo.x, albedo.y, albedo.z});
+  if (uniform01(hash64(~random)) >= chance) {
+    for (int k = 0; k < 3; ++k) passed[k] = albedo[k] == chance ? 1.0f : (1.0f - albedo[k]) / (1.0f - chance);
+    return false;
+  }
+  const Vec2f at(uniform01(random), uniform01(hash64(random)));
+  throughput /= chance;
+  if (!reflect(specular, point.normal, at, direction, throughput)) throughput = Color(0.0f);
+  packet.set(lane, ray_scene_.to_local(point.position) + point.normal * ray_scene_.offset(hit.primitive), direction);
+  return true;
+}
+
+void RayRows::trace_reflections(SampleSet& set, int first, RayPacket& packet, Reflections& reflections) const {
+  std::array<Color, RayPacket::kSize>& throughput = reflections.throughput;
   for (int bounce = 0; bounce < kMaxMirrorBounces; ++bounce) {
-    bool any_active = false;
+    bool any_active = bounce == 0 && reflections.started != 0;
     for (int lane = 0; lane < RayPacket::kSize; ++lane) {
-      if (packet.valid[lane] == 0) continue;
+      if (packet.valid[lane] == 0 || (bounce == 0 && (reflections.started >> lane & 1u))) continue;
       const SurfaceHit hit = ray_scene_.hit(packet, lane);
+      const Vec3f direction = packet.direction(lane);
       packet.valid[lane] = 0;
       if (bounce > 0 && hit.primitive < 0 && scene_.environment)
-        set.mirrored.push_back({set.row, set.index, elements_.sky(packet.direction(lane)), throughput[lane]});
-      if (!hit.front) continue;
+        set.mirrored.push_back({set.row, set.index, elements_.sky(direction), throughput[lane]});
+      if (!hit.front || (bounce == 0 && finish_[hit.primitive] != Finish::specular)) continue;
+      const std::uint64_t random = set.ray_random(first + lane, bounce);
+      Color passed(1.0f);
+      if (finish_[hit.primitive] == Finish::coated &&
+          reflects_at_coat(hit, random, lane, packet, throughput[lane], passed)) {
+        any_active = true;
+        continue;
+      }
       if (bounce > 0)
-        set.mirrored.push_back({set.row, set.index, elements_.at(hit.primitive, hit.u, hit.v), throughput[lane]});
-      if (!metallic_[hit.primitive]) continue;
-      const std::uint64_t random =
-          hash64(set.random ^ hash64(set.sample_number(first + lane) << 8 | std::uint64_t(bounce)));
-      any_active = continue_at_mirror(scene_, ray_scene_, hit, random, lane, packet, throughput[lane]) || any_active;
+        set.mirrored.push_back(
+            {set.row, set.index, elements_.at(hit.primitive, hit.u, hit.v), throughput[lane] * passed});
+      if (finish_[hit.primitive] == Finish::specular)
+        any_active = continue_at_mirror(scene_, ray_scene_, hit, random, lane, packet, throughput[lane]) || any_active;
     }
     if (!any_active) return;
     ray_scene_.intersect(packet, false);

@@ -5,6 +5,7 @@
 #include "pipeline/job/shard.h"
 #include "pipeline/model/transport.h"
 #include "pipeline/optics/intersect/ray_scene.h"
+#include "pipeline/optics/surface/coat_albedo.h"
 #include "pipeline/optics/transport/elements.h"
 #include "pipeline/stage/progress.h"
 #include "solver/form_factors/direction_table.h"
@@ -19,7 +20,8 @@ namespace patchlight {
 /// sets of Sobol points, each with its own random digital shift, so that their difference estimates the error.
 ///
 /// Metals reflect rays; the elements hit afterwards are weighted by the specular reflectances on the path, after
-/// Russian roulette: extended form factors (Sillion and Puech 1989).
+/// Russian roulette: extended form factors (Sillion and Puech 1989). Coats reflect rays with their probability, or let
+/// them pass to the diffuse part: see passes_by_chance().
 ///
 /// Where a sample set finds the environment by less than a quarter of its rays, as through a window, the other set
 /// casts as many rays again, from points four times as many, by a SkyGuide to what the first set of this row and of its
@@ -60,7 +62,10 @@ class RayRows {
     return ray_factors_.empty() || ray_factors_[row] == kQuarter ? 1 : ray_factors_[row];
   }
   std::int32_t certain_element(const RayPacket& packet, int lane, SurfaceHit hit) const;
-  void trace_reflections(SampleSet& set, int first, RayPacket& packet) const;
+  struct Reflections;
+  bool reflects_at_coat(const SurfaceHit& hit, std::uint64_t random, int lane, RayPacket& packet, Color& throughput,
+                        Color& passed) const;
+  void trace_reflections(SampleSet& set, int first, RayPacket& packet, Reflections& reflections) const;
 
   static constexpr int kGuideReach = 64;  ///< Neighbours of a row are at most so many rows before or after it.
   static constexpr int kGuideSweeps = 3;  ///< In which rows learn from each other.
@@ -81,8 +86,10 @@ class RayRows {
   std::uint64_t seed_;
   const bool visible_fractions_;
   const std::span<const std::uint8_t> ray_factors_;  ///< [receivers] Or empty.
-  std::vector<char> metallic_;                       ///< [primitives].
-  bool has_metals_ = false;
+  enum class Finish : std::uint8_t { diffuse, coated, specular };
+  std::vector<Finish> finish_;  ///< [primitives].
+  bool has_specular_ = false;
+  const CoatAlbedos coats_;
 };
 
 }  // namespace patchlight

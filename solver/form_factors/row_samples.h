@@ -105,6 +105,11 @@ struct RayRows::SampleSet {
   }
 
   std::uint64_t sample_number(int ray) const { return std::uint64_t(block) << 32 | std::uint64_t(ray); }
+
+  /// Random bits for what a ray meets after `bounce` reflections.
+  std::uint64_t ray_random(int ray, int bounce) const {
+    return hash64(random ^ hash64(sample_number(ray) << 8 | std::uint64_t(bounce)));
+  }
 };
 
 /// What a row's sample sets found of the environment.

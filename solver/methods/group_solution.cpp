@@ -6,6 +6,8 @@
 #include <cmath>
 #include <span>
 
+#include "solver/form_factors/coated_rows.h"
+
 namespace patchlight {
 
 namespace {
@@ -70,7 +72,7 @@ void add_sampled_light(const RadiositySystem& system, const Emission& emission, 
   solution.sampled_direct.resize(n);
   solution.sampled_deviation.resize(n);
   gather_lights(system.transport.lights, emission.sampled, solution.sampled_direct, &solution.sampled_deviation);
-  if (system.transport.mirrored.empty()) return;
+  if (system.transport.mirrored.empty() || !has_metals(system.scene)) return;
   solution.resize_mirrored(n);
   system.rows.gather_mirrored(emission.sampled, solution.mirrored, solution.mirrored_deviation);
 }
@@ -123,6 +125,26 @@ void add_light_over_metals(const RadiositySystem& system, const Emission& emissi
   }
 }
 
+/// Adds the light of sampled emitters that coats reflect.
+void add_light_of_coats(const RadiositySystem& system, const Emission& emission, GroupSolution& solution) {
+  const std::size_t n = system.areas.size();
+  if (!system.coat_light.any() || system.transport.rays == 0) return;
+  solution.by_coats.resize(n);
+  for (std::size_t k = 0; k < system.emitters.size(); ++k) {
+    const Spectrum exitance = emission.explicit_exitances[k];
+    if (exitance.sum() == 0) continue;
+    const std::vector<float>& factors = system.transport.emitters[k].factors;
+    for (std::size_t i = 0; i < n; ++i) {
+      const double factor = 0.5 * (double(factors[2 * i]) + double(factors[2 * i + 1]));
+      if (factor != 0)
+        solution.by_coats[i] += exitance * Spectrum(factor) * system.coat_light.factor(system.emitters[k], i);
+    }
+  }
+  if (has_metals(system.scene)) return;
+  for (std::size_t i = 0; i < solution.sampled_direct.size(); ++i)
+    solution.by_coats[i] += solution.sampled_direct[i] * system.coat_light.further_factor(i);
+}
+
 /// Direct and specularly reflected light of a group's emitters.
 GroupSolution emitted_light(const RadiositySystem& system, std::int32_t group) {
   const Emission emission = emission_of(system, group);
@@ -134,6 +156,7 @@ GroupSolution emitted_light(const RadiositySystem& system, std::int32_t group) {
   add_sampled_light(system, emission, solution);
   add_gathered_light(system, emission, solution);
   add_light_over_metals(system, emission, solution);
+  add_light_of_coats(system, emission, solution);
   return solution;
 }
 
@@ -150,7 +173,17 @@ void add_reflected_light(const RadiositySystem& system, std::span<GroupSolution>
   std::vector<Field> fields;
   for (std::size_t g = 0; g < groups.size(); ++g) fields.push_back({&irradiance[g], {&sources[g]}});
   system.rows.gather(fields, &system.reflectance, precision);
-  for (std::size_t g = 0; g < groups.size(); ++g) add(groups[g].mirrored, sources[g]);
+  std::vector<SpectrumField> by_coats(groups.size()), coat_deviations(groups.size());
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    if (!groups[g].by_coats.empty()) {
+      by_coats[g].resize(n);
+      coat_deviations[g].resize(n);
+      const Field field{&groups[g].by_coats, {&by_coats[g], &coat_deviations[g]}};
+      system.rows.gather({&field, 1}, nullptr, precision);
+    }
+    add(by_coats[g], sources[g]);
+    add(groups[g].mirrored, sources[g]);
+  }
 
   std::vector<LinearSolve> solves =
       solve_irradiance(system.rows, system.reflectance, system.areas, sources, tolerance, kMaxIterations, indirect,
@@ -167,6 +200,8 @@ void add_reflected_light(const RadiositySystem& system, std::span<GroupSolution>
   }
   system.rows.gather(fields, &system.reflectance, precision);
   for (std::size_t g = 0; g < groups.size(); ++g) {
+    add(by_coats[g], groups[g].reflected);
+    add(coat_deviations[g], groups[g].reflected_deviation);
     groups[g].residual = std::move(indirect[g]);
     for (std::size_t i = 0; i < n; ++i) groups[g].residual[i] = groups[g].reflected[i] - groups[g].residual[i];
     add(groups[g].mirrored, groups[g].residual);
@@ -180,11 +215,10 @@ RadiositySystem::RadiositySystem(const PatchSet& patches, const Transport& from)
       transport(from),
       rows(from, patches.sky_cells()),
       emitters(explicit_emitters(patches)),
-      further(further_emitters(patches)) {
-  for (const Patch& patch : scene.patches) {
-    areas.push_back(patch.covered_area());
-    reflectance.emplace_back(patch.reflectance);
-  }
+      further(further_emitters(patches)),
+      reflectance(row_reflectance(patches, from.rays > 0)),
+      coat_light(patches, from.lights) {
+  for (const Patch& patch : scene.patches) areas.push_back(patch.covered_area());
 }
 
 std::vector<GroupSolution> solve_groups(const RadiositySystem& system, double tolerance, Progress& progress) {

@@ -5,6 +5,7 @@
 #include "pipeline/model/transport.h"
 #include "pipeline/optics/lights/direct_light.h"
 #include "pipeline/stage/progress.h"
+#include "solver/direct/coat_light.h"
 #include "solver/linear/linear_system.h"
 
 namespace patchlight {
@@ -17,7 +18,8 @@ struct RadiositySystem {
   const std::vector<Emitter> emitters;  ///< As in `transport`.
   const std::vector<Emitter> further;   ///< See further_emitters().
   std::vector<double> areas;            ///< [n] Covered area, m2.
-  SpectrumField reflectance;            ///< [n].
+  SpectrumField reflectance;            ///< [n] See row_reflectance().
+  const CoatLight coat_light;
 
   RadiositySystem(const PatchSet& patches, const Transport& from);
 };
@@ -30,6 +32,7 @@ struct GroupSolution {
   SpectrumField sampled_direct;   ///< Direct light of emitters that a LightTree chose.
   SpectrumField mirrored;         ///< Light of emitters by specular reflection.
   SpectrumField over_metals;      ///< The part of `mirrored` from explicitly sampled emitters.
+  SpectrumField by_coats;         ///< Light of sampled emitters that coats reflect, as exitance.
   SpectrumField reflected;        ///< Light that patches reflect diffusely.
   SpectrumField explicit_deviation, gathered_deviation, sampled_deviation, mirrored_deviation, reflected_deviation;
   SpectrumField residual;             ///< What is left of the linear system: F rho (D + H) - H of the solved H.

@@ -59,7 +59,7 @@ class Refinement {
         field->resize(power_.size(), Vec3d(0.0));
     for (const Patch& patch : scene.patches) {
       area_ += patch.covered_area();
-      reflectance_ += Vec3d(patch.reflectance) * patch.covered_area();
+      reflectance_ += Vec3d(patch.total_reflectance()) * patch.covered_area();
       if (Group* group = emitting_group(patch))
         group->emitted += patch.covered_area() * channel_sum(Vec3d(patch.emission));
     }
@@ -113,7 +113,7 @@ class Refinement {
       const Patch& patch = scene_.patches[f.patch];
       const Vec3d added = flux * (double(f.value) / patch.covered_area());
       irradiance[f.patch] += added;
-      group.unshot[f.patch] += added * Vec3d(patch.reflectance);
+      group.unshot[f.patch] += added * Vec3d(patch.total_reflectance());
       received += f.value;
     }
     shot_flux_ += channel_sum(positive(flux)) / group.emitted;
@@ -154,7 +154,7 @@ void Refinement::add_external_light(Progress& progress) {
     for (std::size_t i = 0; i < power_.size(); ++i) {
       const Patch& patch = scene_.patches[i];
       (group.*direct)[i] += irradiance[i];
-      group.unshot[i] += irradiance[i] * Vec3d(patch.reflectance);
+      group.unshot[i] += irradiance[i] * Vec3d(patch.total_reflectance());
       group.emitted += patch.covered_area() * channel_sum(irradiance[i]);
     }
   };
@@ -208,7 +208,8 @@ void Refinement::shoot_reflections(Progress& progress) {
         if (unshot == Vec3d(0.0)) continue;
         Vec3d overshot(0.0);  // at most the unshot light again, since the patches of a batch also light each other
         for (int k = 0; overshoot && k < 3; ++k)
-          overshot[k] = std::clamp(double(patch.reflectance[k]) * group.ambient[k], 0.0, std::max(unshot[k], 0.0));
+          overshot[k] =
+              std::clamp(double(patch.total_reflectance()[k]) * group.ambient[k], 0.0, std::max(unshot[k], 0.0));
         const Vec3d shot_now = unshot + overshot;
         unshot = -overshot;
         distribute(group, group.indirect, shot_now * patch.covered_area(), row);

@@ -152,7 +152,7 @@ Image draw_preview(const Job& job, const PatchSet& scene, const PreviewOptions& 
   if (options.kind == "radiosity") {
     const float gain = float(std::exp2(job.trace.picture.exposure) / kPi);
     return downsample(paint(ids, width, false, [&](std::uint32_t i) {
-      const Color radiance = (scene.patches[i].emission + scene.patches[i].reflectance * received[i]) * gain;
+      const Color radiance = (scene.patches[i].emission + scene.patches[i].total_reflectance() * received[i]) * gain;
       return Color(encode_srgb(radiance.x), encode_srgb(radiance.y), encode_srgb(radiance.z));
     }));
   }

@@ -21,6 +21,7 @@ constexpr double kBytesPerEmitter = 10;            // of a patch and emitter
 constexpr double kBytesOfPhotons = 26;             // of a patch and emitter in scenes with metals
 constexpr double kBytesPerProgressiveGroup = 350;  // of a patch and light group, for progressive refinement
 constexpr double kBytesPerRay = 4;                 // of a row's ray: its column
+constexpr double kBytesOfCoats = 3;                // the same, on average, for what rays meet after coats
 constexpr double kBytesPerLightRay = 8;            // to one of many emitters: its patch and weight
 constexpr double kGuidedRays = 2;                  // rays of a patch's row with a guide over those of others
 constexpr double kGuidedPointRays = 5;             // the same of a vertex, those of large faces among them
@@ -33,14 +34,21 @@ bool has_metals(const PatchSet& scene) {
                      [&](const Primitive& p) { return scene.materials[p.material].specular != Color(0.0f); });
 }
 
+/// Of a ray: its column, and what it hits after a coat.
+double ray_bytes(const PatchSet& scene) {
+  const bool coats = std::any_of(scene.materials.begin(), scene.materials.end(),
+                                 [](const Material& material) { return material.coat.exists(); });
+  return kBytesPerRay + (coats ? kBytesOfCoats : 0.0);
+}
+
 /// Upper bound of the bytes of a row by `rays` rays.
 double row_bytes(const PatchSet& scene, int rays) {
-  return kBytesPerRay * rays * (scene.environment ? kGuidedRays : 1.0);
+  return ray_bytes(scene) * rays * (scene.environment ? kGuidedRays : 1.0);
 }
 
 /// The same of a patch's rows of the display solution.
 double display_row_bytes(const PatchSet& scene, int rays) {
-  return kDisplayRayRatio * kBytesPerRay * rays * (scene.environment ? kGuidedPointRays : 1.0);
+  return kDisplayRayRatio * ray_bytes(scene) * rays * (scene.environment ? kGuidedPointRays : 1.0);
 }
 
 double gibibytes(double bytes) {

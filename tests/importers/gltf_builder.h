@@ -38,8 +38,11 @@ struct GltfBuilder {
     return int(json["meshes"].size()) - 1;
   }
 
+  /// A material without a coat, unless the source says what its coat is.
   int material(const Json& source) {
     json["materials"].push_back(source);
+    Json& extensions = json["materials"].back()["extensions"];
+    if (!extensions.contains("KHR_materials_specular")) extensions["KHR_materials_specular"] = {{"specularFactor", 0}};
     return int(json["materials"].size()) - 1;
   }
 

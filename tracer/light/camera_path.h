@@ -19,16 +19,18 @@ struct CameraPath {
   Color throughput{1.0f};
   int bounces = 0;  ///< Specular reflections, and surfaces passed through.
   bool mirrored = false;
-  float pdf = 0.0f;  ///< Of the present direction if a rough metal reflected it, per sr; otherwise 0.
+  bool scattered = false;  ///< By rough metals or coats.
+  bool faint = false;      ///< A coat reflected so little that what it meets is looked up in the solution.
+  float pdf = 0.0f;        ///< Of the present direction if a rough surface reflected it, per sr; otherwise 0.
   PathFeatures features{};
 
   ShadingPoint::PathKind kind() const {
     using Kind = ShadingPoint::PathKind;
-    return features.scattered ? Kind::scattered : mirrored ? Kind::mirrored : Kind::direct;
+    return scattered ? Kind::scattered : mirrored ? Kind::mirrored : Kind::direct;
   }
 };
 
-/// Shadow rays from a packet's last vertices on rough metals to emitters.
+/// Shadow rays from a packet's last vertices on rough surfaces to emitters.
 struct GlossyShadowRays {
   RayPacket packet;
   std::array<GlossyLights::Vertex, RayPacket::kSize> vertices;  ///< The last vertex of each path.
@@ -58,7 +60,7 @@ struct PathSums {
   std::vector<PixelDetail> details{};             ///< [pixels]; empty: not asked for.
   LayerSums* layers = nullptr;                    ///< Null: not asked for.
   const TileWindow* window = nullptr;             ///< Of the pixels.
-  std::optional<GlossyShadowRays> glossy_rays{};  ///< Once a path has hit a rough metal.
+  std::optional<GlossyShadowRays> glossy_rays{};  ///< Once a path has hit a rough metal or coat.
   std::optional<LiftedPoints> lifted{};           ///< Once a path has hit a curved mesh.
 };
 

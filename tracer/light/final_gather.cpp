@@ -30,6 +30,7 @@ FinalGather::FinalGather(const PatchSet& scene, const RayScene& ray_scene, const
       surfaces_(surfaces),
       mixes_(mixes),
       rays_(rays),
+      coats_(scene),
       sampled_(scene.patches.size(), false) {
   for (const auto& emitters : {explicit_emitters(scene), further_emitters(scene)})
     for (const Emitter& emitter : emitters)
@@ -101,9 +102,8 @@ void FinalGather::trace(RayPacket& packet, std::array<GatherRay, RayPacket::kSiz
       packet.valid[k] = 0;
       if (hit.primitive < 0 && scene_.environment) add_sky(packet.direction(k), ray, gathered[ray.point]);
       if (!hit.front) continue;
-      add_surface(hit, ray, gathered[ray.point]);
-      if (bounce >= kMaxMirrorBounces ||
-          scene_.materials[scene_.primitives[hit.primitive].material].specular == Color(0.0f))
+      add_surface(hit, packet.direction(k), ray, gathered[ray.point]);
+      if (bounce >= kMaxMirrorBounces || !is_specular(scene_.materials[scene_.primitives[hit.primitive].material]))
         continue;
       ray.mirrored = true;
       ray.random = hash64(ray.random);
@@ -122,8 +122,15 @@ void FinalGather::add_sky(const Vec3f& direction, const GatherRay& ray, Gathered
 }
 
 /// Adds the radiance of the surface at a hit, times pi.
-void FinalGather::add_surface(const SurfaceHit& hit, const GatherRay& ray, Gathered& gathered) const {
-  const SolvedSurfaces::Colors colors = surfaces_.colors(hit);
+void FinalGather::add_surface(const SurfaceHit& hit, const Vec3f& direction, const GatherRay& ray,
+                              Gathered& gathered) const {
+  SolvedSurfaces::Colors colors = surfaces_.colors(hit);
+  const Primitive& primitive = scene_.primitives[hit.primitive];
+  if (scene_.materials[primitive.material].coat.exists()) {
+    const SpecularProperties specular = specular_properties_at(scene_, hit.primitive, hit.u, hit.v);
+    const float cosine = -(direction ^ point_at(primitive, hit.u, hit.v).normal);
+    colors.reflectance *= Color(1.0f) - coats_.at(primitive.material, specular, cosine);
+  }
   const DisplayLookup::Blend blend = surfaces_.blend(hit, colors.patch);
   const bool emits = ray.mirrored || !sampled_[colors.patch];
   const auto reflected = [&](std::size_t mix) {

@@ -1,4 +1,5 @@
 #pragma once
+#include "pipeline/optics/surface/coat_albedo.h"
 #include "tracer/light/solution/solved_surfaces.h"
 #include "tracer/light/tile_light.h"
 
@@ -15,7 +16,7 @@ struct GatherPoint {
 /// Irradiance by rays over the hemisphere that look the solution up where they end (final gathering: Reichert 1992),
 /// without the direct light of sampled emitters, which TileLight adds.
 ///
-/// The solution is not interpolated at the point itself. Rays are reflected at metals as in the solver; after a
+/// The solution is not interpolated at the point itself. Rays are reflected at metals and coats; after a
 /// reflection they include sampled emitters, so caustics count exactly once. The rays of all samples of a
 /// pixel are stratified together.
 class FinalGather {
@@ -34,13 +35,14 @@ class FinalGather {
   std::vector<Gathered> gather(std::span<const GatherPoint> points, const TileWindow& window) const;
   void trace(RayPacket& packet, std::array<GatherRay, RayPacket::kSize>& rays, std::vector<Gathered>& gathered) const;
   void add_sky(const Vec3f& direction, const GatherRay& ray, Gathered& gathered) const;
-  void add_surface(const SurfaceHit& hit, const GatherRay& ray, Gathered& gathered) const;
+  void add_surface(const SurfaceHit& hit, const Vec3f& direction, const GatherRay& ray, Gathered& gathered) const;
 
   const PatchSet& scene_;
   const RayScene& ray_scene_;
   const SolvedSurfaces& surfaces_;
   const LightMixes& mixes_;
   const int rays_;
+  const CoatAlbedos coats_;
   std::vector<bool> sampled_;  ///< [patches]: belongs to an sampled emitter.
 };
 

@@ -20,8 +20,7 @@ GlossyLights::GlossyLights(const PatchSet& scene, const ExplicitLights& lights, 
 bool GlossyLights::is_needed(const PatchSet& scene) {
   return std::any_of(scene.primitives.begin(), scene.primitives.end(), [&](const Primitive& p) {
     const Material& material = scene.materials[p.material];
-    return material.specular != Color(0.0f) &&
-           (material.roughness >= kMirrorRoughness || p.metallic_roughness_texture >= 0);
+    return is_specular(material) && (material.roughness >= kMirrorRoughness || p.metallic_roughness_texture >= 0);
   });
 }
 
@@ -53,7 +52,7 @@ GlossyLights::Sample GlossyLights::sample(const Vertex& vertex, float choice, co
   const DirectLight::View view = lamp.light.view(vertex.position, vertex.normal);
   const DirectLight::Sample ray = view.sample(at.x, at.y);
   if (ray.weight <= 0) return {};
-  const MetalLobe lobe = metal_lobe(vertex.roughness, vertex.normal, vertex.direction, ray.direction);
+  const SpecularLobe lobe = specular_lobe(vertex.roughness, vertex.normal, vertex.direction, ray.direction);
   if (lamp.emitter.light >= 0) {  // no path hits it
     const auto irradiance = float(kPi * view.perpendicular_weight(ray));
     return {ray.direction, ray.distance, lobe.value * irradiance * sum / weights[l], lamp.group, lamp.unscaled};
@@ -71,7 +70,7 @@ GlossyLights::Sample GlossyLights::sample_further(const Vertex& vertex, double c
   const DirectLight::View view = further_.lights().light(l).view(vertex.position, vertex.normal);
   const DirectLight::Sample ray = view.sample(at.x, at.y);
   if (ray.weight <= 0) return {};
-  const MetalLobe lobe = metal_lobe(vertex.roughness, vertex.normal, vertex.direction, ray.direction);
+  const SpecularLobe lobe = specular_lobe(vertex.roughness, vertex.normal, vertex.direction, ray.direction);
   const float density = float(view.density(ray.direction) * probability) * part;
   if (density <= 0 || lobe.value <= 0) return {};
   return {ray.direction, ray.distance, lobe.value / (density + lobe.density), further_.group(l),

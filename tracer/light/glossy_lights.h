@@ -3,22 +3,22 @@
 
 namespace patchlight {
 
-/// Sampled emitters as reflected by rough metals. A reflected path rarely hits a small emitter, and a ray
-/// towards a near emitter rarely lies in the metal's lobe; so both are sampled and combined by multiple importance
+/// Sampled emitters as reflected by rough metals and coats. A reflected path rarely hits a small emitter, and a ray
+/// towards a near emitter rarely lies in their lobe; so both are sampled and combined by multiple importance
 /// sampling with the balance heuristic (Veach and Guibas 1995).
 class GlossyLights {
  public:
   /// The lights must outlive it.
   GlossyLights(const PatchSet& scene, const ExplicitLights& lights, const FurtherLight& further);
 
-  /// Whether the scene has rough metals.
+  /// Whether the scene has rough metals or coats.
   static bool is_needed(const PatchSet& scene);
 
-  /// Path vertex on a rough metal.
+  /// Path vertex on a rough metal or coat.
   struct Vertex {
     Vec3d position;  ///< Offset from the surface.
     Vec3f normal;
-    Vec3f direction;  ///< Of the incoming path, towards the metal.
+    Vec3f direction;  ///< Of the incoming path, towards the surface.
     float roughness = 0.0f;
   };
 
@@ -26,7 +26,7 @@ class GlossyLights {
   struct Sample {
     Vec3f direction{0.0f};
     float distance = 0.0f;
-    float weight = 0.0f;  ///< Factor of the emitter's radiance times the metal's reflectance; 0: no contribution.
+    float weight = 0.0f;  ///< Factor of the emitter's radiance times the reflectance; 0: no contribution.
     std::int32_t group = 0;
     Color exitance{0.0f};  ///< Of the emitter at the scene's own strength, W/m2; of a Light, its strength.
   };

@@ -17,6 +17,7 @@ namespace {
 
 constexpr float kMinThroughput = 1e-3f;
 constexpr int kMaxBounces = 64;
+constexpr float kFaint = 0.15f;  // throughput of a coat below which what it shows needs no more samples than the rest
 
 std::int32_t combined_hash(std::int32_t surfaces, std::int32_t next) {
   return std::int32_t(std::uint32_t(hash64(std::uint64_t(std::uint32_t(surfaces)) << 32 | std::uint32_t(next))));
@@ -49,6 +50,7 @@ PathTracer::PathTracer(const PatchSet& scene, const RayScene& ray_scene, const O
       direct_(config.quality != "patches"),
       gather_(config.quality == "gather"),
       normals_(scene),
+      coats_(scene),
       glossy_lights_(glossy_lights) {
   if (has_intangible(scene.primitives)) lamps_.emplace(scene, surfaces, mixes, glossy_lights);
 }
@@ -103,45 +105,50 @@ bool PathTracer::shade(RayPacket& packet, int lane, Path& path, const CameraRays
   }
   SolvedSurfaces::Colors colors = surfaces_.colors(hit);
   const Vec3f smooth = normals_(hit.primitive, hit.u, hit.v, point.normal);
-  features.normal = valid_for_viewer(smooth, point.normal, -direction);
-  if (in_layers)
-    add_surface({features.depth, point.position, features.normal, colors.reflectance, std::uint32_t(colors.patch)});
+  const Vec3f normal = valid_for_viewer(smooth, point.normal, -direction);
+  if (!path.faint) features.normal = normal;
+  if (in_layers) add_surface({features.depth, point.position, normal, colors.reflectance, std::uint32_t(colors.patch)});
   if (path.central) return false;
+  const std::int32_t material = scene_.primitives[hit.primitive].material;
+  SpecularProperties specular;
+  if (is_specular(scene_.materials[material])) {
+    specular = specular_properties_at(scene_, hit.primitive, hit.u, hit.v);
+    if (specular.has_coat()) colors.reflectance *= Color(1.0f) - coats_.at(material, specular, -(direction ^ normal));
+  }
   if (path.pdf > 0)
     colors.emission *= glossy_lights_->hit_weight(sums.glossy_rays->vertices[lane], direction, path.pdf, colors.patch);
   const DisplayLookup::Blend blend = surfaces_.blend(hit, colors.patch);
+  const bool looked_up = path.faint && direct_;
   const auto radiance = [&](std::size_t mix) {
-    return path.throughput *
-           (surfaces_.emission(colors, mix) + colors.reflectance * surfaces_.irradiance(hit, blend, mix)) / float(kPi);
+    const Color irradiance =
+        looked_up ? surfaces_.total_irradiance(hit, blend, mix) : surfaces_.irradiance(hit, blend, mix);
+    return path.throughput * (surfaces_.emission(colors, mix) + colors.reflectance * irradiance) / float(kPi);
   };
-  const Color contribution = gather_ ? path.throughput * surfaces_.emission(colors) / float(kPi) : radiance(0);
+  const Color contribution =
+      gather_ && !looked_up ? path.throughput * surfaces_.emission(colors) / float(kPi) : radiance(0);
   sums.pixels[path.pixel] += contribution;
   if (layers) add_layers(hit, colors, blend, path, *layers);
   const std::int32_t surface = outlines_.surface(hit.primitive);
-  features.surface = combined_hash(features.surface, surface);
-  features.light += mixes_.unscaled == 0 && !gather_ ? contribution : radiance(mixes_.unscaled);
+  if (!path.faint) features.surface = combined_hash(features.surface, surface);
+  features.light += mixes_.unscaled == 0 && (!gather_ || looked_up) ? contribution : radiance(mixes_.unscaled);
   features.reflectance += path.throughput * colors.reflectance;
   const Vec3d ray_origin = point.position + Vec3d(point.normal) * double(ray_scene_.offset(hit.primitive));
-  if (direct_ && max_component(colors.reflectance) > 0) {
+  if (direct_ && !looked_up && max_component(colors.reflectance) > 0) {
     const Color reflected = path.throughput * colors.reflectance;
-    sums.points.push_back({path.pixel,
-                           camera.has_lens() ? combined_hash(surface, brightness_levels(reflected)) : surface,
-                           hit.primitive, path.kind(), ray_origin, features.normal, reflected / float(kPi),
-                           features.normal == smooth ? Vec3f(0.0f) : smooth});
+    sums.points.push_back(
+        {path.pixel, camera.has_lens() ? combined_hash(surface, brightness_levels(reflected)) : surface, hit.primitive,
+         path.kind(), ray_origin, normal, reflected / float(kPi), normal == smooth ? Vec3f(0.0f) : smooth});
     if (gather_) sums.gather.push_back({sums.points.back(), point.normal, path.sample, std::uint32_t(path.bounces)});
     if (!normals_.is_flat(hit.primitive)) lift_point(hit, lane, sums);
   }
-  if (scene_.materials[scene_.primitives[hit.primitive].material].specular == Color(0.0f)) return false;
-  const MetalProperties metal = metal_properties_at(scene_, hit.primitive, hit.u, hit.v);
-  if (metal.specular == Color(0.0f) ||
-      !scatter(metal, ray_origin, features.normal, point.normal, lane, path, direction, sums) ||
+  if (specular.is_black() || !scatter(specular, ray_origin, normal, point.normal, lane, path, direction, sums) ||
       max_component(path.throughput) < kMinThroughput || ++path.bounces >= kMaxBounces)
     return false;
   packet.set(lane, ray_scene_.to_local(ray_origin), direction);
   return true;
 }
 
-/// Adds the environment to a path that leaves the scene; without suns after a rough metal, where they are explicitly
+/// Adds the environment to a path that leaves the scene; without suns after a rough surface, where they are explicitly
 /// sampled.
 void PathTracer::add_sky(const Vec3f& direction, Path& path, PathSums& sums) const {
   const Environment& sky = *scene_.environment;
@@ -157,29 +164,32 @@ void PathTracer::add_sky(const Vec3f& direction, Path& path, PathSums& sums) con
   if (sums.layers->has_groups()) sums.layers->add_to_group(group, path.pixel, unscaled);
 }
 
-bool PathTracer::scatter(const MetalProperties& metal, const Vec3d& origin, const Vec3f& smooth_normal,
+bool PathTracer::scatter(const SpecularProperties& specular, const Vec3d& origin, const Vec3f& smooth_normal,
                          const Vec3f& geometric_normal, int lane, Path& path, Vec3f& direction, PathSums& sums) const {
   path.mirrored = true;
   path.pdf = 0;
   Vec2f at(0.0f);
   const Vec3f in = direction;
-  const bool rough = metal.roughness >= kMirrorRoughness;
+  const bool rough = specular.roughness >= kMirrorRoughness;
   if (rough) {
-    path.features.scattered = true;
     GlossyShadowRays& rays = sums.glossy_rays ? *sums.glossy_rays : sums.glossy_rays.emplace();
-    rays.vertices[lane] = {origin, smooth_normal, in, metal.roughness};
+    rays.vertices[lane] = {origin, smooth_normal, in, specular.roughness};
     const std::uint64_t seed = hash64(~hash64(sums.window->pixel_id(path.pixel)) + std::uint64_t(path.bounces));
     at = pixel_sample(shuffled(path.sample, std::uint32_t(hash64(seed))), seed);
-    sample_glossy_light(metal, hash64(~seed), lane, path, rays);
+    sample_glossy_light(specular, hash64(~seed), lane, path, rays);
   }
-  if (!reflect(metal, smooth_normal, at, direction, path.throughput)) return false;
-  if (rough) path.pdf = metal_lobe(metal.roughness, smooth_normal, in, direction).density;
+  const bool reflects = reflect(specular, smooth_normal, at, direction, path.throughput);
+  path.faint = specular.metal == Color(0.0f) && max_component(path.throughput) < kFaint;
+  path.scattered = path.scattered || rough;
+  path.features.scattered = path.features.scattered || (rough && !path.faint);
+  if (!reflects) return false;
+  if (rough) path.pdf = specular_lobe(specular.roughness, smooth_normal, in, direction).density;
   // By a smooth normal the reflection may point below the facet.
   if ((direction ^ geometric_normal) < 0) direction -= geometric_normal * (2.0f * (direction ^ geometric_normal));
   return true;
 }
 
-void PathTracer::sample_glossy_light(const MetalProperties& metal, std::uint64_t seed, int lane, const Path& path,
+void PathTracer::sample_glossy_light(const SpecularProperties& specular, std::uint64_t seed, int lane, const Path& path,
                                      GlossyShadowRays& rays) const {
   const Vec2f at = pixel_sample(shuffled(path.sample, std::uint32_t(hash64(seed))), seed);
   const std::uint64_t choice_seed = hash64(seed);
@@ -188,7 +198,8 @@ void PathTracer::sample_glossy_light(const MetalProperties& metal, std::uint64_t
   if (sample.weight <= 0) return;
   rays.pending = true;
   rays.samples[lane] = sample;
-  rays.throughputs[lane] = path.throughput * metal.specular;
+  const float cosine = (sample.direction - rays.vertices[lane].direction).length() / 2;  // to the mirroring facet
+  rays.throughputs[lane] = path.throughput * specular.reflectance(cosine);
   rays.packet.set_shadow(lane, ray_scene_.to_local(rays.vertices[lane].position), sample.direction, sample.distance);
 }
 

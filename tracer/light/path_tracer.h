@@ -1,5 +1,6 @@
 #pragma once
 #include "pipeline/optics/sampling/patch_sampling.h"
+#include "pipeline/optics/surface/coat_albedo.h"
 #include "pipeline/optics/surface/smooth_normals.h"
 #include "pipeline/optics/surface/texture_lookup.h"
 #include "tracer/light/passed_lamps.h"
@@ -9,10 +10,10 @@
 
 namespace patchlight {
 
-/// Traces camera paths to the solved surfaces. Each surface adds E / pi + rho H / pi and, if it is a metal, its
-/// specular reflection. H is interpolated from the solution. With `quality: direct` it excludes the direct light of
+/// Traces camera paths to the solved surfaces. Each surface adds E / pi + rho H / pi and, if it is a metal or coated,
+/// its specular reflection. H is interpolated from the solution. With `quality: direct` it excludes the direct light of
 /// sampled emitters, which TileLight adds; with `quality: gather` FinalGather adds the rest as well. Paths
-/// follow specular reflections until their throughput is below a thousandth: mirrors deterministically, rough metals by
+/// follow specular reflections until their throughput is below a thousandth: mirrors deterministically, rough ones by
 /// one direction of the GGX lobe for each sample, stratified over the pixel, and by GlossyLights.
 ///
 /// The light in PathFeatures is at the scene's own strength, so the distribution of samples does not depend on the
@@ -21,7 +22,7 @@ class PathTracer {
  public:
   using Path = CameraPath;
 
-  /// `glossy_lights`: not null if the scene has rough metals.
+  /// `glossy_lights`: not null if the scene has rough metals or coats.
   PathTracer(const PatchSet& scene, const RayScene& ray_scene, const Outlines& outlines, const SolvedSurfaces& surfaces,
              const LightMixes& mixes, const GlossyLights* glossy_lights, const TraceConfig& config);
 
@@ -36,10 +37,10 @@ class PathTracer {
   void add_sky(const Vec3f& direction, Path& path, PathSums& sums) const;
   void add_layers(const SurfaceHit& hit, const SolvedSurfaces::Colors& colors, const DisplayLookup::Blend& blend,
                   const Path& path, LayerSums& layers) const;
-  /// Reflects `direction` at a metal; false if nothing is reflected. `origin`: of the next ray.
-  bool scatter(const MetalProperties& metal, const Vec3d& origin, const Vec3f& smooth_normal,
+  /// Reflects `direction`; false if nothing is reflected. `origin`: of the next ray.
+  bool scatter(const SpecularProperties& specular, const Vec3d& origin, const Vec3f& smooth_normal,
                const Vec3f& geometric_normal, int lane, Path& path, Vec3f& direction, PathSums& sums) const;
-  void sample_glossy_light(const MetalProperties& metal, std::uint64_t seed, int lane, const Path& path,
+  void sample_glossy_light(const SpecularProperties& specular, std::uint64_t seed, int lane, const Path& path,
                            GlossyShadowRays& rays) const;
   void add_glossy_light(std::array<Path, RayPacket::kSize>& paths, PathSums& sums) const;
   void lift_point(const SurfaceHit& hit, int lane, PathSums& sums) const;
@@ -55,6 +56,7 @@ class PathTracer {
   const TraceConfig& config_;
   const bool direct_, gather_;
   const SmoothNormals normals_;
+  const CoatAlbedos coats_;
   const GlossyLights* const glossy_lights_;
 };
 

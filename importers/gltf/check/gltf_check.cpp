@@ -120,6 +120,13 @@ void check_materials(GltfLists& gltf) {
     if (const Json* extensions = find_object(material, "extensions", place)) {
       const Json* emission = find_object(*extensions, "KHR_materials_emissive_strength", place);
       if (emission) check_number(*emission, "emissiveStrength", place);
+      if (const Json* ior = find_object(*extensions, "KHR_materials_ior", place)) check_number(*ior, "ior", place);
+      if (const Json* specular = find_object(*extensions, "KHR_materials_specular", place)) {
+        check_number(*specular, "specularFactor", place);
+        check_numbers(*specular, "specularColorFactor", 3, place);
+        if (specular->contains("specularTexture") || specular->contains("specularColorTexture"))
+          gltf.ignored.insert("textures of KHR_materials_specular are ignored: its factors apply everywhere");
+      }
       if (extensions->contains("KHR_materials_unlit"))
         gltf.ignored.insert("unlit materials are read as diffuse materials of their base colour");
     }

@@ -90,6 +90,10 @@ Json reduced_material(const Json& material) {
     if (const Json* emission = find_member(*extensions, "KHR_materials_emissive_strength")) {
       result["extensions"]["KHR_materials_emissive_strength"] = selected(*emission, {"emissiveStrength"});
     }
+    if (const Json* ior = find_member(*extensions, "KHR_materials_ior"))
+      result["extensions"]["KHR_materials_ior"] = selected(*ior, {"ior"});
+    if (const Json* specular = find_member(*extensions, "KHR_materials_specular"))
+      result["extensions"]["KHR_materials_specular"] = selected(*specular, {"specularFactor", "specularColorFactor"});
     if (find_member(*extensions, "KHR_materials_unlit")) result["extensions"]["KHR_materials_unlit"] = Json::object();
   }
   return result;

@@ -15,6 +15,7 @@ namespace {
 constexpr float kMaxReflectance = 0.99999f;
 constexpr float kMaxEmission = 3e38f;
 constexpr float kDefaultGrey = 0.8f;
+constexpr double kMaxIor = 100;
 
 [[noreturn]] void refuse(const GltfModel& model, const std::string& material, const std::string& what,
                          const std::string& range) {
@@ -56,6 +57,37 @@ void read_mask(const tinygltf::Material& source, SceneTextures& textures, Surfac
   material.mask = mask;
 }
 
+/// The dielectric layer over a material's diffuse part, by `KHR_materials_ior` and `KHR_materials_specular`.
+Coat read_coat(const tinygltf::Material& source, const GltfModel& model, const std::string& name) {
+  const auto extension = [&](const char* key) {
+    const auto found = source.extensions.find(key);
+    return found == source.extensions.end() ? tinygltf::Value() : found->second;
+  };
+  const auto number = [](const tinygltf::Value& in, const char* key, double absent) {
+    return in.Has(key) ? in.Get(key).GetNumberAsDouble() : absent;
+  };
+  const tinygltf::Value specular = extension("KHR_materials_specular");
+  const double ior = number(extension("KHR_materials_ior"), "ior", 1.5);
+  const double factor = number(specular, "specularFactor", 1.0);
+  if (!(factor >= 0 && factor <= 1)) refuse(model, name, fmt::format("its specular factor is {}", factor), "in [0, 1]");
+  if (ior != 0 && !(ior >= 1 && ior <= kMaxIor))
+    refuse(model, name, fmt::format("its index of refraction is {}", ior), fmt::format("0 or in [1, {}]", kMaxIor));
+  // An index of 0 stands for a reflectance of 1 (compatibility with specular-glossiness).
+  const double least = ior == 0 ? 1.0 : (ior - 1) * (ior - 1) / ((ior + 1) * (ior + 1));
+  Color tint(1.0f);
+  if (specular.Has("specularColorFactor"))
+    for (int k = 0; k < 3; ++k)
+      tint[k] = static_cast<float>(specular.Get("specularColorFactor").Get(k).GetNumberAsDouble());
+  for (int k = 0; k < 3; ++k)
+    if (!(tint[k] >= 0)) refuse(model, name, fmt::format("its specular colour is {}", tint[k]), "not negative");
+  Coat coat;
+  for (int k = 0; k < 3; ++k)
+    coat.normal[k] = static_cast<float>(std::min(least * static_cast<double>(tint[k]), 1.0) * factor);
+  coat.grazing = static_cast<float>(factor);
+  coat.ior = ior >= 1 && tint == Color(1.0f) ? static_cast<float>(ior) : 0.0f;
+  return coat;
+}
+
 SurfaceMaterial read_material(const tinygltf::Material& source, bool used, SceneTextures& textures) {
   const auto read = [&](const tinygltf::TextureInfo& info, TextureEncoding encoding) {
     return used ? textures.texture(info, encoding) : std::pair(Vec3d(1.0), std::int32_t{-1});
@@ -89,7 +121,9 @@ SurfaceMaterial read_material(const tinygltf::Material& source, bool used, Scene
   material.metal = color(factor * metallic_factor);
   material.specular = color(base * metallic);
   material.roughness = static_cast<float>(pbr.roughnessFactor * metallic_roughness.y);
-  if (metallic_factor > 0.0) material.metallic_roughness_texture = metallic_roughness_texture;
+  if (!unlit) material.coat = read_coat(source, textures.model(), material.name);
+  material.coat.metallic = static_cast<float>(metallic_factor);
+  if (metallic_factor > 0.0 || material.coat.exists()) material.metallic_roughness_texture = metallic_roughness_texture;
   material.metallic_roughness_mapping = mapping_of(pbr.metallicRoughnessTexture);
   material.mean_metallic = static_cast<float>(metallic_roughness.z);
   material.roughness_factor = static_cast<float>(pbr.roughnessFactor);
@@ -121,6 +155,7 @@ Color limited_by(const Color& value, const Color& other) {
 
 /// Replaces the metallic-roughness texture by its mean.
 void average_metallic_roughness(SurfaceMaterial& material) {
+  if (material.metallic_roughness_texture >= 0) material.coat.metallic *= material.mean_metallic;
   material.tint += material.metal * (1.0f - material.mean_metallic);
   material.metal = Color(0.0f);
   material.metallic_roughness_texture = -1;
@@ -148,6 +183,19 @@ void apply_override(const MaterialOverride& change, const char* section, Surface
   if (change.mirror) {
     material.specular = *change.mirror;
     material.roughness = 0.0f;
+    material.coat = {};
+  }
+  if (change.specular || change.ior) {
+    Coat& coat = material.coat;
+    const auto ior = static_cast<float>(change.ior.value_or(coat.ior > 0 ? coat.ior : 1.5f));
+    const auto factor = static_cast<float>(change.specular.value_or(coat.exists() ? coat.grazing : 1.0f));
+    coat.normal = Color(factor * (ior - 1) * (ior - 1) / ((ior + 1) * (ior + 1)));
+    coat.grazing = factor;
+    coat.ior = ior;
+  }
+  if (change.roughness) {
+    material.roughness = static_cast<float>(*change.roughness);
+    average_metallic_roughness(material);
   }
   if (change.reflectance && change.mirror) {
     const Color sum = *change.reflectance + *change.mirror;
@@ -222,6 +270,8 @@ std::vector<SurfaceMaterial> read_materials(GltfModel& model, const std::vector<
   }
   if (used.back()) materials.push_back(default_material());
   apply_overrides(job, materials, progress);
+  if (!job.import.dielectric_coat)
+    for (SurfaceMaterial& material : materials) material.coat = {};
   for (SurfaceMaterial& material : materials) check_values(model, material, progress);
   return materials;
 }

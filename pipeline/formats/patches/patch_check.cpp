@@ -142,12 +142,19 @@ PatchFault mask_fault(const PatchSet& scene) {
   return {};
 }
 
+bool is_valid(const Coat& coat) {
+  const auto in_unit = [](float x) { return x >= 0.0f && x <= 1.0f; };
+  return within(coat.normal, 0.0f, 1.0f) && in_unit(coat.grazing) && in_unit(coat.metallic) &&
+         (coat.ior == 0.0f || (coat.ior >= 1.0f && coat.ior <= 100.0f));
+}
+
 PatchFault patch_fault(const PatchSet& scene, const Patch& patch) {
   if (!finite(patch.center)) return {"a centre that is not finite", "/patches/center"};
   if (!finite(patch.normal) || std::abs(patch.normal.length() - 1.0f) > 1e-3f)
     return {"a normal that is not a unit vector", "/patches/normal"};
   if (!(patch.area > 0 && std::isfinite(patch.area))) return {"an area that is not positive", "/patches/area"};
   if (!within(patch.reflectance, 0.0f, 0.99999f)) return {"a value outside [0, 1)", "/patches/reflectance"};
+  if (!within(patch.transmittance, 0.0f, 1.0f)) return {"a value outside [0, 1]", "/patches/coat_transmittance"};
   if (!within(patch.emission, 0.0f, 3e38f)) return {"a negative or non-finite value", "/patches/emission"};
   if (!(patch.coverage > 0 && patch.coverage <= 1)) return {"a value outside (0, 1]", "/patches/coverage"};
   if (patch.emission != Color(0.0f) && scene.primitives[patch.primitive].light_group < 0)
@@ -277,7 +284,7 @@ PatchFault find_fault(const PatchSet& scene) {
   for (const Material& m : scene.materials)
     if (!within(m.specular, 0.0f, 1.0f) || !within(m.tint, 0.0f, 1.0f) || !within(m.metal, 0.0f, 1.0f) ||
         !within(m.emission_tint, 0.0f, 3e38f) || !(m.roughness >= 0 && m.roughness <= 1) ||
-        !(m.roughness_factor >= 0 && m.roughness_factor <= 1))
+        !(m.roughness_factor >= 0 && m.roughness_factor <= 1) || !is_valid(m.coat))
       return {"a value out of range", "/materials"};
   for (const Camera& camera : scene.cameras)
     for (const double* x = &camera.to_world.x[0][0]; x != &camera.to_world.x[0][0] + 16; ++x)

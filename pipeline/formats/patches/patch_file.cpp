@@ -7,6 +7,7 @@
 #include "pipeline/formats/patches/patch_cameras.h"
 #include "pipeline/formats/patches/patch_check.h"
 #include "pipeline/formats/patches/patch_clusters.h"
+#include "pipeline/formats/patches/patch_coats.h"
 #include "pipeline/formats/patches/patch_cuts.h"
 #include "pipeline/formats/patches/patch_environment.h"
 #include "pipeline/formats/patches/patch_lights.h"
@@ -167,6 +168,7 @@ void write_patches(const std::filesystem::path& file, PatchSet& scene) {
   write_primitives(writer, scene);
   write_region_datasets(writer, scene);
   write_materials(writer, scene.materials);
+  write_coat_datasets(writer, scene);
   write_camera_datasets(writer, scene);
   write_sources(writer, scene.sources);
   writer.strings("/light_groups/name", scene.light_groups);
@@ -260,6 +262,7 @@ PatchSet read_patches(const std::filesystem::path& file) {
   const std::vector<bool> is_cluster = read_primitives(reader, scene);
   read_cut_datasets(reader, scene);
   read_materials(reader, scene.materials);
+  read_coat_datasets(reader, scene);
   read_camera_datasets(reader, scene);
   scene.light_groups = reader.strings("/light_groups/name", -1);
   read_light_datasets(reader, scene);

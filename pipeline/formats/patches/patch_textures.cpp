@@ -94,7 +94,7 @@ bool any_has(const PatchSet& scene, std::int32_t Primitive::*index) {
 
 bool has_varying_metals(const PatchSet& scene) {
   for (std::size_t i = 0; i < scene.primitives.size(); ++i)
-    if (has_varying_metal(scene, std::int32_t(i))) return true;
+    if (has_varying_metal(scene, std::int32_t(i)) || has_varying_coat(scene, std::int32_t(i))) return true;
   return false;
 }
 
@@ -214,11 +214,14 @@ std::string metallic_roughness_key(const PatchSet& scene) {
     const auto material = std::size_t(scene.primitives[i].material);
     if (material >= scene.materials.size()) continue;  // an invalid scene, which read_patches refuses
     const Material& m = scene.materials[material];
-    if (m.specular == Color(0.0f) && m.metal == Color(0.0f) && scene.primitives[i].mask < 0) continue;
+    if (!is_specular(m) && m.metal == Color(0.0f) && scene.primitives[i].mask < 0) continue;
     hasher.add(std::int64_t(i));
     for (const Color& color : {m.specular, m.metal})
       for (int k = 0; k < 3; ++k) hasher.add(double(color[k]));
     for (const float value : {m.roughness, m.roughness_factor, m.alpha, m.alpha_cutoff}) hasher.add(double(value));
+    if (!m.coat.exists()) continue;
+    for (int k = 0; k < 3; ++k) hasher.add(double(m.coat.normal[k]));
+    for (const float value : {m.coat.grazing, m.coat.ior, m.coat.metallic}) hasher.add(double(value));
   }
   return hasher.hex();
 }

@@ -41,6 +41,7 @@ std::vector<JobKey> import_keys(ImportConfig& config) {
       choice_key(
           "import.punctual_units", config.punctual_units, {"blender", "si", "raw"},
           "unit of point lights, spots and suns: watts as Blender exports them; candela and lux; or W/sr and W/m2"),
+      flag_key("import.dielectric_coat", config.dielectric_coat, "surfaces have the glossy coats of their materials"),
   };
 }
 
@@ -48,7 +49,8 @@ std::vector<JobKey> scene_keys(Job& job) {
   return {
       overrides_key("materials", job.materials,
                     "by name (globs): reflectance [r,g,b]; emission [r,g,b], radiant exitance in W/m2; mirror [r,g,b], "
-                    "reflectance of a perfect mirror; light_group; patch_area in m2; exclude from the scene"),
+                    "reflectance of a perfect mirror; specular, strength of the coat; roughness; ior, of the coat; "
+                    "light_group; patch_area in m2; exclude from the scene"),
       overrides_key("nodes", job.nodes, "the same overrides by node name (globs); they take precedence over materials"),
       {"shaders",
        "by material or node name (globs): reflectance and emission as expressions [r,g,b] of u, v, x, y, z, nx, ny, nz",

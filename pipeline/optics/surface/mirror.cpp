@@ -31,13 +31,14 @@ float smith_lambda(const Vec3f& direction, float alpha) {
 
 }  // namespace
 
-bool reflect(const MetalProperties& metal, const Vec3f& normal, const Vec2f& at, Vec3f& direction, Color& throughput) {
-  throughput *= metal.specular;
-  if (metal.roughness < kMirrorRoughness) {
+bool reflect(const SpecularProperties& specular, const Vec3f& normal, const Vec2f& at, Vec3f& direction,
+             Color& throughput) {
+  if (specular.roughness < kMirrorRoughness) {
+    throughput *= specular.reflectance(-(direction ^ normal));
     direction -= normal * (2.0f * (normal ^ direction));
     return true;
   }
-  const float alpha = metal.roughness * metal.roughness;
+  const float alpha = specular.roughness * specular.roughness;
   Vec3f tangent, bitangent;
   orthonormal_frame(normal, tangent, bitangent);
   const Vec3f view(-(direction ^ tangent), -(direction ^ bitangent), std::max(-(direction ^ normal), 1e-6f));
@@ -45,12 +46,13 @@ bool reflect(const MetalProperties& metal, const Vec3f& normal, const Vec2f& at,
   const Vec3f out = half * (2.0f * (view ^ half)) - view;
   if (out.z <= 1e-6f) return false;
   const float lambda_view = smith_lambda(view, alpha);
+  throughput *= specular.reflectance(view ^ half);
   throughput *= (1.0f + lambda_view) / (1.0f + lambda_view + smith_lambda(out, alpha));  // G2 / G1
   direction = (tangent * out.x + bitangent * out.y + normal * out.z).normalized();
   return true;
 }
 
-MetalLobe metal_lobe(float roughness, const Vec3f& normal, const Vec3f& in, const Vec3f& out) {
+SpecularLobe specular_lobe(float roughness, const Vec3f& normal, const Vec3f& in, const Vec3f& out) {
   const float alpha = roughness * roughness;
   const Vec3f view = -in;
   const float cos_view = std::max(view ^ normal, 1e-6f), cos_out = out ^ normal;

@@ -78,24 +78,6 @@ Imath::V2d texcoord_of(const std::vector<Texcoords>& texcoords, std::int32_t i, 
   return {bilinear(&Vec2f::x), bilinear(&Vec2f::y)};
 }
 
-/// The texture's roughness and metalness, both in [0,1].
-Vec2f roughness_metalness(const PatchSet& scene, std::int32_t i, double u, double v) {
-  const auto& texcoords =
-      scene.metallic_roughness_texcoords.empty() ? scene.texcoords : scene.metallic_roughness_texcoords;
-  return filtered_value(scene.textures[scene.primitives[i].metallic_roughness_texture], texcoord_of(texcoords, i, u, v),
-                        [](std::int32_t rgb) { return Vec2f(float(rgb >> 8 & 255), float(rgb & 255)); }) /
-         255.0f;
-}
-
-/// Base colour: texture times vertex colours.
-Color base_color(const PatchSet& scene, std::int32_t i, double u, double v) {
-  const Primitive& primitive = scene.primitives[i];
-  const Vec4f vertex = vertex_color(scene, i, u, v);
-  const Color color(vertex.x, vertex.y, vertex.z);
-  if (primitive.texture < 0) return color;
-  return texture_color(scene.textures[primitive.texture], texcoord_at(scene, i, u, v)) * color;
-}
-
 }  // namespace
 
 Imath::V2d texcoord_at(const PatchSet& scene, std::int32_t i, double u, double v) {
@@ -105,6 +87,22 @@ Imath::V2d texcoord_at(const PatchSet& scene, std::int32_t i, double u, double v
 Color texture_color(const Texture& texture, const Imath::V2d& at) {
   const Vec3f color = filtered_value(texture, at, srgb_channels);
   return {srgb_to_linear(color.x), srgb_to_linear(color.y), srgb_to_linear(color.z)};
+}
+
+Vec2f roughness_metalness(const PatchSet& scene, std::int32_t i, double u, double v) {
+  const auto& texcoords =
+      scene.metallic_roughness_texcoords.empty() ? scene.texcoords : scene.metallic_roughness_texcoords;
+  return filtered_value(scene.textures[scene.primitives[i].metallic_roughness_texture], texcoord_of(texcoords, i, u, v),
+                        [](std::int32_t rgb) { return Vec2f(float(rgb >> 8 & 255), float(rgb & 255)); }) /
+         255.0f;
+}
+
+Color base_color(const PatchSet& scene, std::int32_t i, double u, double v) {
+  const Primitive& primitive = scene.primitives[i];
+  const Vec4f vertex = vertex_color(scene, i, u, v);
+  const Color color(vertex.x, vertex.y, vertex.z);
+  if (primitive.texture < 0) return color;
+  return texture_color(scene.textures[primitive.texture], texcoord_at(scene, i, u, v)) * color;
 }
 
 Color colored_reflectance(const PatchSet& scene, std::int32_t i, double u, double v) {
@@ -117,19 +115,6 @@ Color colored_reflectance(const PatchSet& scene, std::int32_t i, double u, doubl
   Color highest(kMaxReflectance);
   if (!has_varying_metal(scene, i)) highest = max_diffuse_reflectance(material);
   return clamp_color(Vec3d(color.x, color.y, color.z), highest);
-}
-
-MetalProperties metal_properties_at(const PatchSet& scene, std::int32_t i, double u, double v) {
-  const Primitive& primitive = scene.primitives[i];
-  const Material& material = scene.materials[primitive.material];
-  MetalProperties metal{material.specular, material.roughness};
-  if (!has_varying_metal(scene, i)) return metal;
-  metal.specular = material.metal * base_color(scene, i, u, v);
-  if (primitive.metallic_roughness_texture < 0) return metal;
-  const Vec2f texel = roughness_metalness(scene, i, u, v);
-  metal.specular *= texel.y;
-  metal.roughness = material.roughness_factor * texel.x;
-  return metal;
 }
 
 Color textured_emission(const PatchSet& scene, std::int32_t i, double u, double v) {

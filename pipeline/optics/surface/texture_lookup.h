@@ -14,14 +14,11 @@ Color texture_color(const Texture& texture, const Imath::V2d& at);
 /// non-metallic part of its metal, times base colour; limited by max_diffuse_reflectance().
 Color colored_reflectance(const PatchSet& scene, std::int32_t i, double u, double v);
 
-/// Specular reflection of a metal at a surface point.
-struct MetalProperties {
-  Color specular{0.0f};  ///< Reflectance, each in [0,1].
-  float roughness = 1.0f;
-};
+/// Base colour at (u,v) of primitive `i`: texture times vertex colours.
+Color base_color(const PatchSet& scene, std::int32_t i, double u, double v);
 
-/// Specular reflection at (u,v) of primitive `i`: the material's, varied by textures and vertex colours.
-MetalProperties metal_properties_at(const PatchSet& scene, std::int32_t i, double u, double v);
+/// Roughness and metalness, both in [0,1], by the texture that primitive `i` has for them.
+Vec2f roughness_metalness(const PatchSet& scene, std::int32_t i, double u, double v);
 
 /// Radiant exitance at (u,v) of primitive `i`, which has an emission texture, W/m2.
 Color textured_emission(const PatchSet& scene, std::int32_t i, double u, double v);

@@ -15,8 +15,8 @@ bool continue_at_mirror(const PatchSet& scene, const RayScene& ray_scene, const 
   const SurfacePoint point = point_at(primitive, hit.u, hit.v);
   Vec3f direction = packet.direction(lane);
   const Vec2f at(uniform01(random), uniform01(hash64(random)));
-  const MetalProperties metal = metal_properties_at(scene, hit.primitive, hit.u, hit.v);
-  if (!reflect(metal, point.normal, at, direction, throughput)) return false;
+  const SpecularProperties specular = specular_properties_at(scene, hit.primitive, hit.u, hit.v);
+  if (!reflect(specular, point.normal, at, direction, throughput)) return false;
   const float max_channel = std::max({throughput.x, throughput.y, throughput.z});
   if (max_channel < kRouletteThreshold) {
     if (uniform01(hash64(~random)) * kRouletteThreshold >= max_channel) return false;

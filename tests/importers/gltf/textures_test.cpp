@@ -1,6 +1,7 @@
 // Emission and metallic-roughness textures, and vertex colours combined with textures.
 #include <gtest/gtest.h>
 
+#include "pipeline/optics/surface/specular.h"
 #include "pipeline/optics/surface/texture_lookup.h"
 #include "tests/expect_error.h"
 #include "tests/importers/textured_square.h"
@@ -65,13 +66,13 @@ TEST(Textures, MetallicRoughnessAndBaseColourMultiplyPerTexel) {
   const PatchSet scene = importer.import(gltf);
   expect_near(patch_at(scene, 0.25).reflectance, {0.25, 0, 0}, 1e-3);
   expect_near(patch_at(scene, 0.75).reflectance, {0.2, 0.2, 0.2}, 1e-3);
-  const std::array<MetalProperties, 4> samples{
-      at(metal_properties_at, scene, 0.1, 0.5), at(metal_properties_at, scene, 0.3, 0.5),
-      at(metal_properties_at, scene, 0.6, 0.5), at(metal_properties_at, scene, 0.9, 0.5)};
-  expect_near(samples[0].specular, {0.5, 0.5, 0.5});
-  expect_near(samples[1].specular, {0, 0, 0});
-  expect_near(samples[2].specular, {0.1, 0.1, 0.1});
-  expect_near(samples[3].specular, {0, 0, 0});
+  const std::array<SpecularProperties, 4> samples{
+      at(specular_properties_at, scene, 0.1, 0.5), at(specular_properties_at, scene, 0.3, 0.5),
+      at(specular_properties_at, scene, 0.6, 0.5), at(specular_properties_at, scene, 0.9, 0.5)};
+  expect_near(samples[0].metal, {0.5, 0.5, 0.5});
+  expect_near(samples[1].metal, {0, 0, 0});
+  expect_near(samples[2].metal, {0.1, 0.1, 0.1});
+  expect_near(samples[3].metal, {0, 0, 0});
   EXPECT_NEAR(samples[0].roughness, 0.1, 1e-5);
   EXPECT_NEAR(samples[2].roughness, 0.3, 1e-5);
   expect_near(at(colored_reflectance, scene, 0.6, 0.5), {0.4, 0.4, 0.4});
@@ -79,7 +80,7 @@ TEST(Textures, MetallicRoughnessAndBaseColourMultiplyPerTexel) {
   importer.job.materials = {{"plate"}};
   importer.job.materials[0].mirror = Color(0.25f);
   const PatchSet mirror = importer.import(gltf);
-  expect_near(at(metal_properties_at, mirror, 0.3, 0.5).specular, {0.25, 0.25, 0.25});
+  expect_near(at(specular_properties_at, mirror, 0.3, 0.5).metal, {0.25, 0.25, 0.25});
 }
 
 TEST(Textures, EachUsesItsOwnCoordinateSetAndTransform) {
@@ -103,9 +104,9 @@ TEST(Textures, EachUsesItsOwnCoordinateSetAndTransform) {
   for (const std::int32_t side : {0, 1}) {
     expect_near(at(textured_emission, scene, 0.25, 0.5, side), Vec3d(0, 1, 1) * kPi);
     expect_near(at(textured_emission, scene, 0.75, 0.5, side), Vec3d(1, 1, 0) * kPi);
-    expect_near(at(metal_properties_at, scene, 0.25, 0.25, side).specular, {0, 0, 0});
-    expect_near(at(metal_properties_at, scene, 0.25, 0.75, side).specular, {1, 1, 0});
-    expect_near(at(metal_properties_at, scene, 0.75, 0.75, side).specular, {0, 1, 1});
+    expect_near(at(specular_properties_at, scene, 0.25, 0.25, side).metal, {0, 0, 0});
+    expect_near(at(specular_properties_at, scene, 0.25, 0.75, side).metal, {1, 1, 0});
+    expect_near(at(specular_properties_at, scene, 0.75, 0.75, side).metal, {0, 1, 1});
   }
 }
 

@@ -64,7 +64,7 @@ TEST(Mirror, LobeIsTheDensityOfReflect) {
   for (const float roughness : {0.3f, 0.8f})
     for (const float mu : {0.95f, 0.3f}) {
       const Vec3f in = incoming(mu);
-      const MetalProperties metal{Color(1.0f), roughness};
+      const SpecularProperties metal{Color(1.0f), roughness};
       Vec3f tangent, bitangent;
       orthonormal_frame(kNormal, tangent, bitangent);
       // Integrals over the hemisphere, and over a part of it.
@@ -75,7 +75,7 @@ TEST(Mirror, LobeIsTheDensityOfReflect) {
           const double z = (i + 0.5) / kGrid, turn = 2 * kPi * (j + 0.5) / kGrid, r = std::sqrt(1 - z * z);
           const Vec3f out =
               tangent * float(r * std::cos(turn)) + bitangent * float(r * std::sin(turn)) + kNormal * float(z);
-          const MetalLobe lobe = metal_lobe(roughness, kNormal, in, out);
+          const SpecularLobe lobe = specular_lobe(roughness, kNormal, in, out);
           const double solid_angle = 2 * kPi / (kGrid * kGrid);
           all += lobe.density * solid_angle;
           value += lobe.value * solid_angle;
@@ -90,7 +90,7 @@ TEST(Mirror, LobeIsTheDensityOfReflect) {
         reflected += 1.0 / kSamples;
         sampled_value += throughput.x / kSamples;
         if ((out ^ tangent) > 0.3f) sampled_part += 1.0 / kSamples;
-        const MetalLobe lobe = metal_lobe(roughness, kNormal, in, out);
+        const SpecularLobe lobe = specular_lobe(roughness, kNormal, in, out);
         ASSERT_NEAR(lobe.value / lobe.density, throughput.x, 1e-4);
       }
       EXPECT_NEAR(all, reflected, 0.005) << roughness << " " << mu;

@@ -66,7 +66,7 @@ TEST(MetalReflection, RoughMetalsReflectEmittersByTheirLobe) {
         const Vec3d to(x0 + (k % kFine + 0.5) / kFine * size, y0 + (k / kFine + 0.5) / kFine * size, z + 1);
         const Vec3d out = to.normalized();
         const double solid_angle = size * size / (kFine * kFine) * out.z / to.length2();
-        exact += exitance / kPi * solid_angle * metal_lobe(roughness, {0, 0, 1}, {0, 0, -1}, Vec3f(out)).value;
+        exact += exitance / kPi * solid_angle * specular_lobe(roughness, {0, 0, 1}, {0, 0, -1}, Vec3f(out)).value;
       }
     };
     add_lamp(0.1, 0, 1, 0.4, 5);
@@ -90,7 +90,7 @@ TEST(MetalReflection, RoughMetalsReflectManyEmittersByTheirLobe) {
     builder.quad({{{x, y, 1}, {x, y + to, 1}, {x + to, y + to, 1}, {x + to, y, 1}}}, 1, 1, {0.0f, exitance});
     const Vec3d out = Vec3d(x + to / 2, y + to / 2, 2);
     exact += double(exitance) / kPi * to * to * out.z / std::pow(out.length(), 3) *
-             double(metal_lobe(kRoughness, {0, 0, 1}, {0, 0, -1}, Vec3f(out.normalized())).value);
+             double(specular_lobe(kRoughness, {0, 0, 1}, {0, 0, -1}, Vec3f(out.normalized())).value);
   }
   Solved solved(builder);
   solved.job.trace.samples = 256;

@@ -55,7 +55,7 @@ class SolvedSurfaces {
   Color irradiance(const SurfaceHit& hit, const DisplayLookup::Blend& blend, std::size_t mix = 0) const {
     return display_ ? (*display_)(blend, hit.primitive, hit.u, hit.v, mix) : patches_(hit.primitive, hit.u, hit.v, mix);
   }
-  /// irradiance() plus the direct light of sampled emitters; with `quality: gather` only.
+  /// irradiance() plus the direct light of sampled emitters; only with `quality: gather`, or with coats.
   Color total_irradiance(const SurfaceHit& hit, const DisplayLookup::Blend& blend, std::size_t mix) const {
     return irradiance(hit, blend, mix) + (*sampled_direct_)(hit.primitive, hit.u, hit.v, mix);
   }

@@ -1,0 +1,31 @@
+#include "pipeline/formats/patches/patch_coats.h"
+
+#include <algorithm>
+
+#include "pipeline/formats/patches/patch_rows.h"
+
+namespace patchlight {
+
+void write_coat_datasets(H5Writer& writer, const PatchSet& scene) {
+  using M = const Material&;
+  if (std::none_of(scene.materials.begin(), scene.materials.end(), [](M m) { return m.coat.exists(); })) return;
+  write_rows<float>(writer, "/materials/coat", scene.materials, 6, [](M m, auto* r) {
+    put3(r, m.coat.normal);
+    r[3] = m.coat.grazing;
+    r[4] = m.coat.ior;
+    r[5] = m.coat.metallic;
+  });
+  write_rows<float>(writer, "/patches/coat_transmittance", scene.patches, 3,
+                    [](const Patch& p, auto* r) { put3(r, p.transmittance); });
+}
+
+void read_coat_datasets(const H5Reader& reader, PatchSet& scene) {
+  if (!reader.has("/materials/coat")) return;
+  read_rows<float>(reader, "/materials/coat", scene.materials, 6, [](Material& m, auto* r) {
+    m.coat = {get3<Color>(r), r[3], r[4], r[5]};
+  });
+  read_rows<float>(reader, "/patches/coat_transmittance", scene.patches, 3,
+                   [](Patch& p, auto* r) { p.transmittance = get3<Color>(r); });
+}
+
+}  // namespace patchlight

@@ -1,0 +1,27 @@
+#pragma once
+#include "pipeline/model/patch_set.h"
+
+namespace patchlight {
+
+/// Specular reflection at a surface point: that of metal and of a coat, which have the same roughness.
+struct SpecularProperties {
+  Color metal{0.0f};  ///< Reflectance, each in [0,1].
+  float roughness = 1.0f;
+  Color coat{0.0f};  ///< Reflectance of the coat at normal incidence; 0: no coat.
+  float coat_grazing = 0.0f;
+  float coat_ior = 0.0f;
+
+  bool has_coat() const { return coat != Color(0.0f); }
+  bool is_black() const { return metal == Color(0.0f) && !has_coat(); }
+  /// Reflectance of metal and coat, for the cosine of the angle to a mirroring facet.
+  Color reflectance(float cosine) const;
+};
+
+/// Specular reflection at (u,v) of primitive `i`: the material's, varied by textures and vertex colours.
+SpecularProperties specular_properties_at(const PatchSet& scene, std::int32_t i, double u, double v);
+
+/// Shape of the Fresnel reflectance of a coat: 0 at normal incidence (cosine 1), 1 at grazing incidence. Exact for a
+/// dielectric of index `ior`; Schlick's for 0.
+float fresnel_rise(float ior, float cosine);
+
+}  // namespace patchlight

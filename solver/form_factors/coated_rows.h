@@ -1,0 +1,21 @@
+#pragma once
+#include "pipeline/model/patch_set.h"
+#include "solver/linear/spectrum.h"
+
+namespace patchlight {
+
+/// Whether rays of rows that hit a primitive either pass its coat, by chance, or are reflected. Rays that hit other
+/// coated surfaces, which also emit or are partly metallic, both end there and go on.
+inline bool passes_by_chance(const PatchSet& scene, const Primitive& primitive) {
+  const Material& material = scene.materials[primitive.material];
+  return material.coat.exists() && material.specular == Color(0.0f) && primitive.light_group < 0;
+}
+
+/// What the diffuse parts of patches reflect towards rays of rows that pass their coats, over the irradiance. `coats`:
+/// whether rows go on over coats; else coats absorb what they reflect. Shape: [patches].
+SpectrumField row_reflectance(const PatchSet& scene, bool coats);
+
+/// Whether the scene has metals, over which rows and photons bring the light of sampled emitters.
+bool has_metals(const PatchSet& scene);
+
+}  // namespace patchlight

@@ -1,0 +1,125 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "pipeline/optics/surface/coat_albedo.h"
+#include "solver/solve.h"
+#include "tests/patch_scene.h"
+
+namespace patchlight {
+namespace {
+
+using test::PatchScene;
+
+constexpr Color kNormal(0.04f);
+
+/// Gives a material a coat of index 1.5, and sets what it lets through.
+void coat(PatchSet& scene, std::int32_t material, float roughness, const Color& tint = Color(1.0f)) {
+  scene.materials[material].roughness = roughness;
+  scene.materials[material].coat = {kNormal * tint, 1.0f, tint == Color(1.0f) ? 1.5f : 0.0f};
+  const CoatAlbedos albedos(scene);
+  for (Patch& patch : scene.patches)
+    if (scene.primitives[patch.primitive].material == material)
+      patch.transmittance =
+          Color(1.0f) - albedos.mean(material, specular_properties_at(scene, patch.primitive, 0.5, 0.5));
+}
+
+EnergyField solve_quietly(const PatchSet& scene, const std::string& method = "matrix",
+                          const std::string& form_factors = "rays", int rays = 256) {
+  SolveConfig config;
+  config.method = method;
+  config.form_factors = form_factors;
+  config.hemicube_resolution = 32;
+  config.rays = rays;
+  Transport transport;
+  Progress progress({"test", true, ""});
+  return solve(scene, config, transport, progress);
+}
+
+double mean_irradiance(const PatchSet& scene, const EnergyField& energy, int channel = 1) {
+  double sum = 0, area = 0;
+  for (std::size_t i = 0; i < scene.patches.size(); ++i) {
+    if (scene.patches[i].emission != Color(0.0f)) continue;
+    for (const auto& group : energy.groups)
+      sum += scene.patches[i].area * double(group.direct[i][channel] + group.indirect[i][channel]);
+    area += scene.patches[i].area;
+  }
+  return sum / area;
+}
+
+TEST(CoatsSolved, SurfacesThatAbsorbNothingUnderASkyAreAsBrightAsIt) {
+  for (const float roughness : {0.0f, 0.4f, 1.0f}) {
+    PatchScene builder;
+    builder.quad({{{-2, 0, -2}, {-2, 0, 2}, {2, 0, 2}, {2, 0, -2}}}, 8, 8, {0.99999f});
+    builder.quad({{{-2, 0, -2}, {2, 0, -2}, {2, 3, -2}, {-2, 3, -2}}}, 8, 8, {0.99999f});
+    builder.quad({{{-2, 0, -2}, {-2, 3, -2}, {-2, 3, 2}, {-2, 0, 2}}}, 8, 8, {0.99999f});
+    PatchSet& scene = builder.get();
+    Environment sky;
+    sky.texels.assign(1, Color(1.0f));
+    sky.rows = 24;
+    sky.cells.assign(2 * 24 * 24, Color(1.0f));
+    scene.environment = sky;
+    coat(scene, 0, roughness);
+    const EnergyField energy = solve_quietly(scene);
+    EXPECT_NEAR(mean_irradiance(scene, energy), kPi, 0.004 * kPi) << roughness;
+    const std::vector<Color> b = radiosity(scene, energy);
+    EXPECT_NEAR(b[9].y, scene.patches[9].transmittance.y * kPi, 0.02 * kPi) << "B = E + rho tau H";
+    for (const Color& h : energy.groups[0].display) ASSERT_NEAR(h.y, kPi, 0.12 * kPi);
+  }
+}
+
+/// A room of coated walls with a lamp: what the walls absorb is what the lamp emits.
+TEST(CoatsSolved, ARoomAbsorbsWhatItsLampEmits) {
+  for (const float reflectance : {0.3f, 0.8f})
+    for (const float roughness : {0.1f, 0.7f}) {
+      PatchScene builder;
+      builder.get().materials.push_back({"coated"});
+      builder.room(1, 8, {reflectance, 0.0f, 0, 1});
+      builder.get().materials[0].name = "lamp";
+      builder.sphere({0, 0, 0}, 0.2, 6, 8, {0.0f, 10.0f});
+      PatchSet& scene = builder.get();
+      coat(scene, 1, roughness);
+      // A ball of area a absorbs what falls on it, too.
+      const EnergyField energy = solve_quietly(scene, "matrix", "rays", 512);
+      double emitted = 0, absorbed = 0;
+      for (std::size_t i = 0; i < scene.patches.size(); ++i) {
+        const Patch& patch = scene.patches[i];
+        const double irradiance = double(energy.groups[0].direct[i].y + energy.groups[0].indirect[i].y);
+        emitted += patch.area * double(patch.emission.y);
+        absorbed += patch.area * irradiance * double((1 - patch.reflectance.y) * patch.transmittance.y);
+      }
+      EXPECT_NEAR(absorbed / emitted, 1.0, 0.04) << reflectance << ' ' << roughness;
+    }
+}
+
+TEST(CoatsSolved, BrightenARoom) {
+  PatchScene builder;
+  builder.get().materials.push_back({"coated"});
+  builder.room(1, 6, {0.8f, 0.0f, 0, 1});
+  builder.quad({{{-0.3, 0.9, -0.3}, {0.3, 0.9, -0.3}, {0.3, 0.9, 0.3}, {-0.3, 0.9, 0.3}}}, 1, 1, {0.0f, 10.0f});
+  PatchSet& scene = builder.get();
+  const double bare = mean_irradiance(scene, solve_quietly(scene));
+  coat(scene, 1, 0.5f);
+  const double coated = mean_irradiance(scene, solve_quietly(scene));
+  EXPECT_GT(coated, 1.05 * bare) << "light under the coat that is not absorbed leaves the room more slowly";
+  const double absorbing = mean_irradiance(scene, solve_quietly(scene, "progressive"));
+  EXPECT_LT(absorbing, coated) << "other methods let coats absorb what they reflect";
+  EXPECT_NEAR(mean_irradiance(scene, solve_quietly(scene, "matrix", "hemicube")), absorbing, 0.05 * absorbing);
+}
+
+TEST(CoatsSolved, TintsColourWhatTheyReflect) {
+  PatchScene builder;  // black walls under coats that reflect red alone
+  builder.get().materials.push_back({"coated"});
+  builder.room(1, 6, {0.0f, 0.0f, 0, 1});
+  builder.quad({{{-0.9, 0.9, -0.9}, {0.9, 0.9, -0.9}, {0.9, 0.9, 0.9}, {-0.9, 0.9, 0.9}}}, 1, 1, {0.0f, 10.0f});
+  PatchSet& scene = builder.get();
+  const double bare = mean_irradiance(scene, solve_quietly(scene), 2);
+  coat(scene, 1, 0.3f, Color(9.0f, 0.0f, 0.0f));
+  for (Patch& patch : scene.patches) EXPECT_GE(patch.transmittance.x, 0.0f);
+  const EnergyField energy = solve_quietly(scene);
+  EXPECT_GT(mean_irradiance(scene, energy, 0), 1.2 * bare);
+  EXPECT_LT(mean_irradiance(scene, energy, 2), 1.1 * bare) << "only at grazing angles";
+}
+
+}  // namespace
+}  // namespace patchlight
