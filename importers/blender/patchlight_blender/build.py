@@ -1,10 +1,16 @@
 """Builds a scene of what is exported, writes it with Blender's glTF exporter, and completes the file."""
+import json
+
 import bpy
 
 from . import cameras, glb, meshes
 
 PRIVATE = "patchlight_"
 """Custom properties that tell `complete` what to change in the file. They are not written."""
+
+
+OWN = ("KHR_materials_specular", "KHR_materials_ior", "KHR_materials_volume")
+"""Extensions of materials that are written here, since Blender's exporter gives plain diffuse surfaces a reflection."""
 
 
 class Build:
@@ -33,11 +39,11 @@ class Build:
         """Adds the meshes with their exported materials."""
         meshes.prepare(instances)
         closed = {mesh for mesh in {item.mesh for item in instances} if meshes.is_closed(mesh)}
-        closed -= meshes.seen_from_inside(instances, closed, points)
+        one_sided = closed - meshes.seen_from_inside(instances, closed, points)
         ready = {}
         for item in instances:
             if item.mesh not in ready:
-                ready[item.mesh] = self._assign(item, materials, item.mesh in closed, report)
+                ready[item.mesh] = self._assign(item, materials, item.mesh in closed, item.mesh in one_sided, report)
             if ready[item.mesh]:
                 group = lamps.group(item.source, item.instancer)
                 obj = bpy.data.objects.new("patchlight mesh", item.mesh)
@@ -46,13 +52,13 @@ class Build:
                     extras["visible_camera"] = False
                 self.add(obj, item.name, item.matrix, item.source, extras)
 
-    def _assign(self, item, materials, is_closed, report):
+    def _assign(self, item, materials, is_closed, one_sided, report):
         """Gives a mesh its exported materials, and removes the faces that have none. Whether faces are left."""
         mesh, colors, gone = item.mesh, set(), set()
         if not mesh.materials:
             mesh.materials.append(None)
         used = _used(mesh)
-        made = [materials.get(original, mesh, index, item.matrix, is_closed) if index in used else None
+        made = [materials.get(original, mesh, index, item.matrix, is_closed, one_sided) if index in used else None
                 for index, original in enumerate(list(mesh.materials))]
         for index, result in enumerate(made):
             if result is None:
@@ -145,6 +151,8 @@ def complete(path):
                 item["perspective"]["yfov"] = private["yfov"]
             if "orthographic" in item:
                 item["orthographic"]["xmag"], item["orthographic"]["ymag"] = private["size"]
+            if "extensions" in private:
+                glb.set_extensions(item, json.loads(private["extensions"]), OWN)
             for texture, index in private.get("uv", {}).items():
                 glb.set_coordinates(item, texture, index)
             item["_colors"] = "colors" in private
@@ -156,4 +164,5 @@ def complete(path):
     for kind in ("nodes", "meshes", "materials", "cameras"):
         for item in document.get(kind, []):
             item.pop("_colors", None)
+    glb.list_extensions(document, OWN)
     glb.write(path, document, rest)

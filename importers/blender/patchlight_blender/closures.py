@@ -13,27 +13,39 @@ GLASS = {"BSDF_GLASS", "BSDF_REFRACTION"}
 UNLIKE = {"BSDF_VELVET": "Velvet", "BSDF_TOON": "Toon", "SUBSURFACE_SCATTERING": "Subsurface Scattering",
           "BSDF_HAIR": "Hair", "BSDF_HAIR_PRINCIPLED": "Principled Hair"}
 """Diffuse-like shaders that are only approximated."""
+TINT_LUMINANCE = np.array([0.3, 0.6, 0.1])
+"""Weights of a colour by which Specular Tint divides it."""
 
 
 def scalar(x):
     return np.full(3, float(x))
 
 
+def dielectric(ior):
+    """Reflectance of a dielectric at normal incidence."""
+    return scalar(((ior - 1) / (ior + 1)) ** 2)
+
+
 @dataclasses.dataclass
 class Surface:
-    """Values as `Values` has them. `kind` is 'surface', 'transparent' (nothing to see) or 'holdout'."""
+    """Values as `Values` has them. `kind` is 'surface', 'transparent' (nothing to see) or 'holdout'.
+
+    `specular` is the weight of the dielectric reflection, 0 for a surface that has none, and `f0` its reflectance at
+    normal incidence. `absorption` is that of the volume inside, 1/m.
+    """
     kind: str = "surface"
     base: object = dataclasses.field(default_factory=lambda: np.zeros(3))
     metallic: object = dataclasses.field(default_factory=lambda: np.zeros(3))
     roughness: object = dataclasses.field(default_factory=lambda: np.ones(3))
-    specular: object = dataclasses.field(default_factory=lambda: np.zeros(3))
-    specular_tint: float = 0.0
+    specular: float = 0.0
+    f0: np.ndarray = dataclasses.field(default_factory=lambda: np.zeros(3))
     transmission: object = dataclasses.field(default_factory=lambda: np.zeros(3))
     emission: object = dataclasses.field(default_factory=lambda: np.zeros(3))
     alpha: object = dataclasses.field(default_factory=lambda: np.ones(3))
     ior: float = 1.5
     clearcoat: tuple = (0.0, 0.03)
     normal: object = None
+    absorption: np.ndarray = None
 
 
 class Reducer:
@@ -46,13 +58,23 @@ class Reducer:
         """The surface of a Material Output node, or of None."""
         if output is None:
             return Surface()
-        if nodes.source(output.inputs["Volume"]):
-            self.warn("its volume is left out")
-            if not nodes.source(output.inputs["Surface"]):
-                return Surface(kind="transparent")
         if nodes.source(output.inputs["Displacement"]):
             self.warn("its displacement is left out: apply a Displace modifier instead")
-        return self.reduce(nodes.source(output.inputs["Surface"]))
+        inside, outside = (nodes.source(output.inputs[name]) for name in ("Volume", "Surface"))
+        surface = Surface(kind="transparent") if inside and not outside else self.reduce(outside)
+        if inside:
+            clear = not is_constant(surface.transmission) or np.any(surface.transmission)
+            surface.absorption = self._absorption(inside.node) if clear else None
+            if surface.absorption is None:
+                self.warn("its volume is left out")
+        return surface
+
+    def _absorption(self, node):
+        """The absorption of a volume that does nothing else and is the same everywhere, else None."""
+        if node.type != "VOLUME_ABSORPTION":
+            return None
+        color, density = (self.values.of(node.inputs[name]) for name in ("Color", "Density"))
+        return np.clip(1 - color, 0, None) * density if is_constant(color) and is_constant(density) else None
 
     def reduce(self, origin):
         if origin is None:
@@ -72,8 +94,9 @@ class Reducer:
             return Surface(base=get("Color"), metallic=scalar(1), roughness=roughness, normal=_normal(node))
         if kind in GLASS:
             roughness = scalar(0) if node.distribution == "SHARP" else get("Roughness")
-            return Surface(base=get("Color"), roughness=roughness, transmission=scalar(1), specular=scalar(0.5),
-                           ior=self._number(get("IOR")), normal=_normal(node))
+            ior = self._number(get("IOR"), "IOR")
+            return Surface(base=get("Color"), roughness=roughness, transmission=scalar(1), ior=ior, f0=dielectric(ior),
+                           specular=0.0 if kind == "BSDF_REFRACTION" else 1.0, normal=_normal(node))
         if kind == "BSDF_TRANSPARENT":
             color = get("Color")
             if not is_constant(color) or color.min() < 0.99:
@@ -104,18 +127,41 @@ class Reducer:
             self.warn(f"the subsurface scattering of its node '{node.name}' becomes diffuse")
             if nodes.entry(node, "Subsurface Color"):
                 base = self.values.mix(base, get("Subsurface Color"), subsurface)
-        for name in ("Sheen", "Anisotropic"):
-            if not is_constant(get(name)) or np.any(get(name)):
+        for name in ("Sheen", "Anisotropic", "Transmission Roughness", "Clearcoat Normal"):
+            if nodes.entry(node, name) and (not is_constant(get(name)) or np.any(get(name))):
                 self.warn(f"{name} of its node '{node.name}' is left out")
+        ior, transmission = self._number(get("IOR"), "IOR"), get("Transmission")
+        specular, f0 = self._specular(node, get, base, ior, float(self.mean(transmission)[0]))
+        coat = self._number(get("Clearcoat"), "clearcoat") * nodes.coat_factor(node)
         return Surface(
-            base=base, metallic=get("Metallic"), roughness=get("Roughness"), specular=get("Specular"),
-            specular_tint=self._number(get("Specular Tint")) if node.inputs["Specular Tint"].type == "VALUE" else 0.0,
-            transmission=get("Transmission"), ior=self._number(get("IOR")), alpha=get("Alpha"), normal=_normal(node),
+            base=base, metallic=get("Metallic"), roughness=get("Roughness"), specular=specular, f0=f0,
+            transmission=transmission, ior=ior, alpha=get("Alpha"), normal=_normal(node),
             emission=self.values.multiply(get("Emission"), get("Emission Strength")),
-            clearcoat=(self._number(get("Clearcoat")), self._number(get("Clearcoat Roughness"))))
+            clearcoat=(coat, self._number(get("Clearcoat Roughness"), "clearcoat roughness") if coat else 0.03))
 
-    def _number(self, value):
-        return float(self.mean(value)[0])
+    def _specular(self, node, get, base, ior, clear):
+        """(Weight, reflectance at normal incidence) of the dielectric reflection of a Principled BSDF, of which the
+        part `clear` is glass."""
+        level = self._number(get("Specular"), "specular")
+        opaque = (1 - clear) * (level > 0)
+        if not opaque + clear:
+            return 0.0, np.zeros(3)
+        if node.inputs["Specular Tint"].type == "VALUE":
+            tint = self._number(get("Specular Tint"), "specular tint")
+            if tint and not is_constant(base):
+                self.warn("the tint of its specular reflection is that of its mean base colour")
+            color = self.mean(base) if tint else np.ones(3)
+            f0 = 0.08 * level * (1 - tint + tint * color / max(color @ TINT_LUMINANCE, 1e-6))
+        else:  # since Blender 4.0
+            f0 = 2 * level * dielectric(ior) * self.mean(get("Specular Tint"))
+        return opaque + clear, np.clip((opaque * f0 + clear * dielectric(ior)) / (opaque + clear), 0, 1)
+
+    def _number(self, value, name):
+        """A value as one number. Names those that vary."""
+        number = float(self.mean(value)[0])
+        if not is_constant(value):
+            self.warn(f"its {name} varies: the mean {number:.2g} is taken")
+        return number
 
     def _mix(self, node):
         values = self.values
@@ -137,8 +183,10 @@ class Reducer:
             return dataclasses.replace(a, alpha=values.multiply(a.alpha, values.complement(factor)))
         eta = origin.node.get("eta") if origin else None
         if eta and is_constant(b.metallic) and np.all(b.metallic == 1):
-            level = ((eta - 1) / (eta + 1)) ** 2 / 0.08
-            return dataclasses.replace(a, specular=self.mean(b.base) * level, roughness=b.roughness)
+            color = self.mean(b.base)
+            weight = min(float(color.max()), 1.0)
+            return dataclasses.replace(a, specular=weight, f0=dielectric(eta) * color / max(weight, 1e-6),
+                                       roughness=b.roughness)
         return self._sum(a, b, values.complement(factor), factor)
 
     def _sum(self, a, b, weight_a, weight_b):
@@ -163,9 +211,12 @@ class Reducer:
         shine = [p[0] * p[1] for p in parts]
         share = [float(np.mean(self.mean(w))) for w in (weight_a, weight_b)]
         metallic = weighted("metallic", amounts) if total > 0 else scalar(0)
+        coats = [part * (1 - p[1]) * p[2].specular for part, p in zip(share, parts)]
+        coat = sum(coats) / max(1 - self.mean(metallic)[0], 1e-6)
         return Surface(
             base=base, metallic=metallic, roughness=weighted("roughness", shine if sum(shine) else amounts),
-            specular=weighted("specular", amounts), transmission=weighted("transmission", amounts),
+            specular=min(float(coat), 1.0), f0=sum(c * p[2].f0 for c, p in zip(coats, parts)) / (sum(coats) or 1.0),
+            transmission=weighted("transmission", amounts),
             emission=values.add(values.multiply(a.emission, weight_a), values.multiply(b.emission, weight_b)),
             alpha=values.mix(a.alpha, b.alpha, scalar(min(share[1], 1.0))), ior=max(parts, key=lambda p: p[0])[2].ior,
             clearcoat=a.clearcoat if amounts[0] >= amounts[1] else b.clearcoat, normal=a.normal or b.normal)

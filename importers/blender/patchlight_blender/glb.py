@@ -30,6 +30,22 @@ def take_private(item, prefix):
     return found
 
 
+def set_extensions(item, values, names):
+    """Gives a material the extensions `values`, and takes those of `names` away that it has otherwise."""
+    kept = {name: value for name, value in item.pop("extensions", {}).items() if name not in names}
+    if kept or values:
+        item["extensions"] = kept | values
+
+
+def list_extensions(document, names):
+    """Lists the extensions of `names` that materials use, and no others of them."""
+    found = {name for item in document.get("materials", []) for name in item.get("extensions", {})}
+    used = [name for name in document.pop("extensionsUsed", []) if name not in names]
+    used += [name for name in names if name in found]
+    if used:
+        document["extensionsUsed"] = used
+
+
 def set_coordinates(material, texture, index):
     """Lets a texture of a material read the texture coordinates `index`."""
     for holder in (material, material.get("pbrMetallicRoughness", {})):

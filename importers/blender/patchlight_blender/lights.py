@@ -201,7 +201,6 @@ class Lamps:
         mesh.from_pydata([(x * width, y * height, 0) for x, y in outline], [], [range(len(outline))])
         shader = Shader(item.source.name, False)
         shader.color("Base Color", (0, 0, 0))
-        shader.number("Specular", 0)
         radiance = np.clip(power, 0, None) / (4 * area)
         shader.color("Emission", radiance / radiance.max())
         shader.number("Emission Strength", radiance.max())

@@ -5,6 +5,7 @@ import numpy as np
 from . import closures, nodes, textures
 from .bake import UV_NAME, Baker
 from .closures import Surface
+from .meshes import thickness
 from .values import Values, is_constant
 from .writer import Writer
 
@@ -96,7 +97,7 @@ class Materials:
             self.reduced[original] = Reduced(original, (mesh, index, matrix), self.baker, self.report)
         return self.reduced[original]
 
-    def get(self, original, mesh, index, matrix, closed):
+    def get(self, original, mesh, index, matrix, closed, one_sided):
         """The material to export for slot `index` of `mesh`; None if its surface is left out."""
         item = self.reduce(original, mesh, index, matrix)
         surface = item.surface
@@ -106,16 +107,18 @@ class Materials:
         if surface.kind == "transparent" or is_constant(surface.alpha) and not np.any(surface.alpha):
             return None
         opaque = is_constant(surface.alpha) and np.all(surface.alpha >= 1)
-        two_sided = not (closed and opaque or item.one_sided)
+        two_sided = not (one_sided and opaque or item.one_sided)
         transmission = float(np.mean(item.mean(item.values, surface.transmission, (mesh, index, matrix), item.copy)))
         if transmission > 0.5 or item.see_through:
             self.excluded[item.name] = True
             item.warn("it is glass, which is opaque in Patchlight: the job leaves it out, see 'materials' there")
         maps = tuple(layer.name for layer in mesh.uv_layers if layer.name != UV_NAME)
-        shared, own = (original, two_sided, maps), (original, two_sided, mesh, index)
+        solid = closed and transmission > 0
+        shared, own = (original, two_sided, solid, maps), (original, two_sided, mesh, index)
         for key in (shared, own):
             if key in self.made:
                 return self.made[key]
-        made = Writer(item, (mesh, index, matrix)).write(surface, two_sided, opaque, transmission)
+        made = Writer(item, (mesh, index, matrix)).write(surface, two_sided, opaque, transmission,
+                                                          thickness(mesh) if solid else 0)
         self.made[own if made.is_baked else shared] = made
         return made

@@ -122,6 +122,12 @@ def seen_from_inside(instances, closed, points):
     return result
 
 
+def thickness(mesh):
+    """The least side of a mesh's bounding box."""
+    corners = np.array(_box(mesh))
+    return float((corners.max(axis=0) - corners.min(axis=0)).min())
+
+
 def _box(mesh):
     points = array(mesh.vertices, "co", 3)
     low, high = points.min(axis=0), points.max(axis=0)

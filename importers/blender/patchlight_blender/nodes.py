@@ -23,6 +23,11 @@ def entry(node, name):
     return node.inputs.get(name) or node.inputs.get(NEWER.get(name, ""))
 
 
+def coat_factor(node):
+    """Reflection of a Principled BSDF's coat over that of glTF's. Before Blender 4.0 it is a quarter."""
+    return 0.25 if "Clearcoat" in node.inputs else 1.0
+
+
 def fresnel_mean(eta):
     """Mean reflectance of a dielectric under uniform light (Egan and Hilgeman's fit)."""
     return (eta - 1) / (4.08567 + 1.00071 * eta) if eta >= 1 else 1.0

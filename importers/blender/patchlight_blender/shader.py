@@ -1,4 +1,6 @@
 """Builds the node tree of an exported material: a Principled BSDF that Blender's glTF exporter understands."""
+import json
+
 import bpy
 import numpy as np
 
@@ -20,6 +22,26 @@ class Shader:
         self.tree.links.new(self.principled.outputs[0], output.inputs["Surface"])
         self.uv = {}
         self.number("Emission Strength", 0)
+        self.dielectric(0, 1, None)
+
+    def dielectric(self, weight, f0, ior, thickness=0, absorption=None):
+        """Sets the dielectric reflection: its weight and its reflectance at normal incidence. `ior` is that of glass,
+        else None; `thickness` that of the body below the surface, and `absorption` its absorption, 1/m."""
+        found = {}
+        color = np.broadcast_to(f0 / ((ior - 1) / (ior + 1)) ** 2 if ior and ior > 1 else f0 / 0.04, 3)
+        specular = {} if weight >= 1 else {"specularFactor": float(weight)}
+        if weight > 0 and not np.allclose(color, 1, atol=1e-5):
+            specular["specularColorFactor"] = [float(part) for part in color]
+        if specular:
+            found["KHR_materials_specular"] = specular
+        if ior and not np.isclose(ior, 1.5):
+            found["KHR_materials_ior"] = {"ior": float(ior)}
+        if ior and thickness:
+            found["KHR_materials_volume"] = volume = {"thicknessFactor": float(thickness)}
+            if absorption is not None and np.any(absorption > 0):
+                volume["attenuationDistance"] = float(1 / absorption.max())
+                volume["attenuationColor"] = [float(part) for part in np.exp(-absorption / absorption.max())]
+        self.material["patchlight_extensions"] = json.dumps(found)
 
     def number(self, socket, value):
         nodes.entry(self.principled, socket).default_value = float(value)

@@ -22,7 +22,7 @@ class Writer:
         self.item, self.user = item, user
         self.mesh, self.is_baked = user[0], False
 
-    def write(self, surface, two_sided, opaque, transmission):
+    def write(self, surface, two_sided, opaque, transmission, thickness):
         item = self.item
         shader = self.shader = Shader(item.name, two_sided)
         base = textures.split(item.values, surface.base, item.warn)
@@ -30,11 +30,8 @@ class Writer:
         colors = self._base(surface, base, alpha, opaque)
         for name, value in (("Metallic", surface.metallic), ("Roughness", surface.roughness)):
             self._number(name, value)
-        shader.number("Specular", self._mean(surface.specular)[0])
-        if surface.specular_tint:
-            shader.number("Specular Tint", surface.specular_tint)
         shader.number("Transmission", transmission)
-        shader.number("IOR", surface.ior)
+        self._dielectric(surface, transmission, thickness)
         shader.number("Clearcoat", surface.clearcoat[0])
         shader.number("Clearcoat Roughness", surface.clearcoat[1])
         self._emission(surface.emission)
@@ -151,6 +148,20 @@ class Writer:
             mean = float(np.clip(self._mean(value)[0], 0, 1))
             self.item.warn(f"its {name.lower()} varies by other nodes than an image: the mean {mean:.2g} is taken")
             self.shader.number(name, mean)
+
+    def _dielectric(self, surface, transmission, thickness):
+        """The reflection of a surface that is no metal, and what is inside if it is glass."""
+        if is_constant(surface.metallic) and np.all(surface.metallic >= 1):
+            self.shader.dielectric(1, 0.04, None)
+            return
+        ior = surface.ior
+        if transmission > 0 and 0 < ior < 1:
+            ior = 1 / ior
+            self.item.warn(f"its IOR of {surface.ior:.3g} is that of a void in glass: {ior:.3g} is written instead")
+        if surface.absorption is not None and not thickness:
+            self.item.warn("its volume is left out where the mesh is not closed")
+        self.shader.dielectric(surface.specular, surface.f0, max(ior, 1) if transmission > 0 else None, thickness,
+                               surface.absorption)
 
     def _emission(self, value):
         shader = self.shader
