@@ -20,7 +20,7 @@ class Writer:
 
     def __init__(self, item, user):
         self.item, self.user = item, user
-        self.mesh, self.is_baked = user[0], False
+        self.mesh, self.is_baked, self.is_grey = user[0], False, False
 
     def write(self, surface, two_sided, opaque, transmission, thickness):
         item = self.item
@@ -102,7 +102,8 @@ class Writer:
             self._baked_base(surface, opaque, fits and not alpha.node)
         shader.material.blend_method = "OPAQUE"
         if not opaque:
-            shader.material.blend_method, shader.material.alpha_threshold = "CLIP", 0.5
+            is_grey = self.is_grey or is_constant(surface.alpha)
+            shader.material.blend_method, shader.material.alpha_threshold = "BLEND" if is_grey else "CLIP", 0.5
             if is_constant(surface.alpha):
                 shader.number("Alpha", surface.alpha[0])
                 become = "opaque" if surface.alpha[0] >= 0.5 else "a hole"
@@ -134,6 +135,7 @@ class Writer:
     def _warn_of_grey(self, alpha):
         """Names a mask of which more than a tenth is partly transparent."""
         if np.mean((alpha > 0.1) & (alpha < 0.9)) > 0.1:
+            self.is_grey = True
             self.item.warn("parts of it are partly transparent: they become holes below an alpha of 0.5, else opaque")
 
     def _number(self, name, value):

@@ -185,3 +185,19 @@ class Reflection(MaterialTest):
         self.assertAlmostEqual(found["normalTexture"]["scale"], 0.6, 5)
         self.assertEqual(found["normalTexture"]["texCoord"], 1)
         np.testing.assert_allclose(exported.image(found, "normalTexture")[0, 1, :3], (0.75, 0.5, 0.9), atol=0.01)
+
+    def test_what_light_passes_in_part_is_blended(self):
+        m = Shaders("veil")
+        exported, found = self.of(m.show(m.add("BsdfPrincipled", Base_Color=HALF, Alpha=0.4)))
+        self.assertEqual(found["alphaMode"], "BLEND")
+        self.assertAlmostEqual(found["pbrMetallicRoughness"]["baseColorFactor"][3], 0.4, 5)
+        self.assert_warned(exported, "'veil'", "a hole")
+        self.setUp()
+        m = Shaders("smoke")
+        texture = m.add("TexImage")
+        texture.image = image("soft", [[[1, 1, 1, 0.2], [1, 1, 1, 0.6]]])
+        exported, found = self.of(m.show(m.add("BsdfPrincipled", Base_Color=texture.outputs[0],
+                                               Alpha=texture.outputs[1])))
+        self.assertEqual(found["alphaMode"], "BLEND")
+        np.testing.assert_allclose(exported.image(found)[0, :, 3], (0.2, 0.6), atol=0.01)
+        self.assert_warned(exported, "'smoke'", "partly transparent")
