@@ -1,8 +1,16 @@
 """Entry of `blender -b SCENE.blend --python export.py -- --output DIR`: writes DIR/SCENE.glb and DIR/SCENE.yaml."""
-import pathlib
+import os
 import sys
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+import bpy
+
+if bpy.app.version < (3, 4):  # asked before the package is read, since an old Python cannot read it
+    sys.stderr.write("patchlight-export: error: Blender %s is too old: install Blender 3.4 or newer\n"
+                     % bpy.app.version_string)
+    sys.stderr.flush()
+    os._exit(69)
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
 from patchlight_blender import command  # noqa: E402
 

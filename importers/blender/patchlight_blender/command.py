@@ -14,10 +14,8 @@ from . import cameras, capture, job, motion, record
 from .build import Build
 from .lights import Lamps
 from .materials import Materials
-from .report import PREFIX, ExportError, Report
+from .report import PREFIX, ExportError, Report, names
 from .world import World
-
-OLDEST = (3, 4, 0)
 
 KINDS = ("scenes", "objects", "meshes", "materials", "images", "lights", "cameras", "worlds", "actions", "collections")
 """Collections of `bpy.data` that an export adds to."""
@@ -72,8 +70,6 @@ def parse(arguments):
 
 def export(scene, options, report):
     """Exports `scene` and returns the paths of the files. The scene and its data stay as they were."""
-    if bpy.app.version < OLDEST:
-        raise ExportError(f"Blender {bpy.app.version_string} is too old: install Blender 3.4 or newer", 69)
     for addon in ("cycles", "io_scene_gltf2"):
         if not addon_utils.check(addon)[1] and not addon_utils.enable(addon):
             raise ExportError(f"Blender's add-on '{addon}' is missing: install Blender with its add-ons", 69)
@@ -108,6 +104,25 @@ def everything():
     return {item for kind in KINDS for item in getattr(bpy.data, kind)}
 
 
+def _add_lamp(build, lamps, item):
+    """Adds a lamp. Whether it gives light."""
+    lamp = lamps.add(item)
+    if lamp:
+        build.add(lamp, item.name, item.matrix, item.source)
+    return bool(lamp)
+
+
+def warn_of_darkness(scene, found, report):
+    """Names the lamps of a scene in which nothing gives light."""
+    seen = {item.source for item in found.lamps}
+    hidden = [obj.name for obj in scene.objects if obj.type == "LIGHT" and obj not in seen]
+    dark = [obj.name for obj in seen if not obj.data.cycles.is_portal]
+    which = "; ".join(f"{text}: {names(lamps)}" for text, lamps in
+                      (("hidden from rendering", hidden), ("without strength", dark)) if lamps)
+    report.warn("nothing gives light, so all frames are black: add a lamp, or light the world" +
+                (f" (lamps {which})" if which else ""))
+
+
 def write_all(scene, folder, name, options, report):
     """Writes all files of an export into `folder`."""
     for library in bpy.data.libraries:
@@ -127,12 +142,11 @@ def write_all(scene, folder, name, options, report):
     build = Build(scene, frame)
     points = [obj.matrix_world.translation for obj in views] + [item.matrix.translation for item in found.lamps]
     build.add_meshes(found.meshes, materials, lamps, points, report)
-    for item in found.lamps:
-        lamp = lamps.add(item)
-        if lamp:
-            build.add(lamp, item.name, item.matrix, item.source)
+    made = {item.source for item in found.lamps if _add_lamp(build, lamps, item)}
     for obj in world.suns():
         build.add(obj, obj.name, obj.matrix_world.copy())
+    if not (made or world.environment or materials.shines):
+        warn_of_darkness(scene, found, report)
     for obj in views:
         build.add_camera(obj, frame, paths.get(obj, {}))
     build.write(folder / f"{name}.glb", bool(paths))

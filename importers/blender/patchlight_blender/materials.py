@@ -86,11 +86,12 @@ def _covered_mean(data):
 
 
 class Materials:
-    """Makes the exported materials. `excluded` collects the names of those that the job leaves out."""
+    """Makes the exported materials. `excluded` collects the names of those that the job leaves out, and `shines` says
+    whether one emits light."""
 
     def __init__(self, scene, report, resolution, threads):
         self.report, self.baker = report, Baker(scene.frame_current, resolution, threads)
-        self.reduced, self.made, self.excluded = {}, {}, {}
+        self.reduced, self.made, self.excluded, self.shines = {}, {}, {}, False
 
     def reduce(self, original, mesh, index, matrix):
         if original not in self.reduced:
@@ -118,6 +119,7 @@ class Materials:
         for key in (shared, own):
             if key in self.made:
                 return self.made[key]
+        self.shines |= not is_constant(surface.emission) or bool(np.any(surface.emission > 0))
         made = Writer(item, (mesh, index, matrix)).write(surface, two_sided, opaque, transmission,
                                                           thickness(mesh) if solid else 0)
         self.made[own if made.is_baked else shared] = made

@@ -1,14 +1,16 @@
 """The command: files, the job's other keys, and errors."""
+import ast
 import io
 import os
 import pathlib
+import shutil
 import subprocess
 import sys
 import unittest
 
 import bpy
 from patchlight_blender import command, record
-from patchlight_blender.report import ExportError, Report
+from patchlight_blender.report import Report
 from support import ExportTest, Shaders, diffuse
 
 IMPORTER = os.environ.get("PATCHLIGHT_IMPORT")
@@ -53,12 +55,26 @@ class Command(ExportTest):
         self.assertEqual(done.returncode, 0, done.stderr)
 
     def test_an_old_blender_is_an_error(self):
-        newest, command.OLDEST = command.OLDEST, (99, 0, 0)
-        try:
-            with self.assertRaisesRegex(ExportError, "too old"):
-                self.export()
-        finally:
-            command.OLDEST = newest
+        (self.folder / "bpy.py").write_text("class app:\n    version, version_string = (2, 79, 0), '2.79'\n")
+        text = ENTRY.read_text()
+        first = text[:text.index("from patchlight_blender")]
+        self.assertFalse([node for node in ast.walk(ast.parse(first)) if isinstance(node, ast.JoinedStr)],
+                         "Python 3.5 cannot read it")
+        done = subprocess.run([shutil.which("python3"), ENTRY], capture_output=True, text=True, check=False,
+                              env=dict(os.environ, PYTHONPATH=str(self.folder)))
+        self.assertEqual(done.returncode, 69, done.stderr)
+        self.assertEqual(done.stderr,
+                         "patchlight-export: error: Blender 2.79 is too old: install Blender 3.4 or newer\n")
+
+    def test_a_scene_without_light_is_named(self):
+        self.add_square("square", diffuse("white"))
+        self.add_lamp("hidden", "POINT", 10).hide_render = True
+        self.add_lamp("weak", "AREA", 0)
+        self.assert_warned(self.export(), "nothing gives light", "hidden from rendering: 'hidden'",
+                           "without strength: 'weak'")
+        glow = Shaders("glow")
+        self.add_square("lamp", glow.show(glow.add("Emission")))
+        self.assertFalse([line for line in self.export().warnings if "nothing gives light" in line])
 
     def test_a_failed_export_leaves_the_old_files(self):
         self.add_square("square")

@@ -6,9 +6,9 @@ are Blender's classes.
 """
 import bpy
 
-from ..command import OLDEST
 from . import compatibility, engine, main_thread, operators, panel, preferences, session, settings
 
+OLDEST = (3, 4, 0)
 MODULES = (session, preferences, settings, operators, panel, engine, main_thread, compatibility)
 
 
