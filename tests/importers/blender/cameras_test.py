@@ -119,6 +119,29 @@ class Cameras(ExportTest):
         for words in (("'cube'", "do not move"), ("'shape'", "shapes"), ("'paint'", "stay")):
             self.assert_warned(exported, *words)
 
+    def test_a_turntable_with_a_moving_lamp_is_named(self):
+        table = self.add(None, "table")
+        product = self.add_cube("product")
+        product.parent = table
+        rail = bpy.data.curves.new("rail", "CURVE")
+        rail.splines.new("POLY").points.add(1)
+        follow = self.add_lamp("key light", "AREA", 10).constraints.new("FOLLOW_PATH")
+        follow.target = self.add(rail, "rail")
+        follow.use_fixed_location = True
+        turned, spun = self.add_lamp("spot", "SPOT", 10), self.add_cube("spun", location=(5, 0, 0))
+        for frame, turn in ((1, 0), (25, math.pi)):
+            table.rotation_euler.z = turned.rotation_euler.x = spun.rotation_euler.z = turn
+            follow.offset_factor = turn / math.pi
+            for obj in (table, turned, spun):
+                obj.keyframe_insert("rotation_euler", frame=frame)
+            follow.keyframe_insert("offset_factor", frame=frame)
+        for name in ("still", "still lamp"):
+            self.add_cube(name, location=(9, 0, 0)) if name == "still" else self.add_lamp(name, "POINT", 10)
+        self.scene.frame_set(1)
+        exported = self.export()
+        self.assert_warned(exported, "objects do not move in Patchlight: 'key light', 'product', 'spot', 'spun' stay "
+                           "as in frame 1")
+
     def test_scenes_without_an_active_camera(self):
         self.add_cube("cube")
         exported = self.export()
