@@ -76,6 +76,23 @@ class Command(ExportTest):
         self.add_square("lamp", glow.show(glow.add("Emission")))
         self.assertFalse([line for line in self.export().warnings if "nothing gives light" in line])
 
+    def test_exports_by_one_thread_are_equal(self):
+        """More threads add up the normals of a mesh in any order, so that its bytes differ."""
+        bpy.ops.mesh.primitive_monkey_add()
+        bpy.ops.object.shade_smooth()
+        bpy.context.object.modifiers.new("fine", "SUBSURF").render_levels = 3
+        wall, cutter = self.add_cube("wall", location=(5, 0, 0), size=2), self.add_cube("cutter", location=(5, 0, 1))
+        cutter.hide_render = True
+        boolean = wall.modifiers.new("window", "BOOLEAN")
+        boolean.object, boolean.solver = cutter, "EXACT"
+        bpy.ops.wm.save_as_mainfile(filepath=str(self.folder / "room.blend"))
+        for name in ("a", "b"):
+            done = self.run_blender("--threads", "1", str(self.folder / "room.blend"), "--python", str(ENTRY), "--",
+                                    "--output", str(self.folder / name))
+            self.assertEqual(done.returncode, 0, done.stderr)
+        first, second = ((self.folder / name / "room.glb").read_bytes() for name in ("a", "b"))
+        self.assertEqual(first, second)
+
     def test_a_failed_export_leaves_the_old_files(self):
         self.add_square("square")
         self.export()
