@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "solver/form_factors/coated_rows.h"
+
 namespace patchlight {
 
 namespace {
@@ -18,11 +20,15 @@ SpectrumField padded_row_sums(std::size_t patches, const FormFactorRows& rows) {
 
 std::vector<double> visible_areas(const PatchSet& scene, const Transport& transport) {
   std::vector<double> areas;
-  for (std::size_t i = 0; i < scene.patches.size(); ++i)
-    areas.push_back(scene.patches[i].covered_area() *
+  for (std::size_t i = 0; i < scene.patches.size(); ++i) {
+    const Patch& patch = scene.patches[i];
+    const bool by_chance = transport.rays > 0 && passes_by_chance(scene, scene.primitives[patch.primitive]);
+    const double passed = by_chance ? Spectrum(patch.transmittance).sum() / 3 : 1.0;
+    areas.push_back(patch.covered_area() * passed *
                     (transport.visible_fractions.empty()
                          ? 1.0
                          : 0.5 * (transport.visible_fractions[2 * i] + transport.visible_fractions[2 * i + 1])));
+  }
   return areas;
 }
 
@@ -63,10 +69,15 @@ double reciprocity_error(const Transport& transport, const FormFactorRows& rows,
 
 EnergyBalance::EnergyBalance(const PatchSet& scene, const FormFactorRows& rows, const std::vector<double>& areas,
                              const SpectrumField& reflectance, SpectrumField external_irradiance,
-                             const SpectrumField& irradiance)
+                             const SpectrumField& irradiance, const CoatExchange& coats)
     : areas_(receiving_areas(scene, areas)), reflectance_(reflectance), row_sums_(padded_row_sums(areas.size(), rows)) {
   for (std::size_t i = 0; i < areas.size(); ++i) {
-    const Spectrum area(areas_[i]), reflected = reflectance[i] * irradiance[i];
+    const Spectrum area(areas_[i]);
+    Spectrum reflected = reflectance[i] * irradiance[i];
+    if (!coats.reflected.empty()) {
+      reflected += coats.reflected[i];
+      excess_ -= coats.unmatched[i] * area;
+    }
     const Spectrum emitted = Spectrum(scene.patches[i].emission) * Spectrum(areas[i]);
     emitted_ += emitted + external_irradiance[i] * area;
     excess_ += emitted * row_sums_[i] + (reflected * row_sums_[i] + external_irradiance[i] - irradiance[i]) * area;

@@ -8,8 +8,6 @@
 #include <cmath>
 
 #include "pipeline/optics/cuts/cell_cutter.h"
-#include "pipeline/optics/surface/mirror.h"
-#include "pipeline/optics/transport/mirror_path.h"
 #include "pipeline/system/prefaulted_memory.h"
 #include "solver/form_factors/coated_rows.h"
 #include "solver/form_factors/row_samples.h"
@@ -45,14 +43,6 @@ RayRows::RayRows(const PatchSet& scene, const RayScene& ray_scene, std::span<con
     has_specular_ = has_specular_ || finish_.back() != Finish::diffuse;
   }
 }
-
-/// Rays of a packet that go on.
-struct RayRows::Reflections {
-  std::array<Color, RayPacket::kSize> throughput;
-  std::uint32_t started = 0;  ///< Bit of each lane that already starts from a coat.
-
-  Reflections() { throughput.fill(Color(1.0f)); }
-};
 
 /// Rows `first` to `last` - 1; with an environment also, for their guides, those around them.
 std::vector<RayRows::RowBlock> RayRows::row_blocks(std::int32_t first, std::int32_t last) const {
@@ -276,57 +266,6 @@ std::int32_t RayRows::certain_element(const RayPacket& packet, int lane, Surface
   const Vec3d before = position_at(primitive.corners, hit.u, hit.v) - Vec3d(direction) * rounding;
   const Vec2f uv(uv_of(primitive, before));
   return elements_.at(hit.primitive, uv.x, uv.y);
-}
-
-/// Whether a ray is reflected by the coat that it hits: then it starts again with a weight. Else, `passed`: of its way
-/// to the diffuse part.
-bool RayRows::reflects_at_coat(const SurfaceHit& hit, std::uint64_t random, int lane, RayPacket& packet,
-                               Color& throughput, Color& passed) const {
-  const Primitive& primitive = scene_.primitives[hit.primitive];
-  const SpecularProperties specular = specular_properties_at(scene_, hit.primitive, hit.u, hit.v);
-  const SurfacePoint point = point_at(primitive, hit.u, hit.v);
-  Vec3f direction = packet.direction(lane);
-  const Color albedo = coats_.at(primitive.material, specular, -(direction ^ point.normal));
-  const float chance = std::max({albedo.x, albedo.y, albedo.z});
-  if (uniform01(hash64(~random)) >= chance) {
-    for (int k = 0; k < 3; ++k) passed[k] = albedo[k] == chance ? 1.0f : (1.0f - albedo[k]) / (1.0f - chance);
-    return false;
-  }
-  const Vec2f at(uniform01(random), uniform01(hash64(random)));
-  throughput /= chance;
-  if (!reflect(specular, point.normal, at, direction, throughput)) throughput = Color(0.0f);
-  packet.set(lane, ray_scene_.to_local(point.position) + point.normal * ray_scene_.offset(hit.primitive), direction);
-  return true;
-}
-
-void RayRows::trace_reflections(SampleSet& set, int first, RayPacket& packet, Reflections& reflections) const {
-  std::array<Color, RayPacket::kSize>& throughput = reflections.throughput;
-  for (int bounce = 0; bounce < kMaxMirrorBounces; ++bounce) {
-    bool any_active = bounce == 0 && reflections.started != 0;
-    for (int lane = 0; lane < RayPacket::kSize; ++lane) {
-      if (packet.valid[lane] == 0 || (bounce == 0 && (reflections.started >> lane & 1u))) continue;
-      const SurfaceHit hit = ray_scene_.hit(packet, lane);
-      const Vec3f direction = packet.direction(lane);
-      packet.valid[lane] = 0;
-      if (bounce > 0 && hit.primitive < 0 && scene_.environment)
-        set.mirrored.push_back({set.row, set.index, elements_.sky(direction), throughput[lane]});
-      if (!hit.front || (bounce == 0 && finish_[hit.primitive] != Finish::specular)) continue;
-      const std::uint64_t random = set.ray_random(first + lane, bounce);
-      Color passed(1.0f);
-      if (finish_[hit.primitive] == Finish::coated &&
-          reflects_at_coat(hit, random, lane, packet, throughput[lane], passed)) {
-        any_active = true;
-        continue;
-      }
-      if (bounce > 0)
-        set.mirrored.push_back(
-            {set.row, set.index, elements_.at(hit.primitive, hit.u, hit.v), throughput[lane] * passed});
-      if (finish_[hit.primitive] == Finish::specular)
-        any_active = continue_at_mirror(scene_, ray_scene_, hit, random, lane, packet, throughput[lane]) || any_active;
-    }
-    if (!any_active) return;
-    ray_scene_.intersect(packet, false);
-  }
 }
 
 }  // namespace patchlight

@@ -112,6 +112,14 @@ struct RayRows::SampleSet {
   }
 };
 
+/// Rays of a packet that go on.
+struct RayRows::Reflections {
+  std::array<Color, RayPacket::kSize> throughput;
+  std::uint32_t started = 0;  ///< Bit of each lane that already starts from a coat.
+
+  Reflections() { throughput.fill(Color(1.0f)); }
+};
+
 /// What a row's sample sets found of the environment.
 struct RayRows::SkyRow {
   Vec3f position, normal;

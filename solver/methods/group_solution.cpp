@@ -129,7 +129,13 @@ void add_light_over_metals(const RadiositySystem& system, const Emission& emissi
 void add_light_of_coats(const RadiositySystem& system, const Emission& emission, GroupSolution& solution) {
   const std::size_t n = system.areas.size();
   if (!system.coat_light.any() || system.transport.rays == 0) return;
-  solution.by_coats.resize(n);
+  solution.coats.resize(n);
+  const auto add = [&](std::size_t i, const Spectrum& irradiance, const Spectrum& factor, bool by_surface) {
+    solution.coats.reflected[i] += irradiance * factor;
+    const Patch& patch = system.scene.patches[i];
+    if (by_surface && passes_by_chance(system.scene, system.scene.primitives[patch.primitive]))
+      solution.coats.unmatched[i] += irradiance * system.coat_light.mean_factor(i);
+  };
   for (std::size_t k = 0; k < system.emitters.size(); ++k) {
     const Spectrum exitance = emission.explicit_exitances[k];
     if (exitance.sum() == 0) continue;
@@ -137,12 +143,13 @@ void add_light_of_coats(const RadiositySystem& system, const Emission& emission,
     for (std::size_t i = 0; i < n; ++i) {
       const double factor = 0.5 * (double(factors[2 * i]) + double(factors[2 * i + 1]));
       if (factor != 0)
-        solution.by_coats[i] += exitance * Spectrum(factor) * system.coat_light.factor(system.emitters[k], i);
+        add(i, exitance * Spectrum(factor), system.coat_light.factor(system.emitters[k], i),
+            system.emitters[k].light < 0);
     }
   }
   if (has_metals(system.scene)) return;
   for (std::size_t i = 0; i < solution.sampled_direct.size(); ++i)
-    solution.by_coats[i] += solution.sampled_direct[i] * system.coat_light.further_factor(i);
+    add(i, solution.sampled_direct[i], system.coat_light.further_factor(i), true);
 }
 
 /// Direct and specularly reflected light of a group's emitters.
@@ -175,10 +182,10 @@ void add_reflected_light(const RadiositySystem& system, std::span<GroupSolution>
   system.rows.gather(fields, &system.reflectance, precision);
   std::vector<SpectrumField> by_coats(groups.size()), coat_deviations(groups.size());
   for (std::size_t g = 0; g < groups.size(); ++g) {
-    if (!groups[g].by_coats.empty()) {
+    if (!groups[g].coats.reflected.empty()) {
       by_coats[g].resize(n);
       coat_deviations[g].resize(n);
-      const Field field{&groups[g].by_coats, {&by_coats[g], &coat_deviations[g]}};
+      const Field field{&groups[g].coats.reflected, {&by_coats[g], &coat_deviations[g]}};
       system.rows.gather({&field, 1}, nullptr, precision);
     }
     add(by_coats[g], sources[g]);

@@ -6,6 +6,7 @@
 #include "pipeline/optics/lights/direct_light.h"
 #include "pipeline/stage/progress.h"
 #include "solver/direct/coat_light.h"
+#include "solver/error/consistency.h"
 #include "solver/linear/linear_system.h"
 
 namespace patchlight {
@@ -32,8 +33,8 @@ struct GroupSolution {
   SpectrumField sampled_direct;   ///< Direct light of emitters that a LightTree chose.
   SpectrumField mirrored;         ///< Light of emitters by specular reflection.
   SpectrumField over_metals;      ///< The part of `mirrored` from explicitly sampled emitters.
-  SpectrumField by_coats;         ///< Light of sampled emitters that coats reflect, as exitance.
-  SpectrumField reflected;        ///< Light that patches reflect diffusely.
+  CoatExchange coats;
+  SpectrumField reflected;  ///< Light that patches reflect diffusely.
   SpectrumField explicit_deviation, gathered_deviation, sampled_deviation, mirrored_deviation, reflected_deviation;
   SpectrumField residual;             ///< What is left of the linear system: F rho (D + H) - H of the solved H.
   SpectrumField external_irradiance;  ///< The light of lights and the environment, which no patch emits.

@@ -113,7 +113,14 @@ EnergyField solve_matrix(const PatchSet& scene, const SolveConfig& config, int r
   std::vector<GroupSolution> groups = solve_groups(system, config.tolerance, progress);
   record_convergence(scene, groups, config, energy, progress);
   SpectrumField external_irradiance(n);
-  for (const GroupSolution& group : groups) add(group.external_irradiance, external_irradiance);
+  CoatExchange coats;
+  for (const GroupSolution& group : groups) {
+    add(group.external_irradiance, external_irradiance);
+    if (group.coats.reflected.empty()) continue;
+    coats.resize(n);
+    add(group.coats.reflected, coats.reflected);
+    add(group.coats.unmatched, coats.unmatched);
+  }
 
   const FilteredComponents components(system, groups);
   SampledSolution total{SpectrumField(n), SpectrumField(n), components.filtered(), SpectrumField(n)};
@@ -122,7 +129,7 @@ EnergyField solve_matrix(const PatchSet& scene, const SolveConfig& config, int r
 
   const std::vector<double> areas = visible_areas(scene, transport);
   const EnergyBalance balance(scene, system.rows, areas, system.reflectance, std::move(external_irradiance),
-                              total.irradiance);
+                              total.irradiance, coats);
   energy.estimate = estimate_error(scene, system.rows, system.reflectance, system.areas, total, balance);
   energy.estimate->reciprocity = reciprocity_error(transport, system.rows, receiving_areas(scene, areas));
   energy.estimate->balance = balance.error();

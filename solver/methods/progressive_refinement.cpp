@@ -206,10 +206,9 @@ void Refinement::shoot_reflections(Progress& progress) {
       for (Group& group : groups_) {
         Vec3d& unshot = group.unshot[shot.patch];
         if (unshot == Vec3d(0.0)) continue;
-        Vec3d overshot(0.0);  // at most the unshot light again, since the patches of a batch also light each other
-        for (int k = 0; overshoot && k < 3; ++k)
-          overshot[k] =
-              std::clamp(double(patch.total_reflectance()[k]) * group.ambient[k], 0.0, std::max(unshot[k], 0.0));
+        // At most the unshot light again, since the patches of a batch also light each other.
+        Vec3d overshot = overshoot ? Vec3d(patch.total_reflectance()) * group.ambient : Vec3d(0.0);
+        for (int k = 0; k < 3; ++k) overshot[k] = std::clamp(overshot[k], 0.0, std::max(unshot[k], 0.0));
         const Vec3d shot_now = unshot + overshot;
         unshot = -overshot;
         distribute(group, group.indirect, shot_now * patch.covered_area(), row);

@@ -11,6 +11,8 @@ GlossyLights::GlossyLights(const PatchSet& scene, const ExplicitLights& lights, 
   for (std::size_t l = 0; l < lights.lamps().size(); ++l) {
     const Emitter& emitter = lights.lamps()[l].emitter;
     std::fill_n(lamp_of_patch_.begin() + emitter.first_patch, emitter.patches, std::int32_t(l));
+    const Light* const light = emitter.light >= 0 ? &scene.lights[emitter.light] : nullptr;
+    suns_.push_back(light && light->kind == Light::Kind::sun ? -light->direction : Vec3d(0.0));
   }
   const std::vector<Emitter>& emitters = further.lights().emitters();
   for (std::size_t l = 0; l < emitters.size(); ++l)
@@ -24,12 +26,26 @@ bool GlossyLights::is_needed(const PatchSet& scene) {
   });
 }
 
-float GlossyLights::selection_weights(const Vec3d& position, std::vector<float>& weights) const {
+float GlossyLights::selection_weights(const Vertex& vertex, std::vector<float>& weights) const {
+  constexpr float kOutOfLobe = 0.05f;  // weight of a lamp whose middle is outside of the lobe
+  constexpr float kExtent = 0.5f;      // the same, of a lamp that is as large as it is far
   float sum = 0;
   weights.clear();
-  for (const ExplicitLights::Lamp& lamp : lights_.lamps()) {
-    weights.push_back(lamp.brightness() * float(lamp.light.apparent_size(position)));
-    sum += weights.back();
+  for (std::size_t l = 0; l < lights_.lamps().size(); ++l) {
+    const ExplicitLights::Lamp& lamp = lights_.lamps()[l];
+    float weight = lamp.brightness() * float(lamp.light.apparent_size(vertex.position));
+    if (weight > 0) {
+      const bool is_sun = suns_[l] != Vec3d(0.0);
+      const Vec3d towards = is_sun ? suns_[l] : lamp.light.center() - vertex.position;
+      const double distance = towards.length();
+      const float extent = is_sun ? 0.0f : float(std::min(1.0, lamp.light.radius() / std::max(distance, 1e-30)));
+      float lobe = 0;
+      if (extent < 1)
+        lobe = specular_lobe(vertex.roughness, vertex.normal, vertex.direction, Vec3f(towards / distance)).value;
+      weight *= kOutOfLobe + kExtent * extent + lobe;
+    }
+    weights.push_back(weight);
+    sum += weight;
   }
   return sum;
 }
@@ -40,7 +56,7 @@ float GlossyLights::further_weight(const Vertex& vertex) const {
 
 GlossyLights::Sample GlossyLights::sample(const Vertex& vertex, float choice, const Vec2f& at) const {
   thread_local std::vector<float> weights;
-  const float further = further_weight(vertex), sum = selection_weights(vertex.position, weights) + further;
+  const float further = further_weight(vertex), sum = selection_weights(vertex, weights) + further;
   if (sum <= 0) return {};
   float remainder = choice * sum;
   if (remainder < further || weights.empty())
@@ -81,7 +97,7 @@ float GlossyLights::hit_weight(const Vertex& vertex, const Vec3f& direction, flo
   const std::int32_t l = lamp_of_patch_[patch], f = further_of_patch_[patch];
   if (l < 0 && f < 0) return 1.0f;
   thread_local std::vector<float> weights;
-  const float further = further_weight(vertex), sum = selection_weights(vertex.position, weights) + further;
+  const float further = further_weight(vertex), sum = selection_weights(vertex, weights) + further;
   if (sum <= 0) return 1.0f;
   const DirectLight& light = l >= 0 ? lights_.lamps()[l].light : further_.lights().light(f);
   double density = light.view(vertex.position, vertex.normal).density(direction);

@@ -38,14 +38,16 @@ class GlossyLights {
   float hit_weight(const Vertex& vertex, const Vec3f& direction, float pdf, std::int32_t patch) const;
 
  private:
-  /// Relative probabilities by which sample() selects the lamps, unnormalised. Returns their sum.
-  float selection_weights(const Vec3d& position, std::vector<float>& weights) const;
+  /// Relative probabilities by which sample() selects the lamps, unnormalised: their light times the lobe towards their
+  /// middles. Returns their sum.
+  float selection_weights(const Vertex& vertex, std::vector<float>& weights) const;
   /// The same of all further lights together.
   float further_weight(const Vertex& vertex) const;
   Sample sample_further(const Vertex& vertex, double choice, const Vec2f& at, float part) const;
 
   const ExplicitLights& lights_;
   const FurtherLight& further_;
+  std::vector<Vec3d> suns_;                     ///< [lamps]: direction to a sun; zero: no sun.
   std::vector<std::int32_t> lamp_of_patch_;     ///< [patches]: index of the lamp; -1: not explicitly sampled.
   std::vector<std::int32_t> further_of_patch_;  ///< [patches]: index of the further light; -1: none.
 };

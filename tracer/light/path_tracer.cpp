@@ -17,6 +17,7 @@ namespace {
 
 constexpr float kMinThroughput = 1e-3f;
 constexpr int kMaxBounces = 64;
+constexpr float kRoulette = 0.02f;  // throughput of a faint path below which it goes on by chance
 constexpr float kFaint = 0.15f;  // throughput of a coat below which what it shows needs no more samples than the rest
 
 std::int32_t combined_hash(std::int32_t surfaces, std::int32_t next) {
@@ -111,9 +112,11 @@ bool PathTracer::shade(RayPacket& packet, int lane, Path& path, const CameraRays
   if (path.central) return false;
   const std::int32_t material = scene_.primitives[hit.primitive].material;
   SpecularProperties specular;
+  Color albedo(0.0f);  // of the coat
   if (is_specular(scene_.materials[material])) {
     specular = specular_properties_at(scene_, hit.primitive, hit.u, hit.v);
-    if (specular.has_coat()) colors.reflectance *= Color(1.0f) - coats_.at(material, specular, -(direction ^ normal));
+    albedo = coats_.at(material, specular, -(direction ^ normal));
+    if (specular.has_coat()) colors.reflectance *= Color(1.0f) - albedo;
   }
   if (path.pdf > 0)
     colors.emission *= glossy_lights_->hit_weight(sums.glossy_rays->vertices[lane], direction, path.pdf, colors.patch);
@@ -130,7 +133,8 @@ bool PathTracer::shade(RayPacket& packet, int lane, Path& path, const CameraRays
   if (layers) add_layers(hit, colors, blend, path, *layers);
   const std::int32_t surface = outlines_.surface(hit.primitive);
   if (!path.faint) features.surface = combined_hash(features.surface, surface);
-  features.light += mixes_.unscaled == 0 && (!gather_ || looked_up) ? contribution : radiance(mixes_.unscaled);
+  if (!path.hides_detail())
+    features.light += mixes_.unscaled == 0 && (!gather_ || looked_up) ? contribution : radiance(mixes_.unscaled);
   features.reflectance += path.throughput * colors.reflectance;
   const Vec3d ray_origin = point.position + Vec3d(point.normal) * double(ray_scene_.offset(hit.primitive));
   if (direct_ && !looked_up && max_component(colors.reflectance) > 0) {
@@ -141,7 +145,8 @@ bool PathTracer::shade(RayPacket& packet, int lane, Path& path, const CameraRays
     if (gather_) sums.gather.push_back({sums.points.back(), point.normal, path.sample, std::uint32_t(path.bounces)});
     if (!normals_.is_flat(hit.primitive)) lift_point(hit, lane, sums);
   }
-  if (specular.is_black() || !scatter(specular, ray_origin, normal, point.normal, lane, path, direction, sums) ||
+  if (specular.is_black() || !survives(specular, albedo, path, sums) ||
+      !scatter(specular, ray_origin, normal, point.normal, lane, path, direction, sums) ||
       max_component(path.throughput) < kMinThroughput || ++path.bounces >= kMaxBounces)
     return false;
   packet.set(lane, ray_scene_.to_local(ray_origin), direction);
@@ -158,10 +163,25 @@ void PathTracer::add_sky(const Vec3f& direction, Path& path, PathSums& sums) con
   const auto group = std::size_t(sky.light_group);
   const Color contribution = unscaled * mixes_.all[0][group];
   sums.pixels[path.pixel] += contribution;
-  path.features.light += unscaled;
+  if (!path.hides_detail()) path.features.light += unscaled;
   if (!sums.layers) return;
   if (sums.layers->has_light()) sums.layers->add_emission(path.pixel, path.mirrored, contribution);
   if (sums.layers->has_groups()) sums.layers->add_to_group(group, path.pixel, unscaled);
+}
+
+/// Whether a path goes on to a reflection by metal or by a coat of this albedo: by Russian roulette if it is faint.
+bool PathTracer::survives(const SpecularProperties& specular, const Color& albedo, Path& path,
+                          const PathSums& sums) const {
+  const bool was_faint = path.faint;
+  path.faint = specular.metal == Color(0.0f) && max_component(path.throughput * albedo) < kFaint;
+  if (!was_faint || !path.faint) return true;
+  const float chance = max_component(path.throughput * albedo) / kRoulette;
+  if (chance >= 1) return true;
+  const std::uint64_t random = hash64(hash64(sums.window->pixel_id(path.pixel)) ^
+                                      (std::uint64_t(path.sample) << 8 | std::uint64_t(path.bounces)));
+  if (uniform01(random) >= chance) return false;
+  path.throughput /= chance;
+  return true;
 }
 
 bool PathTracer::scatter(const SpecularProperties& specular, const Vec3d& origin, const Vec3f& smooth_normal,
@@ -178,11 +198,9 @@ bool PathTracer::scatter(const SpecularProperties& specular, const Vec3d& origin
     at = pixel_sample(shuffled(path.sample, std::uint32_t(hash64(seed))), seed);
     sample_glossy_light(specular, hash64(~seed), lane, path, rays);
   }
-  const bool reflects = reflect(specular, smooth_normal, at, direction, path.throughput);
-  path.faint = specular.metal == Color(0.0f) && max_component(path.throughput) < kFaint;
   path.scattered = path.scattered || rough;
   path.features.scattered = path.features.scattered || (rough && !path.faint);
-  if (!reflects) return false;
+  if (!reflect(specular, smooth_normal, at, direction, path.throughput)) return false;
   if (rough) path.pdf = specular_lobe(specular.roughness, smooth_normal, in, direction).density;
   // By a smooth normal the reflection may point below the facet.
   if ((direction ^ geometric_normal) < 0) direction -= geometric_normal * (2.0f * (direction ^ geometric_normal));

@@ -37,6 +37,7 @@ class PathTracer {
   void add_sky(const Vec3f& direction, Path& path, PathSums& sums) const;
   void add_layers(const SurfaceHit& hit, const SolvedSurfaces::Colors& colors, const DisplayLookup::Blend& blend,
                   const Path& path, LayerSums& layers) const;
+  bool survives(const SpecularProperties& specular, const Color& albedo, Path& path, const PathSums& sums) const;
   /// Reflects `direction`; false if nothing is reflected. `origin`: of the next ray.
   bool scatter(const SpecularProperties& specular, const Vec3d& origin, const Vec3f& smooth_normal,
                const Vec3f& geometric_normal, int lane, Path& path, Vec3f& direction, PathSums& sums) const;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "pipeline/formats/patches/patch_clusters.h"
+#include "pipeline/formats/patches/patch_coats.h"
 #include "pipeline/formats/patches/patch_cuts.h"
 #include "pipeline/formats/patches/patch_regions.h"
 #include "pipeline/job/expression.h"
@@ -140,12 +141,6 @@ PatchFault mask_fault(const PatchSet& scene) {
       for (int k = 0; k < 4; ++k)
         if (!(c[k] >= 0 && c[k] <= 1)) return {"a value outside [0, 1]", "/primitives/color"};
   return {};
-}
-
-bool is_valid(const Coat& coat) {
-  const auto in_unit = [](float x) { return x >= 0.0f && x <= 1.0f; };
-  return within(coat.normal, 0.0f, 1.0f) && in_unit(coat.grazing) && in_unit(coat.metallic) &&
-         (coat.ior == 0.0f || (coat.ior >= 1.0f && coat.ior <= 100.0f));
 }
 
 PatchFault patch_fault(const PatchSet& scene, const Patch& patch) {

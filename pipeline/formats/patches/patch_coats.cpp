@@ -28,4 +28,10 @@ void read_coat_datasets(const H5Reader& reader, PatchSet& scene) {
                    [](Patch& p, auto* r) { p.transmittance = get3<Color>(r); });
 }
 
+bool is_valid(const Coat& coat) {
+  const auto in_unit = [](float x) { return x >= 0.0f && x <= 1.0f; };
+  return in_unit(coat.normal.x) && in_unit(coat.normal.y) && in_unit(coat.normal.z) && in_unit(coat.grazing) &&
+         in_unit(coat.metallic) && (coat.ior == 0.0f || (coat.ior >= 1.0f && coat.ior <= 100.0f));
+}
+
 }  // namespace patchlight

@@ -10,4 +10,7 @@ void write_coat_datasets(H5Writer& writer, const PatchSet& scene);
 /// Reads them into a scene that has its materials and patches.
 void read_coat_datasets(const H5Reader& reader, PatchSet& scene);
 
+/// Whether a coat's values are in their ranges.
+bool is_valid(const Coat& coat);
+
 }  // namespace patchlight

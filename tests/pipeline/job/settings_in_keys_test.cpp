@@ -29,6 +29,7 @@ const std::vector<Setting> kSettings{
     {"import.max_patches", "100", ""},
     {"import.time", "1", "import"},
     {"import.punctual_units", "raw", "import"},
+    {"import.dielectric_coat", "false", "import"},
     {"environment.color", "[1, 1, 1]", "import"},
     {"environment.image", "sky.hdr", "import"},
     {"environment.strength", "2", ""},

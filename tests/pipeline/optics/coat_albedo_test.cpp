@@ -61,7 +61,7 @@ TEST(CoatAlbedos, AreThoseOfTheirFacets) {
       scene.materials[1].coat.ior = ior;
       const CoatAlbedos albedos(scene);
       ASSERT_TRUE(albedos.any());
-      for (const float roughness : {0.2f, 0.47f, 1.0f})
+      for (const float roughness : {0.35f, 0.57f, 1.0f})
         for (const float cosine : {0.97f, 0.6f, 0.3f, 0.12f}) {
           const SpecularProperties specular = properties(scene.materials[1].coat, roughness);
           EXPECT_NEAR(albedos.at(1, specular, cosine).y, integrated_albedo(specular, double(cosine)), 0.003)
