@@ -93,9 +93,11 @@ std::optional<BlenderExport> fresh_export(const fs::path& folder, const fs::path
   if (run.exit_code == int(ExitCode::interrupted))
     throw Error(ExitCode::interrupted, "Blender was interrupted", blend, "run it again");
   for (const std::string* text : {&run.err, &run.out})
-    for (const char* const sign : {"not a blend file", "File format is not supported", "Cannot read file"})
+    for (const char* const sign : {"not a blend file", "File format is not supported", "Cannot read file",
+                                   "Failed to read blend file", "Missing DNA block"})
       if (text->find(sign) != std::string::npos)
-        throw Error(ExitCode::bad_data, "Blender cannot read the file", blend, "is it a Blender file?");
+        throw Error(ExitCode::bad_data, "Blender cannot read the file", blend,
+                    "is it a whole Blender file, saved by no newer Blender?");
   throw Error(ExitCode::unavailable, fmt::format("Blender ended with exit code {}", run.exit_code), blend,
               "open the file in Blender; if that works, report what `patchlight from-blend` prints");
 }
@@ -124,11 +126,13 @@ BlenderExport export_blender_file(const fs::path& blend, const fs::path& folder)
     throw Error(ExitCode::missing_input, "missing scene", blend.string(), "check the path");
   const fs::path blender = blender_program(), exporter = blender_exporter();
   const fs::path used = folder / fmt::format("{}{}.json", kTemporaryPrefix, ::getpid());
-  const ProgramOutput run = capture_program(
-      blender,
-      {"--background", "--factory-startup", "--disable-autoexec", fs::absolute(blend), "--python-exit-code", "70",
-       "--python", exporter / "export.py", "--", "--output", fs::absolute(folder), "--record", fs::absolute(used)},
-      "install Blender 3.4 or newer, or set $BLENDER to its program");
+  // By more threads, normals and exact Booleans differ from one run to the next, and all stages would run again.
+  const ProgramOutput run =
+      capture_program(blender,
+                      {"--threads", "1", "--background", "--factory-startup", "--disable-autoexec", fs::absolute(blend),
+                       "--python-exit-code", "70", "--python", exporter / "export.py", "--", "--output",
+                       fs::absolute(folder), "--record", fs::absolute(used)},
+                      "install Blender 3.4 or newer, or set $BLENDER to its program");
   BlenderExport result{
       folder / fs::path(blend.filename()).replace_extension(".yaml"), lines_of(run.err, "warning: "), {}, {}};
   const json record = read_json(used);

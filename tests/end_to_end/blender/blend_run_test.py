@@ -116,7 +116,7 @@ class BlendRun(BlendCase):
 
     def test_what_is_no_blender_file_is_refused(self):
         self.scene.write_text("BLENDER")
-        self.assertIn("is it a Blender file?", self.patchlight("run", self.scene, code=65))
+        self.assertIn("is it a whole Blender file", self.patchlight("run", self.scene, code=65))
 
 
 class WrongBlenders(BlendCase):
