@@ -40,6 +40,9 @@ std::string describe_materials(const PatchSet& scene) {
     if (scene.materials[i].specular != Color(0.0f))
       text += fmt::format(", metal {} of roughness {:.2g}", triple(Vec3d(scene.materials[i].specular)),
                           scene.materials[i].roughness);
+    if (scene.materials[i].coat.exists())
+      text += fmt::format(", coat {} of roughness {:.2g}", triple(Vec3d(scene.materials[i].coat.normal)),
+                          scene.materials[i].roughness);
     if (total.power != Vec3d(0.0)) text += fmt::format(", emits {} W", triple(total.power));
     text += "\n";
   }

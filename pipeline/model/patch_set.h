@@ -61,12 +61,12 @@ inline bool has_intangible(const std::vector<Primitive>& primitives) {
 /// The dielectric layer over the diffuse part of a material, as glTF defines it. Its Fresnel reflectance follows the
 /// exact curve of `ior`, scaled to run from `normal` to `grazing`; Schlick's (1994) where `ior` is 0.
 struct Coat {
-  Color normal{0.0f};     ///< Reflectance at normal incidence, each in [0,1]; 0: no coat.
+  Color normal{0.0f};     ///< Reflectance at normal incidence, each in [0,1]; 0: no coat, as of metal all over.
   float grazing = 1.0f;   ///< Reflectance at grazing incidence, in [0,1].
   float ior = 0.0f;       ///< Of the layer, at least 1; or 0.
   float metallic = 0.0f;  ///< The metallic part of the surface, in [0,1], which has no coat; times a texture's.
 
-  bool exists() const { return normal != Color(0.0f) && metallic < 1.0f; }
+  bool exists() const { return normal != Color(0.0f); }
 };
 
 /// Properties that are constant over a material.

@@ -6,6 +6,8 @@ namespace patchlight {
 
 namespace {
 
+constexpr float kOpaque = 1e-3f;  // transmittance of a coat that hardly any ray of a row passes
+
 Vec3d middle_of(const Primitive& primitive) {
   if (primitive.shape == Primitive::Shape::sphere) return primitive.sphere_center;
   return (primitive.corners[0] + primitive.corners[1] + primitive.corners[2] + primitive.corners[3]) / 4.0;
@@ -67,7 +69,10 @@ Spectrum CoatLight::mean_factor(std::size_t patch) const {
 Spectrum CoatLight::for_rows(std::size_t patch, const Color& reflected) const {
   const Patch& receiver = scene_.patches[patch];
   const bool by_chance = passes_by_chance(scene_, scene_.primitives[receiver.primitive]);
-  return Spectrum(by_chance ? reflected / receiver.transmittance : reflected);
+  Spectrum exitance(reflected);
+  for (int k = 0; by_chance && k < 3; ++k)
+    exitance.c[k] = receiver.transmittance[k] > kOpaque ? exitance.c[k] / double(receiver.transmittance[k]) : 0.0;
+  return exitance;
 }
 
 }  // namespace patchlight

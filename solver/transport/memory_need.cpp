@@ -7,6 +7,7 @@
 
 #include "pipeline/model/error.h"
 #include "pipeline/optics/lights/direct_light.h"
+#include "solver/form_factors/coated_rows.h"
 
 namespace patchlight {
 
@@ -28,11 +29,6 @@ constexpr double kGuidedPointRays = 5;             // the same of a vertex, thos
 constexpr double kBytesOfDisplay = 250;            // of a patch, for the display solution
 constexpr double kDisplayRayRatio = 2.0;  // upper bound of the rays of the display mesh over the rays of the patches
 constexpr double kBytesPerHemicubePatch = 16;  // of a patch visible in a row's two hemicubes: column and weight
-
-bool has_metals(const PatchSet& scene) {
-  return std::any_of(scene.primitives.begin(), scene.primitives.end(),
-                     [&](const Primitive& p) { return scene.materials[p.material].specular != Color(0.0f); });
-}
 
 /// Of a ray: its column, and what it hits after a coat.
 double ray_bytes(const PatchSet& scene) {

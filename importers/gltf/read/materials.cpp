@@ -121,7 +121,8 @@ SurfaceMaterial read_material(const tinygltf::Material& source, bool used, Scene
   material.metal = color(factor * metallic_factor);
   material.specular = color(base * metallic);
   material.roughness = static_cast<float>(pbr.roughnessFactor * metallic_roughness.y);
-  if (!unlit) material.coat = read_coat(source, textures.model(), material.name);
+  const bool all_metal = metallic_factor == 1.0 && metallic_roughness_texture < 0;
+  if (!unlit && !all_metal) material.coat = read_coat(source, textures.model(), material.name);
   material.coat.metallic = static_cast<float>(metallic_factor);
   if (metallic_factor > 0.0 || material.coat.exists()) material.metallic_roughness_texture = metallic_roughness_texture;
   material.metallic_roughness_mapping = mapping_of(pbr.metallicRoughnessTexture);

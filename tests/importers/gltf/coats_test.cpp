@@ -3,7 +3,7 @@
 #include "pipeline/optics/surface/specular.h"
 #include "tests/expect_error.h"
 #include "tests/importers/expect_color.h"
-#include "tests/importers/gltf_builder.h"
+#include "tests/importers/textured_square.h"
 
 namespace patchlight::test {
 namespace {
@@ -72,6 +72,26 @@ TEST(CoatsOfMaterials, LeaveOutTheMetallicPart) {
   const SpecularProperties specular = specular_properties_at(half.scene, 0, 0.5, 0.5);
   expect_color(specular.coat, {0.02, 0.02, 0.02});
   expect_color(specular.metal, {0.5, 0.5, 0.5});
+}
+
+TEST(CoatsOfMaterials, FollowTheTextureOfRoughnessAndMetalness) {
+  Importer importer;  // metal, not metal | half of each
+  write_row(importer.folder / "finish.png",
+            {{0, 51, 255, 255}, {0, 102, 0, 255}, {0, 153, 51, 255}, {0, 153, 51, 255}});
+  GltfBuilder gltf = textured_square(
+      {{"pbrMetallicRoughness",
+        {{"metallicFactor", 1}, {"roughnessFactor", 0.5}, {"metallicRoughnessTexture", {{"index", 0}}}}}},
+      {"finish.png"});
+  gltf.json["materials"][0]["extensions"] = kNone;
+  const PatchSet scene = importer.import(gltf);
+  const auto at = [&](double x) {
+    const Imath::V2d uv = uv_of(scene, 0, x, 0.5);
+    return specular_properties_at(scene, 0, uv.x, uv.y);
+  };
+  expect_color(at(0.1).coat, {0, 0, 0});
+  expect_color(at(0.3).coat, {0.04, 0.04, 0.04});
+  EXPECT_NEAR(at(0.3).roughness, 0.2, 1e-5);
+  expect_color(at(0.6).coat, {0.032, 0.032, 0.032});
 }
 
 TEST(CoatsOfMaterials, FollowTheJob) {

@@ -122,5 +122,20 @@ TEST(CoatsSolved, TintsColourWhatTheyReflect) {
   EXPECT_LT(mean_irradiance(scene, energy, 2), 1.1 * bare) << "only at grazing angles";
 }
 
+TEST(CoatsSolved, ThatReflectAllLightAreFinite) {
+  PatchScene builder;  // as of index 0, which stands for a reflectance of 1
+  builder.get().materials.push_back({"coated"});
+  builder.room(1, 4, {0.5f, 0.0f, 0, 1});
+  builder.quad({{{-0.9, 0.9, -0.9}, {0.9, 0.9, -0.9}, {0.9, 0.9, 0.9}, {-0.9, 0.9, 0.9}}}, 1, 1, {0.0f, 10.0f});
+  PatchSet& scene = builder.get();
+  coat(scene, 1, 0.0f, Color(25.0f, 25.0f, 1.0f));
+  ASSERT_LT(scene.patches[0].transmittance.x, 1e-5f);
+  const EnergyField energy = solve_quietly(scene);
+  for (int channel : {0, 2}) {
+    EXPECT_TRUE(std::isfinite(mean_irradiance(scene, energy, channel)));
+    EXPECT_GT(mean_irradiance(scene, energy, channel), 0);
+  }
+}
+
 }  // namespace
 }  // namespace patchlight
