@@ -135,7 +135,7 @@ bool PathTracer::shade(RayPacket& packet, int lane, Path& path, const CameraRays
   if (!path.faint) features.surface = combined_hash(features.surface, surface);
   if (!path.hides_detail())
     features.light += mixes_.unscaled == 0 && (!gather_ || looked_up) ? contribution : radiance(mixes_.unscaled);
-  features.reflectance += path.throughput * colors.reflectance;
+  if (!path.hides_detail()) features.reflectance += path.throughput * colors.reflectance;
   const Vec3d ray_origin = point.position + Vec3d(point.normal) * double(ray_scene_.offset(hit.primitive));
   if (direct_ && !looked_up && max_component(colors.reflectance) > 0) {
     const Color reflected = path.throughput * colors.reflectance;
