@@ -169,13 +169,16 @@ void PathTracer::add_sky(const Vec3f& direction, Path& path, PathSums& sums) con
   if (sums.layers->has_groups()) sums.layers->add_to_group(group, path.pixel, unscaled);
 }
 
-/// Whether a path goes on to a reflection by metal or by a coat of this albedo: by Russian roulette if it is faint.
+/// Whether a path goes on to a reflection by metal or by a coat of this albedo: by Russian roulette if it is faint,
+/// which it stays.
 bool PathTracer::survives(const SpecularProperties& specular, const Color& albedo, Path& path,
                           const PathSums& sums) const {
-  const bool was_faint = path.faint;
-  path.faint = specular.metal == Color(0.0f) && max_component(path.throughput * albedo) < kFaint;
-  if (!was_faint || !path.faint) return true;
-  const float chance = max_component(path.throughput * albedo) / kRoulette;
+  const float reflected = max_component(path.throughput * (specular.metal + albedo));
+  if (!path.faint) {
+    path.faint = specular.metal == Color(0.0f) && reflected < kFaint;
+    return true;
+  }
+  const float chance = reflected / kRoulette;
   if (chance >= 1) return true;
   const std::uint64_t random = hash64(hash64(sums.window->pixel_id(path.pixel)) ^
                                       (std::uint64_t(path.sample) << 8 | std::uint64_t(path.bounces)));
