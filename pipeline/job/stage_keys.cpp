@@ -11,9 +11,9 @@ namespace {
 
 // Raised whenever a stage computes different results from the same inputs.
 constexpr int kImportVersion = 17;
-constexpr int kTransportKeyVersion = 41;
-constexpr int kSolveVersion = 41;
-constexpr int kTraceVersion = 20;
+constexpr int kTransportKeyVersion = 42;
+constexpr int kSolveVersion = 42;
+constexpr int kTraceVersion = 21;
 
 void add_color(KeyHasher& hasher, const std::optional<Color>& color) {
   hasher.add(color.has_value());

@@ -34,8 +34,7 @@ RayRows::RayRows(const PatchSet& scene, const RayScene& ray_scene, std::span<con
       elements_(elements),
       seed_(hash64(seed)),
       visible_fractions_(visible_fractions),
-      ray_factors_(ray_factors),
-      coats_(scene) {
+      ray_factors_(ray_factors) {
   for (const Primitive& p : scene.primitives) {
     finish_.push_back(passes_by_chance(scene, p)                 ? Finish::coated
                       : is_specular(scene.materials[p.material]) ? Finish::specular

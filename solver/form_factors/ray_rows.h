@@ -5,7 +5,6 @@
 #include "pipeline/job/shard.h"
 #include "pipeline/model/transport.h"
 #include "pipeline/optics/intersect/ray_scene.h"
-#include "pipeline/optics/surface/coat_albedo.h"
 #include "pipeline/optics/transport/elements.h"
 #include "pipeline/stage/progress.h"
 #include "solver/form_factors/direction_table.h"
@@ -89,7 +88,6 @@ class RayRows {
   enum class Finish : std::uint8_t { diffuse, coated, specular };
   std::vector<Finish> finish_;  ///< [primitives].
   bool has_specular_ = false;
-  const CoatAlbedos coats_;
 };
 
 }  // namespace patchlight

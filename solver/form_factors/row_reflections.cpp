@@ -6,23 +6,22 @@
 
 namespace patchlight {
 
-/// Whether a ray is reflected by the coat that it hits: then it starts again with a weight. Else, `passed`: of its way
-/// to the diffuse part.
+/// Whether a coat reflects the ray that hits it, as a facet that the ray meets by chance does: then the ray starts
+/// again with a weight of 1, or with that of a tint. Else, `passed` is its weight at the diffuse part.
 bool RayRows::reflects_at_coat(const SurfaceHit& hit, std::uint64_t random, int lane, RayPacket& packet,
                                Color& throughput, Color& passed) const {
-  const Primitive& primitive = scene_.primitives[hit.primitive];
-  const SpecularProperties specular = specular_properties_at(scene_, hit.primitive, hit.u, hit.v);
-  const SurfacePoint point = point_at(primitive, hit.u, hit.v);
+  const SurfacePoint point = point_at(scene_.primitives[hit.primitive], hit.u, hit.v);
   Vec3f direction = packet.direction(lane);
-  const Color albedo = coats_.at(primitive.material, specular, -(direction ^ point.normal));
-  const float chance = std::max({albedo.x, albedo.y, albedo.z});
+  const Vec2f at(uniform01(random), uniform01(hash64(random)));
+  const SpecularProperties specular = specular_properties_at(scene_, hit.primitive, hit.u, hit.v);
+  Color reflected(1.0f);
+  if (!reflect(specular, point.normal, at, direction, reflected)) reflected = Color(0.0f);
+  const float chance = std::max({reflected.x, reflected.y, reflected.z});
   if (uniform01(hash64(~random)) >= chance) {
-    for (int k = 0; k < 3; ++k) passed[k] = albedo[k] == chance ? 1.0f : (1.0f - albedo[k]) / (1.0f - chance);
+    for (int k = 0; k < 3; ++k) passed[k] = reflected[k] == chance ? 1.0f : (1.0f - reflected[k]) / (1.0f - chance);
     return false;
   }
-  const Vec2f at(uniform01(random), uniform01(hash64(random)));
-  throughput /= chance;
-  if (!reflect(specular, point.normal, at, direction, throughput)) throughput = Color(0.0f);
+  for (int k = 0; k < 3; ++k) throughput[k] *= reflected[k] == chance ? 1.0f : reflected[k] / chance;
   packet.set(lane, ray_scene_.to_local(point.position) + point.normal * ray_scene_.offset(hit.primitive), direction);
   return true;
 }

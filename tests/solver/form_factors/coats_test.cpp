@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "pipeline/optics/surface/coat_albedo.h"
+#include "solver/linear/form_factor_rows.h"
 #include "solver/solve.h"
 #include "tests/patch_scene.h"
 
@@ -69,6 +70,23 @@ TEST(CoatsSolved, SurfacesThatAbsorbNothingUnderASkyAreAsBrightAsIt) {
 }
 
 /// A room of coated walls under a lamp that lights them from many directions.
+TEST(CoatsSolved, RowsOfAClosedRoomAddUpToOne) {
+  PatchScene builder;
+  builder.get().materials.push_back({"coated"});
+  builder.room(1, 4, {0.99999f, 0.0f, 0, 1});
+  PatchSet& scene = builder.get();
+  scene.primitives[0].material = scene.primitives[0].light_group = 0;  // a lamp without a coat
+  scene.patches[0].emission = Color(1.0f);
+  coat(scene, 1, 0.8f);
+  SolveConfig config;
+  Transport transport;
+  Progress progress({"test", true, ""});
+  solve(scene, config, transport, progress);
+  const SpectrumField sums = FormFactorRows(transport, 0).row_sums();
+  ASSERT_EQ(sums.size(), scene.patches.size());
+  for (const Spectrum& sum : sums) EXPECT_NEAR(sum.c[1], 1.0, 1e-5);
+}
+
 TEST(CoatsSolved, ARoomAbsorbsWhatItsLampEmits) {
   for (const float reflectance : {0.3f, 0.8f})
     for (const float roughness : {0.1f, 0.7f}) {
