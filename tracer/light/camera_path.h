@@ -24,9 +24,6 @@ struct CameraPath {
   float pdf = 0.0f;        ///< Of the present direction if a rough surface reflected it, per sr; otherwise 0.
   PathFeatures features{};
 
-  /// Whether what the path meets is so faint and blurred that its contrast asks for no more samples.
-  bool hides_detail() const { return faint && scattered; }
-
   ShadingPoint::PathKind kind() const {
     using Kind = ShadingPoint::PathKind;
     return scattered ? Kind::scattered : mirrored ? Kind::mirrored : Kind::direct;

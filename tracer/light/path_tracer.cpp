@@ -132,10 +132,11 @@ bool PathTracer::shade(RayPacket& packet, int lane, Path& path, const CameraRays
   sums.pixels[path.pixel] += contribution;
   if (layers) add_layers(hit, colors, blend, path, *layers);
   const std::int32_t surface = outlines_.surface(hit.primitive);
-  if (!path.faint) features.surface = combined_hash(features.surface, surface);
-  if (!path.hides_detail())
-    features.light += mixes_.unscaled == 0 && (!gather_ || looked_up) ? contribution : radiance(mixes_.unscaled);
-  if (!path.hides_detail()) features.reflectance += path.throughput * colors.reflectance;
+  features.light += mixes_.unscaled == 0 && (!gather_ || looked_up) ? contribution : radiance(mixes_.unscaled);
+  if (!path.faint) {
+    features.surface = combined_hash(features.surface, surface);
+    features.reflectance += path.throughput * colors.reflectance;
+  }
   const Vec3d ray_origin = point.position + Vec3d(point.normal) * double(ray_scene_.offset(hit.primitive));
   if (direct_ && !looked_up && max_component(colors.reflectance) > 0) {
     const Color reflected = path.throughput * colors.reflectance;
@@ -163,7 +164,7 @@ void PathTracer::add_sky(const Vec3f& direction, Path& path, PathSums& sums) con
   const auto group = std::size_t(sky.light_group);
   const Color contribution = unscaled * mixes_.all[0][group];
   sums.pixels[path.pixel] += contribution;
-  if (!path.hides_detail()) path.features.light += unscaled;
+  path.features.light += unscaled;
   if (!sums.layers) return;
   if (sums.layers->has_light()) sums.layers->add_emission(path.pixel, path.mirrored, contribution);
   if (sums.layers->has_groups()) sums.layers->add_to_group(group, path.pixel, unscaled);
