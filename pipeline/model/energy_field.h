@@ -28,6 +28,9 @@ struct EnergyField {
     /// [patches] W/m2, the part of `indirect` from explicitly sampled emitters over metals alone. For the display
     /// solution; not stored in energy.h5. Empty: none, or the rows of form factors contain it.
     std::vector<Color> over_metals{};
+    /// [patches] W/m2, what coats reflect of sampled emitters' direct light, as exitance. For the display solution; not
+    /// stored in energy.h5. Empty: no coats, or the method ignores them.
+    std::vector<Color> by_coats{};
   };
 
   /// A solve's estimate of its own error.

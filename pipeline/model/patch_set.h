@@ -183,6 +183,11 @@ inline bool is_specular(const Material& material) {
   return material.specular != Color(0.0f) || material.coat.exists();
 }
 
+/// Whether any material has a coat.
+inline bool has_coats(const std::vector<Material>& materials) {
+  return std::any_of(materials.begin(), materials.end(), [](const Material& m) { return m.coat.exists(); });
+}
+
 /// Whether textures or vertex colours vary the specular reflectance of primitive `i`.
 inline bool has_varying_metal(const PatchSet& scene, std::int32_t i) {
   return is_colored(scene, i) && scene.materials[scene.primitives[i].material].metal != Color(0.0f);

@@ -69,7 +69,7 @@ class Gather {
         radiosity_.set(field_, i,
                        gathered_emission_[i] +
                            reflectances_.patches[i] * (Spectrum(group_.direct[i]) + Spectrum(group_.indirect[i])) +
-                           light_of_coat(i));
+                           (group_.by_coats.empty() ? Spectrum() : Spectrum(group_.by_coats[i])));
       for (std::int32_t f = 0; f < mesh_.elements(); ++f) set_radiosity(f, irradiance_of_patch(mesh_.faces[f].patch));
       at_vertices_.resize(mesh_.gathered);
     } else {
@@ -198,23 +198,6 @@ class Gather {
     radiosity_.set(field_, patches_ + face,
                    gathered_emission_[patch] + reflectances_.faces[face] * (Spectrum(direct_[face]) + irradiance) +
                        (by_coats_.empty() ? Spectrum() : Spectrum(by_coats_[face])));
-  }
-
-  /// What the coat of a patch reflects of the direct light of sampled emitters.
-  Spectrum light_of_coat(std::size_t i) const {
-    const CoatLight& coats = reflectances_.coats;
-    if (!coats.any()) return {};
-    Spectrum sum;
-    if (!group_.sampled_direct.empty() && !reflectances_.metals)
-      sum += Spectrum(group_.sampled_direct[i]) * coats.further_factor(i);
-    for (std::size_t e = 0; e < emitters_.size(); ++e) {
-      const std::vector<float>& factors = transport_.emitters[e].factors;
-      const Color exitance = exitance_of(emitters_[e]);
-      if (factors.empty() || exitance == Color(0.0f)) continue;
-      const double factor = 0.5 * (double(factors[2 * i]) + double(factors[2 * i + 1]));
-      if (factor != 0) sum += Spectrum(exitance) * Spectrum(factor) * coats.factor(emitters_[e], i);
-    }
-    return sum;
   }
 
   Spectrum irradiance_of_patch(std::size_t i) const {

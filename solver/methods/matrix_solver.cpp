@@ -68,6 +68,7 @@ class FilteredComponents {
     energy.groups.push_back(
         {name, to_colors(direct, name), to_colors(indirect, name), to_colors(group.gathered_direct, name)});
     if (!group.sampled_direct.empty()) energy.groups.back().sampled_direct = to_colors(group.sampled_direct, name);
+    energy.groups.back().by_coats = to_colors(group.coats.reflected, name);
     if (mirrored_filter_ && !group.over_metals.empty())
       energy.groups.back().over_metals = to_colors(mirrored_filter_->apply(group.over_metals), name);
   }

@@ -32,9 +32,7 @@ constexpr double kBytesPerHemicubePatch = 16;  // of a patch visible in a row's 
 
 /// Of a ray: its column, and what it hits after a coat.
 double ray_bytes(const PatchSet& scene) {
-  const bool coats = std::any_of(scene.materials.begin(), scene.materials.end(),
-                                 [](const Material& material) { return material.coat.exists(); });
-  return kBytesPerRay + (coats ? kBytesOfCoats : 0.0);
+  return kBytesPerRay + (has_coats(scene.materials) ? kBytesOfCoats : 0.0);
 }
 
 /// Upper bound of the bytes of a row by `rays` rays.

@@ -1,14 +1,12 @@
 #include "pipeline/formats/patches/patch_coats.h"
 
-#include <algorithm>
-
 #include "pipeline/formats/patches/patch_rows.h"
 
 namespace patchlight {
 
 void write_coat_datasets(H5Writer& writer, const PatchSet& scene) {
   using M = const Material&;
-  if (std::none_of(scene.materials.begin(), scene.materials.end(), [](M m) { return m.coat.exists(); })) return;
+  if (!has_coats(scene.materials)) return;
   write_rows<float>(writer, "/materials/coat", scene.materials, 6, [](M m, auto* r) {
     put3(r, m.coat.normal);
     r[3] = m.coat.grazing;

@@ -48,7 +48,7 @@ class RayScene {
  public:
   enum class Tracer { fastest, packets, embree };  ///< Of unmasked primitives; fastest: see SurfaceSizes.
 
-  /// Which surfaces of the scene it holds: those that stop rays, or the lamps that rays pass (Primitive::intangible).
+  /// The surfaces that it holds: those that block rays, or the intangible lamps (see Primitive::intangible).
   enum class Surfaces { tangible, intangible };
 
   explicit RayScene(const PatchSet& scene, Tracer tracer = Tracer::fastest, Surfaces surfaces = Surfaces::tangible);

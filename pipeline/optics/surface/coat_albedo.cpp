@@ -89,26 +89,27 @@ CoatAlbedos::CoatAlbedos(const PatchSet& scene) {
   }
 }
 
-Color CoatAlbedos::albedo(const SpecularProperties& specular, const Pair& pair) {
+template <class AtNode>
+Color CoatAlbedos::albedo(const SpecularProperties& specular, const Pair& mirror, AtNode at_node) {
+  Pair pair = mirror;
+  if (specular.roughness >= kMirrorRoughness) {
+    const auto [r, part] = node_at((specular.roughness - kMirrorRoughness) / (1 - kMirrorRoughness), kRoughnesses);
+    const Pair low = at_node(r), high = at_node(r + 1);
+    for (int i = 0; i < 2; ++i) pair[i] = low[i] * (1 - part) + high[i] * part;
+  }
   return specular.coat * pair[0] + (Color(specular.coat_grazing) - specular.coat) * pair[1];
 }
 
 Color CoatAlbedos::at(std::int32_t material, const SpecularProperties& specular, float cosine) const {
   if (!specular.has_coat()) return Color(0.0f);
   const Table& table = *table_of_[material];
-  if (specular.roughness < kMirrorRoughness) return albedo(specular, {1.0f, fresnel_rise(table.ior, cosine)});
-  const auto [r, part] = node_at((specular.roughness - kMirrorRoughness) / (1 - kMirrorRoughness), kRoughnesses);
-  const Pair low = table.along(r, cosine), high = table.along(r + 1, cosine);
-  return albedo(specular, {low[0] * (1 - part) + high[0] * part, low[1] * (1 - part) + high[1] * part});
+  return albedo(specular, {1.0f, fresnel_rise(table.ior, cosine)}, [&](int r) { return table.along(r, cosine); });
 }
 
 Color CoatAlbedos::mean(std::int32_t material, const SpecularProperties& specular) const {
   if (!specular.has_coat()) return Color(0.0f);
   const Table& table = *table_of_[material];
-  if (specular.roughness < kMirrorRoughness) return albedo(specular, {1.0f, table.mirror_mean});
-  const auto [r, part] = node_at((specular.roughness - kMirrorRoughness) / (1 - kMirrorRoughness), kRoughnesses);
-  const Pair &low = table.means[r], &high = table.means[r + 1];
-  return albedo(specular, {low[0] * (1 - part) + high[0] * part, low[1] * (1 - part) + high[1] * part});
+  return albedo(specular, {1.0f, table.mirror_mean}, [&](int r) { return table.means[r]; });
 }
 
 }  // namespace patchlight

@@ -11,7 +11,7 @@ namespace patchlight {
 /// rest passes the coat, so that with the diffuse part below it energy is conserved (Kulla and Conty 2017, "Revisiting
 /// physically based shading at Imageworks").
 ///
-/// Tables of 1,024 samples a node; interpolated to within 0.002.
+/// Tables of 1,024 samples a node, interpolated: within 0.003 of the integral.
 class CoatAlbedos {
  public:
   explicit CoatAlbedos(const PatchSet& scene);
@@ -31,7 +31,9 @@ class CoatAlbedos {
   /// Albedos for a reflectance of 1, and of fresnel_rise().
   using Pair = std::array<float, 2>;
 
-  static Color albedo(const SpecularProperties& specular, const Pair& pair);
+  /// The albedo, from `mirror`, the pair of a perfect mirror, or from at_node(r), those of the table's roughnesses.
+  template <class AtNode>
+  static Color albedo(const SpecularProperties& specular, const Pair& mirror, AtNode at_node);
 
   std::vector<std::shared_ptr<const Table>> table_of_;  ///< [materials]; null: no coat. Empty: none at all.
 };

@@ -57,9 +57,7 @@ SolvedSurfaces::SolvedSurfaces(const PatchSet& scene, const EnergyField& energy,
           scene, lookup_, smooth, [&](std::size_t g) { return gathered_direct(energy.groups[g]); },
           std::vector<LightMix>{mixes.all[0]});
   }
-  const bool coats = std::any_of(scene.materials.begin(), scene.materials.end(),
-                                 [](const Material& material) { return material.coat.exists(); });
-  if (config.quality == "gather" || (coats && !direct_in_patches))
+  if (config.quality == "gather" || (has_coats(scene.materials) && !direct_in_patches))
     sampled_direct_.emplace(
         scene, lookup_, smooth,
         [&](std::size_t g) {
