@@ -30,7 +30,7 @@ struct SurfaceMaterial {
   Color specular{0.0f};     ///< Of the metallic part.
   float roughness = 1.0f;   ///< Of the metallic part and of the coat.
   Coat coat{};
-  Color emission{0.0f};     ///< Radiant exitance, W/m2.
+  Color emission{0.0f};  ///< Radiant exitance, W/m2.
   bool double_sided = false;
   std::int32_t texture = -1;           ///< Base colour texture, among the scene's; -1: none.
   TextureMapping mapping;              ///< Of that texture and of the mask.
