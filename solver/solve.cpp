@@ -86,6 +86,12 @@ EnergyField solve(const PatchSet& scene, const SolveConfig& config, Transport& t
         "nothing in the scene emits light, so the result is black: add a light or an emissive material to the scene, "
         "or "
         "set `materials.NAME.emission` or `environment.color` in the job");
+  const auto is_passed = [&](const Primitive& p) { return lets_light_pass(scene, p); };
+  if ((config.method != "matrix" || config.form_factors == "hemicube") &&
+      std::ranges::any_of(scene.primitives, is_passed))
+    progress.warning(
+        "progressive refinement and hemicubes take surfaces that let light pass for wholly clear ones: set "
+        "solve.method to matrix and solve.form_factors to rays");
   check_memory(scene, config);
   if (config.method != "matrix") begin_part(SolvePart::shots, config, progress);
   EnergyField energy = config.method == "matrix"

@@ -30,6 +30,7 @@ struct SurfaceMaterial {
   Color specular{0.0f};     ///< Of the metallic part.
   float roughness = 1.0f;   ///< Of the metallic part and of the coat.
   Coat coat{};
+  Transmission transmission{};
   Color emission{0.0f};  ///< Radiant exitance, W/m2.
   bool double_sided = false;
   std::int32_t texture = -1;           ///< Base colour texture, among the scene's; -1: none.
@@ -48,6 +49,7 @@ struct SurfaceMaterial {
   float alpha = 1.0f;                    ///< Factor of the mask's alpha.
   float alpha_cutoff = 0.0f;             ///< The alpha test passes where alpha is not less.
   bool masked_by_vertices_only = false;  ///< The texture's alpha passes the test everywhere; vertex alpha may not.
+  bool has_uniform_mask = false;         ///< The texture's alpha is the same everywhere.
   bool invisible = false;                ///< The alpha test fails everywhere.
   std::string light_group;               ///< From the file or the job; empty: none.
   bool light_group_from_job = false;     ///< Then it takes precedence over the light group of a node.
@@ -73,6 +75,8 @@ struct SurfaceMaterial {
   }
   bool has_texture() const { return texture >= 0 || emission_texture >= 0 || metallic_roughness_texture >= 0; }
   bool emits() const { return emission != Color(0.0f); }
+  /// Whether its surfaces have two sides with patches. That of a body of glass has one, and lets light out.
+  bool has_two_sides() const { return double_sided && !transmission.solid; }
 };
 
 /// Unconnected triangles in world space, three corners each, counter-clockwise seen from the front.

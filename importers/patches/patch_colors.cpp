@@ -8,6 +8,7 @@
 #include "pipeline/model/error.h"
 #include "pipeline/optics/intersect/alpha_mask.h"
 #include "pipeline/optics/sampling/patch_sampling.h"
+#include "pipeline/optics/sampling/random.h"
 #include "pipeline/optics/surface/coat_albedo.h"
 #include "pipeline/optics/surface/material_shader.h"
 #include "pipeline/optics/surface/texture_lookup.h"
@@ -78,7 +79,8 @@ class PatchMean {
       opaque_points_.clear();
       for (int i = 0; i < lattice.count; ++i) {
         const PatchSampler::Place at = place(lattice, i);
-        if (passes_alpha_test(scene, at.primitive, at.uv.x, at.uv.y)) opaque_points_.push_back(at);
+        const float chance = uniform01(hash64(static_cast<std::uint64_t>(i)));
+        if (passes_alpha_test(scene, at.primitive, at.uv.x, at.uv.y, chance)) opaque_points_.push_back(at);
       }
       coverage_ = static_cast<float>(opaque_points_.size()) / static_cast<float>(lattice.count);
       if (opaque_points_.empty() || coverage_ == 1.0f) break;

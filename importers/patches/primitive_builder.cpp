@@ -124,7 +124,7 @@ std::vector<char> append_spheres(const Surface& surface, const SurfaceMaterial& 
     primitive.shape = Primitive::Shape::sphere;
     primitive.sphere_center = sphere->center;
     primitive.sphere_radius = sphere->radius;
-    append(primitive, material.double_sided, 0, list);
+    append(primitive, material.has_two_sides(), 0, list);
     if (!topology.colors.empty()) {
       CornerColors colors;
       colors.fill(topology.colors[3 * static_cast<std::size_t>(component.triangles.front())]);
@@ -170,8 +170,9 @@ void append_primitives(const Surface& surface, const SurfaceMaterial& material, 
     if (has_mapping(mappings.emission)) primitive.emission_texture = material.emission_texture;
     if (has_mapping(mappings.metallic_roughness))
       primitive.metallic_roughness_texture = material.metallic_roughness_texture;
-    if (surface.is_masked && (has_mapping(0) || material.masked_by_vertices_only)) primitive.mask = material.mask;
-    append(primitive, material.double_sided, smooth_count, list);
+    if (surface.is_masked && (has_mapping(0) || material.masked_by_vertices_only || material.has_uniform_mask))
+      primitive.mask = material.mask;
+    append(primitive, material.has_two_sides(), smooth_count, list);
     const auto at_corners = [&](const auto& values) {
       const auto& s = facet.sources;
       return std::array{s[0](values), s[1](values), s[2](values), s[3](values)};
@@ -185,7 +186,7 @@ void append_primitives(const Surface& surface, const SurfaceMaterial& material, 
     append_normals(at_corners(topology.normals), list);
     ++(primitive.region ? list.regions : primitive.is_triangle() ? list.triangles : list.quads);
   }
-  list.smooth_vertices += material.double_sided ? 2 * smooth_count : smooth_count;
+  list.smooth_vertices += material.has_two_sides() ? 2 * smooth_count : smooth_count;
 }
 
 }  // namespace patchlight

@@ -69,18 +69,31 @@ struct Coat {
   bool exists() const { return normal != Color(0.0f); }
 };
 
+/// What a material lets through below its coat, as glTF defines it (`KHR_materials_transmission`, `_volume`).
+struct Transmission {
+  float part = 0.0f;   ///< Of the light that passes the coat, in [0,1]; the diffuse part has the rest. 0: all of it.
+  Color tint{1.0f};    ///< Of what crosses the surface, each in [0,1]; times base colour.
+  bool solid = false;  ///< The surface is that of a body, which refracts; else a thin sheet, straight through.
+  float ior = 1.5f;    ///< Of the body, at least 1.
+  Color absorption{0.0f};  ///< By the body, 1/m.
+
+  bool exists() const { return part > 0; }
+};
+
 /// Properties that are constant over a material.
 struct Material {
   std::string name;
-  Color specular{0.0f};       ///< Specular reflectance (the metallic part), each in [0,1]; the mean if textured.
-  float roughness = 1.0f;     ///< Of metal and coat, in [0,1]; the mean if textured.
-  Color tint{1.0f};           ///< Diffuse reflectance, multiplied by texture and vertex colours if any.
-  float alpha = 1.0f;         ///< Multiplied by the mask and the vertices' alpha.
-  float alpha_cutoff = 0.0f;  ///< Alpha test: a masked primitive exists where its alpha is at least this.
+  Color specular{0.0f};    ///< Specular reflectance (the metallic part), each in [0,1]; the mean if textured.
+  float roughness = 1.0f;  ///< Of metal and coat, in [0,1]; the mean if textured.
+  Color tint{1.0f};        ///< Diffuse reflectance, multiplied by texture and vertex colours if any.
+  float alpha = 1.0f;      ///< Multiplied by the mask and the vertices' alpha.
+  /// Alpha test: a masked primitive exists where its alpha is at least this. 0: it covers the part alpha of each place.
+  float alpha_cutoff = 0.0f;
   Color metal{0.0f};  ///< If textured, specular reflectance is this times base colour and the texture's metalness.
   float roughness_factor = 1.0f;  ///< Multiplied by a texture's roughness.
   Color emission_tint{0.0f};      ///< Radiant exitance of a white texel of the emission texture, W/m2.
   Coat coat{};
+  Transmission transmission{};
 };
 
 /// Texture coordinates at corners 0 to 3 of a primitive, bilinear between them; shaders see them as (u,v).
@@ -181,6 +194,12 @@ inline bool is_colored(const PatchSet& scene, std::int32_t i) {
 /// Whether a material reflects other than diffusely.
 inline bool is_specular(const Material& material) {
   return material.specular != Color(0.0f) || material.coat.exists();
+}
+
+/// Whether light passes a primitive: glass, or a surface that covers places in part.
+inline bool lets_light_pass(const PatchSet& scene, const Primitive& primitive) {
+  const Material& material = scene.materials[primitive.material];
+  return material.transmission.exists() || (primitive.mask >= 0 && material.alpha_cutoff == 0.0f);
 }
 
 /// Whether any material has a coat.

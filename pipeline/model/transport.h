@@ -66,6 +66,14 @@ struct Transport : TransportRows {
     /// [2 rows] Extended form factors over metals, times their reflectance; empty: no metals, or they are ignored.
     std::vector<Color> mirrored{};
     std::int64_t light = 0;  ///< Hash of kind, place and shape of a Light; 0: a surface.
+    /// [2 rows], [2 mesh elements] What surfaces on the way let pass; empty: all of it.
+    std::vector<Color> tints{}, display_tints{};
+
+    /// Form factor of a row's sample set k, times what surfaces let pass.
+    Color received(std::size_t k) const { return tints.empty() ? Color(factors[k]) : tints[k] * factors[k]; }
+    Color displayed(std::size_t k) const {
+      return display_tints.empty() ? Color(display[k]) : display_tints[k] * display[k];
+    }
   };
 
   /// Form factors of the display mesh.

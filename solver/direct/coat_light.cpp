@@ -69,9 +69,10 @@ Spectrum CoatLight::mean_factor(std::size_t patch) const {
 Spectrum CoatLight::for_rows(std::size_t patch, const Color& reflected) const {
   const Patch& receiver = scene_.patches[patch];
   const bool by_chance = passes_by_chance(scene_, scene_.primitives[receiver.primitive]);
+  const Color landing = receiver.transmittance * untransmitted_part(scene_, scene_.primitives[receiver.primitive]);
   Spectrum exitance(reflected);
   for (int k = 0; by_chance && k < 3; ++k)
-    exitance.c[k] = receiver.transmittance[k] > kOpaque ? exitance.c[k] / double(receiver.transmittance[k]) : 0.0;
+    exitance.c[k] = landing[k] > kOpaque ? exitance.c[k] / double(landing[k]) : 0.0;
   return exitance;
 }
 

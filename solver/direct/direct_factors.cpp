@@ -50,7 +50,7 @@ class DirectFactors::EmitterSampler {
         pilots_(2 * std::size_t(rows_)),
         refined_(2 * std::size_t(rows_)) {}
 
-  std::vector<float> factors() {
+  void cast() {
     for_each_row([&](std::int32_t row, ShadowRays& rays) {
       if (is_dark(row) || cannot_illuminate(row)) return;
       const PatchSampler sampler = patch_sampler(row);
@@ -71,11 +71,14 @@ class DirectFactors::EmitterSampler {
       for (int sample_set = 0; sample_set < 2; ++sample_set)
         if (partial[sample_set]) add_samples(row, sample_set, 1, sampler, total, refined_[2 * row + sample_set], rays);
     });
+  }
+
+  std::vector<float> factors() const {
     std::vector<float> values(2 * std::size_t(rows_), 0.0f);
     for (std::int32_t row = 0; row < rows_; ++row)
       for (int sample_set = 0; sample_set < 2 && !is_dark(row); ++sample_set) {
         const std::size_t k = 2 * std::size_t(row) + sample_set;
-        const LightSamples& samples = refined_[k].count > 0 ? refined_[k] : pilots_[k];
+        const LightSamples& samples = samples_of(k);
         if (samples.count == 0) continue;
         const double value = nearby_visibility(row, sample_set).mostly_visible()
                                  ? samples.estimate_from_hidden(unoccluded_[row])
@@ -83,6 +86,14 @@ class DirectFactors::EmitterSampler {
         values[k] = float(std::max(value, 0.0));  // by noise, what is hidden may exceed the whole
       }
     return values;
+  }
+
+  /// See Transport::Emitter::tints.
+  std::vector<Color> tints() const {
+    std::vector<Color> values(2 * std::size_t(rows_));
+    for (std::size_t k = 0; k < values.size(); ++k) values[k] = samples_of(k).tint();
+    const auto is_white = [](const Color& tint) { return tint == Color(1.0f); };
+    return std::ranges::all_of(values, is_white) ? std::vector<Color>{} : values;
   }
 
   std::int64_t rays() const {
@@ -93,6 +104,8 @@ class DirectFactors::EmitterSampler {
   }
 
  private:
+  const LightSamples& samples_of(std::size_t k) const { return refined_[k].count > 0 ? refined_[k] : pilots_[k]; }
+
   static DirectLight light_of(const DirectFactors& parent, const Emitter& emitter, const PlaneMirror* mirror) {
     const DirectLight light(parent.scene_, parent.ray_scene_, emitter);
     return mirror ? light.image(*mirror) : light;
@@ -189,17 +202,23 @@ class DirectFactors::EmitterSampler {
 Transport::Emitter DirectFactors::sample(const Emitter& emitter, std::size_t emitters, int rays,
                                          std::int64_t& cast) const {
   EmitterSampler sampler(*this, emitter, nullptr, SampleCounts(rays, emitters));
+  sampler.cast();
   Transport::Emitter result{emitter.first_patch, emitter.patches, sampler.factors(), {}};
+  result.tints = sampler.tints();
   cast += sampler.rays();
   return result;
 }
 
-std::vector<float> DirectFactors::sample_image(const Emitter& emitter, const PlaneMirror& mirror, std::size_t images,
+std::vector<Color> DirectFactors::sample_image(const Emitter& emitter, const PlaneMirror& mirror, std::size_t images,
                                                int rays, std::int64_t& cast) const {
   EmitterSampler sampler(*this, emitter, &mirror, SampleCounts(rays, images));
-  std::vector<float> factors = sampler.factors();
+  sampler.cast();
+  const std::vector<float> factors = sampler.factors();
+  std::vector<Color> tints = sampler.tints();
+  tints.resize(factors.size(), Color(1.0f));
+  for (std::size_t k = 0; k < factors.size(); ++k) tints[k] *= factors[k];
   cast += sampler.rays();
-  return factors;
+  return tints;
 }
 
 DirectFactors::FindNeighbours grid_neighbours(const PatchSet& scene, const PatchLookup& lookup,

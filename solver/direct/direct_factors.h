@@ -45,8 +45,8 @@ class DirectFactors {
   Transport::Emitter sample(const Emitter& emitter, std::size_t emitters, int rays, std::int64_t& cast) const;
 
   /// The same to the virtual image of an emitter in a perfect mirror, one of `images`, as far as the mirror shows it.
-  /// Shape: [2 receivers]: [receiver][sample set].
-  std::vector<float> sample_image(const Emitter& emitter, const PlaneMirror& mirror, std::size_t images, int rays,
+  /// Times what surfaces on the way let pass. Shape: [2 receivers]: [receiver][sample set].
+  std::vector<Color> sample_image(const Emitter& emitter, const PlaneMirror& mirror, std::size_t images, int rays,
                                   std::int64_t& cast) const;
 
  private:

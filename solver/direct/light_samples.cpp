@@ -110,9 +110,13 @@ void LightSampler::cast_rays(const Patch& receiver, const VisibleDensity* densit
   int lane = 0;
   const auto cast_packet = [&] {
     if (lane == 0) return;
-    const std::uint32_t occluded = ray_scene_.occluded(packet);
-    for (int k = 0; k < lane; ++k)
-      if (!(occluded >> k & 1u)) entries.patches.push_back(targets[k]);
+    const std::uint32_t visible = ~ray_scene_.occluded(packet) & ((1u << lane) - 1);
+    const RayScene::Transmittances passed = ray_scene_.transmittances(packet, visible);
+    for (int k = 0; k < lane; ++k) {
+      if (!(visible >> k & 1u)) continue;
+      entries.patches.push_back(targets[k]);
+      entries.patches.back().second *= (passed[k].x + passed[k].y + passed[k].z) / 3;
+    }
     entries.cast += lane;
     packet.clear();
     lane = 0;

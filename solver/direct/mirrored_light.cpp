@@ -25,7 +25,7 @@ std::vector<Color> MirroredLight::sample(const Emitter& emitter, std::size_t emi
   }
   factors.resize(mirrors_.empty() ? factors.size() : 2 * patches_, Color(0.0f));
   for (const PlaneMirror& mirror : mirrors_) {
-    const std::vector<float> image = direct_.sample_image(emitter, mirror, emitters * mirrors_.size(), rays, cast);
+    const std::vector<Color> image = direct_.sample_image(emitter, mirror, emitters * mirrors_.size(), rays, cast);
     for (std::size_t k = 0; k < image.size(); ++k) factors[k] += mirror.specular() * image[k];
   }
   return factors;

@@ -12,6 +12,7 @@
 #include "pipeline/optics/sampling/patch_sampling.h"
 #include "pipeline/optics/sampling/random.h"
 #include "pipeline/optics/transport/elements.h"
+#include "pipeline/optics/transport/glass_path.h"
 #include "pipeline/optics/transport/mirror_path.h"
 
 namespace patchlight {
@@ -137,6 +138,12 @@ bool Photons::has_paths(std::span<const PlaneMirror> imaged) const {
   return false;
 }
 
+/// Finds the next hits beyond surfaces that let light pass straight.
+void Photons::intersect(RayPacket& packet, std::span<Color> flux) const {
+  ray_scene_.intersect(packet, false);
+  if (ray_scene_.has_passable()) pass_straight(scene_, ray_scene_, packet, flux);
+}
+
 /// Starts sixteen photons of a batch and traces them to their first hit.
 void Photons::start(const Source& source, const Batch& batch, std::uint32_t first, RayPacket& packet,
                     std::span<Color> flux) const {
@@ -151,7 +158,7 @@ void Photons::start(const Source& source, const Batch& batch, std::uint32_t firs
     flux[lane] = Color(begin.weight);
     packet.set(lane, begin.origin, begin.direction);
   }
-  ray_scene_.intersect(packet, false);
+  intersect(packet, flux);
 }
 
 /// Estimates with a few photons the power that the metals of a target reflect, as a form factor; of an imaged mirror,
@@ -175,7 +182,7 @@ float Photons::pilot_power(const Source& source, int target) const {
         power += power_of(lane);
     }
     if (!targets_.is_imaged(target)) continue;
-    ray_scene_.intersect(packet, false);
+    intersect(packet, flux);
     for (int lane = 0; lane < RayPacket::kSize; ++lane) {
       if (packet.valid[lane] == 0) continue;
       const SurfaceHit hit = ray_scene_.hit(packet, lane);
@@ -228,7 +235,7 @@ void Photons::trace(const Source& source, const Batch& batch, std::vector<Deposi
         any_active = continue_at_mirror(scene_, ray_scene_, hit, random, lane, packet, flux[lane]) || any_active;
       }
       if (!any_active) break;
-      ray_scene_.intersect(packet, false);
+      intersect(packet, flux);
     }
   }
 }

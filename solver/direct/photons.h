@@ -36,6 +36,7 @@ class Photons {
   bool has_paths(std::span<const PlaneMirror> imaged) const;
   float pilot_power(const Source& source, int target) const;
   std::vector<Batch> batches(const Source& source, std::int64_t photons) const;
+  void intersect(RayPacket& packet, std::span<Color> flux) const;
   void start(const Source& source, const Batch& batch, std::uint32_t first, RayPacket& packet,
              std::span<Color> flux) const;
   void trace(const Source& source, const Batch& batch, std::vector<Deposit>& deposits, std::int64_t& cast) const;

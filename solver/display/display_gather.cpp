@@ -29,8 +29,11 @@ struct Reflectances {
         metals(has_metals(scene)) {
     for (std::int32_t f = 0; f < mesh.elements(); ++f) {
       const Patch& patch = scene.patches[mesh.faces[f].patch];
-      if (coats.any() && !passes_by_chance(scene, scene.primitives[patch.primitive]))
+      const Primitive& primitive = scene.primitives[patch.primitive];
+      if (!passes_by_chance(scene, primitive))
         faces[f] *= Spectrum(patch.transmittance);
+      else if (const float part = untransmitted_part(scene, primitive); part < 1)
+        faces[f] *= Spectrum(part > 0 ? 1.0 / double(part) : 0.0);
     }
   }
 };
@@ -142,7 +145,7 @@ class Gather {
       std::fill_n(gathered_emission_.begin() + emitter.first_patch, emitter.patches, Spectrum());
       if (exitance == Color(0.0f)) continue;
       for (std::int32_t k = 0; k < mesh_.elements(); ++k) {
-        const Color direct = exitance * (0.5f * (emitter.display[2 * k] + emitter.display[2 * k + 1]));
+        const Color direct = exitance * (emitter.displayed(2 * k) + emitter.displayed(2 * k + 1)) * 0.5f;
         direct_[k] += direct;
         if (!by_coats_.empty() && direct != Color(0.0f))
           by_coats_[k] +=

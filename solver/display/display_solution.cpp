@@ -166,9 +166,11 @@ std::int64_t complete_display(const PatchSet& scene, const SolveConfig& config, 
   for (std::size_t k = 0; k < emitters.size(); ++k) {
     if (k == transport.emitters.size())
       transport.emitters.push_back({emitters[k].first_patch, emitters[k].patches, {}, {}});
-    if (transport.emitters[k].display.empty())
-      transport.emitters[k].display =
-          direct.sample(emitters[k], emitters.size(), rays / kVertexRaysPerShadowRay, cast).factors;
+    if (transport.emitters[k].display.empty()) {
+      Transport::Emitter sampled = direct.sample(emitters[k], emitters.size(), rays / kVertexRaysPerShadowRay, cast);
+      transport.emitters[k].display = std::move(sampled.factors);
+      transport.emitters[k].display_tints = std::move(sampled.tints);
+    }
     progress.update(double(k + 1) / double(emitters.size()), "direct light of the display solution");
   }
   transport.changed = true;

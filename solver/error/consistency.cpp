@@ -16,15 +16,19 @@ SpectrumField padded_row_sums(std::size_t patches, const FormFactorRows& rows) {
   return sums;
 }
 
+constexpr double kLeastLanding = 1e-6;  // part of the rays that end on a surface
+
 }  // namespace
 
 std::vector<double> visible_areas(const PatchSet& scene, const Transport& transport) {
   std::vector<double> areas;
   for (std::size_t i = 0; i < scene.patches.size(); ++i) {
     const Patch& patch = scene.patches[i];
-    const bool by_chance = transport.rays > 0 && passes_by_chance(scene, scene.primitives[patch.primitive]);
-    const double passed = by_chance ? Spectrum(patch.transmittance).sum() / 3 : 1.0;
-    areas.push_back(patch.covered_area() * passed *
+    const Primitive& primitive = scene.primitives[patch.primitive];
+    const bool by_chance = transport.rays > 0 && passes_by_chance(scene, primitive);
+    const double landing =
+        by_chance ? Spectrum(patch.transmittance).sum() / 3 * double(untransmitted_part(scene, primitive)) : 1.0;
+    areas.push_back(patch.covered_area() * std::max(landing, kLeastLanding) *
                     (transport.visible_fractions.empty()
                          ? 1.0
                          : 0.5 * (transport.visible_fractions[2 * i] + transport.visible_fractions[2 * i + 1])));

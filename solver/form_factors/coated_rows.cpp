@@ -8,8 +8,13 @@ SpectrumField row_reflectance(const PatchSet& scene, bool coats) {
   SpectrumField reflectance;
   reflectance.reserve(scene.patches.size());
   for (const Patch& patch : scene.patches) {
-    const bool by_chance = coats && passes_by_chance(scene, scene.primitives[patch.primitive]);
-    reflectance.emplace_back(by_chance ? patch.reflectance : patch.total_reflectance());
+    const Primitive& primitive = scene.primitives[patch.primitive];
+    if (!coats || !passes_by_chance(scene, primitive)) {
+      reflectance.emplace_back(patch.total_reflectance());
+      continue;
+    }
+    const float part = untransmitted_part(scene, primitive);
+    reflectance.emplace_back(part > 0 ? patch.reflectance / part : Color(0.0f));
   }
   return reflectance;
 }

@@ -4,14 +4,21 @@
 
 namespace patchlight {
 
-/// Whether rays of rows that hit a primitive either pass its coat, by chance, or are reflected. Rays that hit other
-/// coated surfaces, which also emit or are partly metallic, both end there and go on.
+/// Whether rays of rows that hit a primitive reach its diffuse part by chance, or else are reflected or let through.
+/// Rays that hit other coated or transparent surfaces, which also emit or are partly metallic, both end there and go
+/// on.
 inline bool passes_by_chance(const PatchSet& scene, const Primitive& primitive) {
   const Material& material = scene.materials[primitive.material];
-  return material.coat.exists() && material.specular == Color(0.0f) && primitive.light_group < 0;
+  return (material.coat.exists() || material.transmission.exists()) && material.specular == Color(0.0f) &&
+         primitive.light_group < 0;
 }
 
-/// What the diffuse parts of patches reflect towards rays of rows that pass their coats, over the irradiance. `coats`:
+/// What remains for the diffuse part of what passes a primitive's coat.
+inline float untransmitted_part(const PatchSet& scene, const Primitive& primitive) {
+  return 1.0f - scene.materials[primitive.material].transmission.part;
+}
+
+/// What the diffuse parts of patches reflect towards rays of rows that reach them, over the irradiance. `coats`:
 /// whether rows go on over coats; else coats absorb what they reflect. Shape: [patches].
 SpectrumField row_reflectance(const PatchSet& scene, bool coats);
 

@@ -74,9 +74,9 @@ void RayRows::cast_guided(SampleSet& set, const SkyGuide& guide, const Direction
       samples.dz[lane] = direction.z;
     }
     start_packet(set, samples, first, packet);
-    const std::uint32_t occluded = ray_scene_.occluded(packet);
+    const std::uint32_t reaching = reaching_sky(set, first, packet);
     for (int lane = 0; lane < RayPacket::kSize; ++lane)
-      if (!(occluded >> lane & 1u)) act(at[lane], packet.direction(lane));
+      if (reaching >> lane & 1u) act(at[lane], packet.direction(lane));
   }
 }
 

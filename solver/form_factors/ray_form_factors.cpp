@@ -10,6 +10,7 @@
 #include "pipeline/optics/intersect/alpha_mask.h"
 #include "pipeline/optics/sampling/patch_sampling.h"
 #include "pipeline/optics/sampling/random.h"
+#include "pipeline/optics/transport/glass_path.h"
 
 namespace patchlight {
 
@@ -108,6 +109,7 @@ void RayFormFactors::cast_packets(const Shot& shot, std::uint32_t first, std::ui
       for (std::size_t k = 0; k < 4; ++k) x[k] += kSteps[k];
     }
     ray_scene_.intersect(packet, false);
+    if (ray_scene_.has_passable()) pass_straight(scene_, ray_scene_, packet, {});
     for (int lane = 0; lane < RayPacket::kSize; ++lane) {
       const SurfaceHit hit = ray_scene_.hit(packet, lane);
       *columns++ = hit.front ? lookup_.patch(hit.primitive, hit.u, hit.v) : -1;

@@ -36,7 +36,8 @@ RayRows::RayRows(const PatchSet& scene, const RayScene& ray_scene, std::span<con
       visible_fractions_(visible_fractions),
       ray_factors_(ray_factors) {
   for (const Primitive& p : scene.primitives) {
-    finish_.push_back(passes_by_chance(scene, p)                 ? Finish::coated
+    finish_.push_back(lets_light_pass(scene, p)                  ? Finish::passable
+                      : passes_by_chance(scene, p)               ? Finish::coated
                       : is_specular(scene.materials[p.material]) ? Finish::specular
                                                                  : Finish::diffuse);
     has_specular_ = has_specular_ || finish_.back() != Finish::diffuse;
@@ -204,35 +205,40 @@ void RayRows::cast_block(SampleSet& set, const DirectionTable& table, int block)
     start_packet(set, samples, first, packet);
     ray_scene_.intersect(packet, coherent);
     Reflections reflections;
-    for (int lane = 0; lane < RayPacket::kSize; ++lane) {
-      const SurfaceHit hit = ray_scene_.hit(packet, lane);
-      if (hit.front) {
-        if (finish_[hit.primitive] == Finish::coated) {
-          Color passed;
-          if (reflects_at_coat(hit, set.ray_random(first + lane, 0), lane, packet, reflections.throughput[lane],
-                               passed)) {
-            reflections.started |= 1u << lane;
-            continue;
-          }
-          if (passed != Color(1.0f)) {
-            set.mirrored.push_back({set.row, set.index, elements_.at(hit.primitive, hit.u, hit.v), passed});
-            continue;
-          }
-        }
-        const Elements::Place place = elements_.find(hit.primitive, hit.u, hit.v);
-        const bool certain = !hit.at_edge && !place.cut;
-        const std::int32_t element = certain ? place.element : certain_element(packet, lane, hit);
-        if (element < 0) continue;
-        set.columns.push_back(element);
-        if (elements_.is_sky(element)) set.sky.push_back(set.direction_sample(table, first + lane));
-      } else if (hit.primitive >= 0) {
-        ++set.back_hits;
-      } else if (scene_.environment) {
-        set.columns.push_back(elements_.sky(packet.direction(lane)));
-        set.sky.push_back(set.direction_sample(table, first + lane));
+    for (int lane = 0; lane < RayPacket::kSize; ++lane)
+      if (!(packet.passable >> lane & 1u)) meet(set, table, first, lane, packet, reflections);
+    if (packet.passable != 0) pass_surfaces(set, table, first, packet, reflections);
+    if (has_specular_) trace_reflections(set, first, packet, reflections);
+  }
+}
+
+/// Takes account of what a ray of the block that goes straight meets first; a coat may reflect it.
+void RayRows::meet(SampleSet& set, const DirectionTable& table, int first, int lane, RayPacket& packet,
+                   Reflections& reflections) const {
+  const SurfaceHit hit = ray_scene_.hit(packet, lane);
+  if (hit.front) {
+    if (finish_[hit.primitive] == Finish::coated) {
+      Color passed;
+      if (reflects_at_coat(hit, set.ray_random(first + lane, 0), lane, packet, reflections.throughput[lane], passed)) {
+        reflections.started |= 1u << lane;
+        return;
+      }
+      if (passed != Color(1.0f)) {
+        set.mirrored.push_back({set.row, set.index, elements_.at(hit.primitive, hit.u, hit.v), passed});
+        return;
       }
     }
-    if (has_specular_) trace_reflections(set, first, packet, reflections);
+    const Elements::Place place = elements_.find(hit.primitive, hit.u, hit.v);
+    const bool certain = !hit.at_edge && !place.cut;
+    const std::int32_t element = certain ? place.element : certain_element(packet, lane, hit);
+    if (element < 0) return;
+    set.columns.push_back(element);
+    if (elements_.is_sky(element)) set.sky.push_back(set.direction_sample(table, first + lane));
+  } else if (hit.primitive >= 0) {
+    ++set.back_hits;
+  } else if (scene_.environment) {
+    set.columns.push_back(elements_.sky(packet.direction(lane)));
+    set.sky.push_back(set.direction_sample(table, first + lane));
   }
 }
 

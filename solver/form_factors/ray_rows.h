@@ -6,6 +6,7 @@
 #include "pipeline/model/transport.h"
 #include "pipeline/optics/intersect/ray_scene.h"
 #include "pipeline/optics/transport/elements.h"
+#include "pipeline/optics/transport/glass_path.h"
 #include "pipeline/stage/progress.h"
 #include "solver/form_factors/direction_table.h"
 #include "solver/form_factors/harmonic_distance.h"
@@ -20,7 +21,8 @@ namespace patchlight {
 ///
 /// Metals reflect rays; the elements hit afterwards are weighted by the specular reflectances on the path, after
 /// Russian roulette: extended form factors (Sillion and Puech 1989). Coats reflect rays with their probability, or let
-/// them pass to the diffuse part: see passes_by_chance().
+/// them pass to the diffuse part: see passes_by_chance(). So does glass, which refracts them or lets them pass
+/// straight, and what covers a place in part lets them pass with the probability of the rest.
 ///
 /// Where a sample set finds the environment by less than a quarter of its rays, as through a window, the other set
 /// casts as many rays again, from points four times as many, by a SkyGuide to what the first set of this row and of its
@@ -62,6 +64,13 @@ class RayRows {
   }
   std::int32_t certain_element(const RayPacket& packet, int lane, SurfaceHit hit) const;
   struct Reflections;
+  void meet(SampleSet& set, const DirectionTable& table, int first, int lane, RayPacket& packet,
+            Reflections& reflections) const;
+  void pass_surfaces(SampleSet& set, const DirectionTable& table, int first, RayPacket& packet,
+                     Reflections& reflections) const;
+  Passing cross(SampleSet& set, const SurfaceHit& hit, std::uint64_t random, int lane, RayPacket& packet,
+                 Color& throughput) const;
+  std::uint32_t reaching_sky(const SampleSet& set, int first, RayPacket& packet) const;
   bool reflects_at_coat(const SurfaceHit& hit, std::uint64_t random, int lane, RayPacket& packet, Color& throughput,
                         Color& passed) const;
   void trace_reflections(SampleSet& set, int first, RayPacket& packet, Reflections& reflections) const;
@@ -85,7 +94,7 @@ class RayRows {
   std::uint64_t seed_;
   const bool visible_fractions_;
   const std::span<const std::uint8_t> ray_factors_;  ///< [receivers] Or empty.
-  enum class Finish : std::uint8_t { diffuse, coated, specular };
+  enum class Finish : std::uint8_t { diffuse, coated, specular, passable };
   std::vector<Finish> finish_;  ///< [primitives].
   bool has_specular_ = false;
 };

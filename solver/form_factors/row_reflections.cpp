@@ -35,6 +35,13 @@ void RayRows::trace_reflections(SampleSet& set, int first, RayPacket& packet, Re
       const SurfaceHit hit = ray_scene_.hit(packet, lane);
       const Vec3f direction = packet.direction(lane);
       packet.valid[lane] = 0;
+      if (packet.passable >> lane & 1u) {
+        const std::uint64_t random = hash64(~set.ray_random(first + lane, bounce));
+        const bool active = goes_on(cross(set, hit, random, lane, packet, throughput[lane]));
+        if (!active) packet.valid[lane] = 0;
+        any_active = any_active || active;
+        continue;
+      }
       if (bounce > 0 && hit.primitive < 0 && scene_.environment)
         set.mirrored.push_back({set.row, set.index, elements_.sky(direction), throughput[lane]});
       if (!hit.front || (bounce == 0 && finish_[hit.primitive] != Finish::specular)) continue;

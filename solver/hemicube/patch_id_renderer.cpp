@@ -87,6 +87,11 @@ Vec3d patch_bounds_center(const PatchSet& scene) {
   return bounds.center();
 }
 
+/// Intangible lamps, and what lets light pass.
+bool is_not_drawn(const PatchSet& scene, const Primitive& p) {
+  return p.intangible || lets_light_pass(scene, p);
+}
+
 }  // namespace
 
 PatchIdRenderer::PatchIdRenderer(const PatchSet& scene) : origin_(patch_bounds_center(scene)) {
@@ -117,7 +122,8 @@ PatchIdRenderer::Quads PatchIdRenderer::upload_quads(const PatchSet& scene, cons
   std::int32_t masks = 0;
   for (std::int32_t i = 0; i < std::int32_t(scene.primitives.size()); ++i) {
     const Primitive& p = scene.primitives[i];
-    if (p.shape != Primitive::Shape::quad || (p.back >= 0 && p.back < i) || (p.mask >= 0) != masked || p.intangible)
+    if (p.shape != Primitive::Shape::quad || (p.back >= 0 && p.back < i) || (p.mask >= 0) != masked ||
+        is_not_drawn(scene, p))
       continue;
     const Vec2f shape = quad_shape(p.corners);
     const std::array<Vec2f, 4> st{Vec2f(0, 0), Vec2f(1, 0), shape, Vec2f(0, 1)};
@@ -165,7 +171,7 @@ void PatchIdRenderer::upload_masks(const PatchSet& scene) const {
   std::vector<AlphaMaskRecord> alpha_masks;
   for (std::size_t i = 0; i < scene.primitives.size(); ++i) {
     const Primitive& p = scene.primitives[i];
-    if (p.mask < 0 || (p.back >= 0 && p.back < std::int32_t(i))) continue;
+    if (p.mask < 0 || (p.back >= 0 && p.back < std::int32_t(i)) || is_not_drawn(scene, p)) continue;
     const Texture& mask = scene.masks[p.mask];
     const Texcoords& t = scene.texcoords.empty() ? kIdentityTexcoords : scene.texcoords[i];
     const CornerColors& c = scene.colors.empty() ? kWhiteVertices : scene.colors[i];
@@ -204,7 +210,7 @@ void PatchIdRenderer::upload_spheres(const PatchSet& scene, const PatchLookup& l
   };
   for (std::int32_t i = 0; i < std::int32_t(scene.primitives.size()); ++i) {
     const Primitive& p = scene.primitives[i];
-    if (p.shape != Primitive::Shape::sphere || (p.back >= 0 && p.back < i) || p.intangible) continue;
+    if (p.shape != Primitive::Shape::sphere || (p.back >= 0 && p.back < i) || is_not_drawn(scene, p)) continue;
     const bool outside = p.sphere_radius > 0;
     const auto outer = add_rings(outside ? i : p.back), inner = add_rings(outside ? p.back : i);
     sphere_of_[i] = std::int32_t(spheres.size());

@@ -8,12 +8,13 @@ namespace patchlight {
 
 std::vector<Vec3d> ExternalIrradiance::of_light(const Emitter& emitter, std::int64_t& cast) const {
   const DirectFactors direct(scene_, ray_scene_, scene_.patches, grid_neighbours(scene_, lookup_, lattices_), seed_);
-  const std::vector<float> factors = direct.sample(emitter, scene_.lights.size(), rays_, cast).factors;
+  const Transport::Emitter factors = direct.sample(emitter, scene_.lights.size(), rays_, cast);
   const Vec3d strength(scene_.lights[emitter.light].strength);
   std::vector<Vec3d> irradiance;
   irradiance.reserve(scene_.patches.size());
   for (std::size_t i = 0; i < scene_.patches.size(); ++i)
-    irradiance.push_back(positive(strength * (0.5 * (double(factors[2 * i]) + factors[2 * i + 1]))));
+    irradiance.push_back(
+        positive(strength * (Vec3d(factors.received(2 * i)) + Vec3d(factors.received(2 * i + 1))) * 0.5));
   return irradiance;
 }
 

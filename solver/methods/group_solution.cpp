@@ -57,11 +57,12 @@ void add_explicit_light(const RadiositySystem& system, const Emission& emission,
     const Spectrum exitance = emission.explicit_exitances[k];
     if (exitance.sum() == 0) continue;
     for (std::size_t i = 0; i < n; ++i) {
-      const double a = emitter.factors[2 * i], b = emitter.factors[2 * i + 1];
-      solution.explicit_direct[i] += exitance * Spectrum(0.5 * (a + b));
-      solution.explicit_deviation[i] += exitance * Spectrum(0.5 * (a - b));
+      const Spectrum a(emitter.received(2 * i)), b(emitter.received(2 * i + 1));
+      solution.explicit_direct[i] += exitance * (a + b) * Spectrum(0.5);
+      solution.explicit_deviation[i] += exitance * (a - b) * Spectrum(0.5);
     }
-    if (system.emitters[k].light >= 0) solution.add_external(exitance, emitter.factors);
+    if (system.emitters[k].light >= 0)
+      solution.add_external(exitance, n, [&](std::size_t at) { return emitter.received(at); });
   }
 }
 
@@ -121,7 +122,8 @@ void add_light_over_metals(const RadiositySystem& system, const Emission& emissi
       solution.mirrored[i] += received;
       solution.mirrored_deviation[i] += exitance * (a - b) * Spectrum(0.5);
     }
-    if (system.emitters[k].light >= 0) solution.add_external(exitance, emitter.mirrored);
+    if (system.emitters[k].light >= 0)
+      solution.add_external(exitance, n, [&](std::size_t at) { return emitter.mirrored[at]; });
   }
 }
 
@@ -139,12 +141,12 @@ void add_light_of_coats(const RadiositySystem& system, const Emission& emission,
   for (std::size_t k = 0; k < system.emitters.size(); ++k) {
     const Spectrum exitance = emission.explicit_exitances[k];
     if (exitance.sum() == 0) continue;
-    const std::vector<float>& factors = system.transport.emitters[k].factors;
+    const Transport::Emitter& emitter = system.transport.emitters[k];
     for (std::size_t i = 0; i < n; ++i) {
-      const double factor = 0.5 * (double(factors[2 * i]) + double(factors[2 * i + 1]));
-      if (factor != 0)
-        add(i, exitance * Spectrum(factor), system.coat_light.factor(system.emitters[k], i),
-            system.emitters[k].light < 0);
+      const Spectrum factor =
+          (Spectrum(emitter.received(2 * i)) + Spectrum(emitter.received(2 * i + 1))) * Spectrum(0.5);
+      if (factor.sum() != 0)
+        add(i, exitance * factor, system.coat_light.factor(system.emitters[k], i), system.emitters[k].light < 0);
     }
   }
   if (has_metals(system.scene)) return;

@@ -46,12 +46,13 @@ struct GroupSolution {
     mirrored_deviation.resize(patches);
   }
 
-  /// `factors`: [2 n], of both sample sets of each patch.
-  template <class Factor>
-  void add_external(const Spectrum& strength, const std::vector<Factor>& factors) {
-    external_irradiance.resize(factors.size() / 2);
-    for (std::size_t i = 0; i < external_irradiance.size(); ++i)
-      external_irradiance[i] += strength * (Spectrum(factors[2 * i]) + Spectrum(factors[2 * i + 1])) * Spectrum(0.5);
+  /// `factor_at`: of the sample sets 0 and 1 of patch i at 2 i and 2 i + 1.
+  template <class FactorAt>
+  void add_external(const Spectrum& strength, std::size_t patches, FactorAt factor_at) {
+    external_irradiance.resize(patches);
+    for (std::size_t i = 0; i < patches; ++i)
+      external_irradiance[i] +=
+          strength * (Spectrum(factor_at(2 * i)) + Spectrum(factor_at(2 * i + 1))) * Spectrum(0.5);
   }
 };
 

@@ -2,9 +2,9 @@
 #include <optional>
 #include <vector>
 
-#include "tracer/light/explicit_lights.h"
 #include "tracer/light/final_gather.h"
-#include "tracer/light/glossy_lights.h"
+#include "tracer/light/lamps/explicit_lights.h"
+#include "tracer/light/lamps/glossy_lights.h"
 #include "tracer/output/layer_sums.h"
 #include "tracer/sampling/pixel_detail.h"
 

@@ -3,6 +3,7 @@
 #include "pipeline/optics/lights/sky.h"
 #include "pipeline/optics/sampling/patch_sampling.h"
 #include "pipeline/optics/sampling/random.h"
+#include "pipeline/optics/transport/glass_path.h"
 #include "pipeline/optics/transport/mirror_path.h"
 #include "tracer/sampling/pixel_samples.h"
 
@@ -101,6 +102,10 @@ void FinalGather::trace(RayPacket& packet, std::array<GatherRay, RayPacket::kSiz
       const SurfaceHit hit = ray_scene_.hit(packet, k);
       packet.valid[k] = 0;
       if (hit.primitive < 0 && scene_.environment) add_sky(packet.direction(k), ray, gathered[ray.point]);
+      if (packet.passable >> k & 1u) {
+        active = (bounce < kMaxMirrorBounces && pass(hit, k, packet, ray, gathered[ray.point])) || active;
+        continue;
+      }
       if (!hit.front) continue;
       add_surface(hit, packet.direction(k), ray, gathered[ray.point]);
       if (bounce >= kMaxMirrorBounces || !is_specular(scene_.materials[scene_.primitives[hit.primitive].material]))
@@ -110,6 +115,19 @@ void FinalGather::trace(RayPacket& packet, std::array<GatherRay, RayPacket::kSiz
       active = continue_at_mirror(scene_, ray_scene_, hit, ray.random, k, packet, ray.throughput) || active;
     }
   }
+}
+
+/// Adds the radiance of a surface that lets light pass, and goes on by chance; false if the ray ends.
+bool FinalGather::pass(const SurfaceHit& hit, int lane, RayPacket& packet, GatherRay& ray, Gathered& gathered) const {
+  const GatherRay before = ray;
+  const Vec3f direction = packet.direction(lane);
+  ray.random = hash64(ray.random);
+  const Passing passing = cross_by_chance(scene_, ray_scene_, hit, ray.random, lane, packet, ray.throughput);
+  if (passing == Passing::open) return true;
+  if (hit.front) add_surface(hit, direction, before, gathered);
+  ray.mirrored = ray.mirrored || passing == Passing::reflected;
+  if (!goes_on(passing)) packet.valid[lane] = 0;
+  return goes_on(passing);
 }
 
 /// Adds the environment without suns, times pi.

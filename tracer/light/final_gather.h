@@ -1,7 +1,7 @@
 #pragma once
 #include "pipeline/optics/surface/coat_albedo.h"
+#include "tracer/light/lamps/tile_light.h"
 #include "tracer/light/solution/solved_surfaces.h"
-#include "tracer/light/tile_light.h"
 
 namespace patchlight {
 
@@ -34,6 +34,7 @@ class FinalGather {
 
   std::vector<Gathered> gather(std::span<const GatherPoint> points, const TileWindow& window) const;
   void trace(RayPacket& packet, std::array<GatherRay, RayPacket::kSize>& rays, std::vector<Gathered>& gathered) const;
+  bool pass(const SurfaceHit& hit, int lane, RayPacket& packet, GatherRay& ray, Gathered& gathered) const;
   void add_sky(const Vec3f& direction, const GatherRay& ray, Gathered& gathered) const;
   void add_surface(const SurfaceHit& hit, const Vec3f& direction, const GatherRay& ray, Gathered& gathered) const;
 

@@ -3,8 +3,8 @@
 
 #include "pipeline/image/image_file.h"
 #include "pipeline/stage/progress.h"
+#include "tracer/light/lamps/tile_light.h"
 #include "tracer/light/path_tracer.h"
-#include "tracer/light/tile_light.h"
 #include "tracer/sampling/camera_rays.h"
 
 namespace patchlight {

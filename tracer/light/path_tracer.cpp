@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pipeline/optics/intersect/alpha_mask.h"
 #include "pipeline/optics/lights/sky.h"
 #include "pipeline/optics/sampling/patch_sampling.h"
 #include "pipeline/optics/sampling/random.h"
@@ -15,10 +16,7 @@ namespace patchlight {
 
 namespace {
 
-constexpr float kMinThroughput = 1e-3f;
-constexpr int kMaxBounces = 64;
 constexpr float kRoulette = 0.02f;  // throughput of a faint path below which it goes on by chance
-constexpr float kFaint = 0.15f;  // throughput of a coat below which what it shows needs no more samples than the rest
 
 std::int32_t combined_hash(std::int32_t surfaces, std::int32_t next) {
   return std::int32_t(std::uint32_t(hash64(std::uint64_t(std::uint32_t(surfaces)) << 32 | std::uint32_t(next))));
@@ -100,9 +98,10 @@ bool PathTracer::shade(RayPacket& packet, int lane, Path& path, const CameraRays
     return ++path.bounces < kMaxBounces;
   }
   if (std::isinf(features.depth)) features.depth = float(camera.depth(point.position));
+  const bool is_passable = packet.passable >> lane & 1u;
   if (!hit.front) {
     if (in_layers) add_surface({features.depth, point.position, -point.normal});
-    return false;
+    return is_passable && !path.central && pass(hit, point, lane, path, packet, sums);
   }
   SolvedSurfaces::Colors colors = surfaces_.colors(hit);
   const Vec3f smooth = normals_(hit.primitive, hit.u, hit.v, point.normal);
@@ -117,6 +116,11 @@ bool PathTracer::shade(RayPacket& packet, int lane, Path& path, const CameraRays
     specular = specular_properties_at(scene_, hit.primitive, hit.u, hit.v);
     albedo = coats_.at(material, specular, -(direction ^ normal));
     if (specular.has_coat()) colors.reflectance *= Color(1.0f) - albedo;
+  }
+  if (is_passable && scene_.primitives[hit.primitive].mask >= 0) {
+    const float alpha = alpha_at(scene_, hit.primitive, hit.u, hit.v);
+    colors.reflectance *= alpha;
+    colors.emission *= alpha;
   }
   if (path.pdf > 0)
     colors.emission *= glossy_lights_->hit_weight(sums.glossy_rays->vertices[lane], direction, path.pdf, colors.patch);
@@ -146,6 +150,7 @@ bool PathTracer::shade(RayPacket& packet, int lane, Path& path, const CameraRays
     if (gather_) sums.gather.push_back({sums.points.back(), point.normal, path.sample, std::uint32_t(path.bounces)});
     if (!normals_.is_flat(hit.primitive)) lift_point(hit, lane, sums);
   }
+  if (is_passable) return pass(hit, point, lane, path, packet, sums);
   if (specular.is_black() || !survives(specular, albedo, path, sums) ||
       !scatter(specular, ray_origin, normal, point.normal, lane, path, direction, sums) ||
       max_component(path.throughput) < kMinThroughput || ++path.bounces >= kMaxBounces)
@@ -209,40 +214,6 @@ bool PathTracer::scatter(const SpecularProperties& specular, const Vec3d& origin
   // By a smooth normal the reflection may point below the facet.
   if ((direction ^ geometric_normal) < 0) direction -= geometric_normal * (2.0f * (direction ^ geometric_normal));
   return true;
-}
-
-void PathTracer::sample_glossy_light(const SpecularProperties& specular, std::uint64_t seed, int lane, const Path& path,
-                                     GlossyShadowRays& rays) const {
-  const Vec2f at = pixel_sample(shuffled(path.sample, std::uint32_t(hash64(seed))), seed);
-  const std::uint64_t choice_seed = hash64(seed);
-  const float choice = pixel_sample(shuffled(path.sample, std::uint32_t(hash64(choice_seed))), choice_seed).x;
-  const GlossyLights::Sample sample = glossy_lights_->sample(rays.vertices[lane], choice, at);
-  if (sample.weight <= 0) return;
-  rays.pending = true;
-  rays.samples[lane] = sample;
-  const float cosine = (sample.direction - rays.vertices[lane].direction).length() / 2;  // to the mirroring facet
-  rays.throughputs[lane] = path.throughput * specular.reflectance(cosine);
-  rays.packet.set_shadow(lane, ray_scene_.to_local(rays.vertices[lane].position), sample.direction, sample.distance);
-}
-
-/// Casts the pending shadow rays and adds the light of each unoccluded ray.
-void PathTracer::add_glossy_light(std::array<Path, RayPacket::kSize>& paths, PathSums& sums) const {
-  GlossyShadowRays& rays = *sums.glossy_rays;
-  const std::uint32_t occluded = ray_scene_.occluded(rays.packet);
-  for (int lane = 0; lane < RayPacket::kSize; ++lane) {
-    if (rays.packet.valid[lane] == 0) continue;
-    rays.packet.valid[lane] = 0;
-    if (occluded >> lane & 1u) continue;
-    const GlossyLights::Sample& sample = rays.samples[lane];
-    const std::uint32_t pixel = paths[lane].pixel;
-    const Color unscaled = rays.throughputs[lane] * sample.exitance * (sample.weight / float(kPi));
-    const Color light = unscaled * mixes_.all[0][sample.group];
-    sums.pixels[pixel] += light;
-    if (!sums.layers) continue;
-    if (sums.layers->has_light()) sums.layers->add_emission(pixel, true, light);
-    if (sums.layers->has_groups()) sums.layers->add_to_group(std::size_t(sample.group), pixel, unscaled);
-  }
-  rays.pending = false;
 }
 
 /// Prepares the last shading point to be moved.

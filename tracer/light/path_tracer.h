@@ -41,12 +41,20 @@ class PathTracer {
   /// Reflects `direction`; false if nothing is reflected. `origin`: of the next ray.
   bool scatter(const SpecularProperties& specular, const Vec3d& origin, const Vec3f& smooth_normal,
                const Vec3f& geometric_normal, int lane, Path& path, Vec3f& direction, PathSums& sums) const;
+  /// Chooses whether a path goes on through a surface that lets light pass, or is reflected; false if it ends.
+  bool pass(const SurfaceHit& hit, const SurfacePoint& point, int lane, Path& path, RayPacket& packet,
+            PathSums& sums) const;
   void sample_glossy_light(const SpecularProperties& specular, std::uint64_t seed, int lane, const Path& path,
                            GlossyShadowRays& rays) const;
   void add_glossy_light(std::array<Path, RayPacket::kSize>& paths, PathSums& sums) const;
   void lift_point(const SurfaceHit& hit, int lane, PathSums& sums) const;
   void move_lifted_points(PathSums& sums) const;
   SurfacePoint surface_point(const SurfaceHit& hit) const;
+
+  static constexpr float kMinThroughput = 1e-3f;
+  static constexpr int kMaxBounces = 64;
+  /// Throughput of a coat below which what it shows needs no more samples than the rest.
+  static constexpr float kFaint = 0.15f;
 
   const PatchSet& scene_;
   const RayScene& ray_scene_;

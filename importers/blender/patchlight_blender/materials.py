@@ -110,9 +110,9 @@ class Materials:
         opaque = is_constant(surface.alpha) and np.all(surface.alpha >= 1)
         two_sided = not (one_sided and opaque or item.one_sided)
         transmission = float(np.mean(item.mean(item.values, surface.transmission, (mesh, index, matrix), item.copy)))
-        if transmission > 0.5 or item.see_through:
+        if item.see_through and transmission <= 0.5:
             self.excluded[item.name] = True
-            item.warn("it is glass, which is opaque in Patchlight: the job leaves it out, see 'materials' there")
+            item.warn("it lets shadow rays pass, but cameras see it: the job leaves it out, see 'materials' there")
         maps = tuple(layer.name for layer in mesh.uv_layers if layer.name != UV_NAME)
         solid = closed and transmission > 0
         shared, own = (original, two_sided, solid, maps), (original, two_sided, mesh, index)

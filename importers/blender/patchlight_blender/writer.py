@@ -95,7 +95,7 @@ class Writer:
                 shader.color("Base Color", base.factor)
             if not opaque and alpha.node:
                 shader.link_number("Alpha", node, "A", 1)
-                self._warn_of_grey(textures.pixels(alpha.node.image)[..., 3])
+                self._find_grey(textures.pixels(alpha.node.image)[..., 3])
                 if not np.isclose(alpha.factor[0], 1):
                     item.warn(f"the factor {alpha.factor[0]:.3g} on its alpha image is left out")
         else:
@@ -106,8 +106,6 @@ class Writer:
             shader.material.blend_method, shader.material.alpha_threshold = "BLEND" if is_grey else "CLIP", 0.5
             if is_constant(surface.alpha):
                 shader.number("Alpha", surface.alpha[0])
-                become = "opaque" if surface.alpha[0] >= 0.5 else "a hole"
-                item.warn(f"an alpha of {surface.alpha[0]:.2g} becomes {become}: Patchlight has only holes")
         return colors
 
     def _baked_base(self, surface, opaque, constant_alpha):
@@ -123,7 +121,7 @@ class Writer:
         data[..., :3] = color if color.ndim == 1 else color[..., :3]
         if alpha is not None:
             data[..., 3] = alpha[..., 0]
-            self._warn_of_grey(alpha[..., 0])
+            self._find_grey(alpha[..., 0])
         if data[..., :3].max() > 1.001:
             self.item.warn("its base colour is above 1 in places and is lowered to 1")
         node = self.shader.new_image_node(data, f"{self.item.name} base")
@@ -132,11 +130,9 @@ class Writer:
         if alpha is not None:
             self.shader.link_number("Alpha", node, "A", 1)
 
-    def _warn_of_grey(self, alpha):
-        """Names a mask of which more than a tenth is partly transparent."""
-        if np.mean((alpha > 0.1) & (alpha < 0.9)) > 0.1:
-            self.is_grey = True
-            self.item.warn("parts of it are partly transparent: they become holes below an alpha of 0.5, else opaque")
+    def _find_grey(self, alpha):
+        """Whether more than a tenth of an alpha image is partly transparent."""
+        self.is_grey |= bool(np.mean((alpha > 0.1) & (alpha < 0.9)) > 0.1)
 
     def _number(self, name, value):
         found = textures.split(self.item.values, value, self.item.warn)

@@ -34,6 +34,7 @@ constexpr std::array kSupportedExtensions{"KHR_materials_emissive_strength",
                                           kWebp,
                                           kBasisu,
                                           "KHR_materials_transmission",
+                                          "KHR_materials_volume",
                                           "KHR_materials_variants",
                                           "EXT_mesh_gpu_instancing",
                                           "KHR_lights_punctual",
@@ -61,8 +62,6 @@ void check_extensions(GltfLists& gltf) {
     }
   }
   if (!unknown.empty()) gltf.ignored.insert("extensions are not supported and are ignored: " + unknown);
-  if (gltf.uses("KHR_materials_transmission"))
-    gltf.ignored.insert("KHR_materials_transmission is ignored: transparent materials are imported as opaque");
   if (gltf.uses("KHR_materials_variants"))
     gltf.ignored.insert("KHR_materials_variants is ignored: the default materials are imported");
 }
@@ -101,9 +100,6 @@ void check_materials(GltfLists& gltf) {
       gltf.ignored.insert("occlusion textures are ignored: shading by nearby surfaces is computed");
     check_string(material, "alphaMode", place);
     const std::string alpha = string_member(material, "alphaMode");
-    if (alpha == "BLEND")
-      gltf.ignored.insert(
-          "alphaMode BLEND is read as MASK: surfaces are opaque where alpha is at least 0.5, and absent elsewhere");
     if (!alpha.empty() && alpha != "OPAQUE" && alpha != "MASK" && alpha != "BLEND")
       refuse_gltf("must be OPAQUE, MASK or BLEND", place, "alphaMode");
     check_number(material, "alphaCutoff", place);
@@ -126,6 +122,17 @@ void check_materials(GltfLists& gltf) {
         check_numbers(*specular, "specularColorFactor", 3, place);
         if (specular->contains("specularTexture") || specular->contains("specularColorTexture"))
           gltf.ignored.insert("textures of KHR_materials_specular are ignored: its factors apply everywhere");
+      }
+      if (const Json* glass = find_object(*extensions, "KHR_materials_transmission", place)) {
+        check_number(*glass, "transmissionFactor", place);
+        check_texture_info(gltf, *glass, "transmissionTexture", place);
+        if (glass->contains("transmissionTexture"))
+          gltf.ignored.insert("textures of KHR_materials_transmission are replaced by their means");
+      }
+      if (const Json* volume = find_object(*extensions, "KHR_materials_volume", place)) {
+        check_number(*volume, "thicknessFactor", place);
+        check_number(*volume, "attenuationDistance", place);
+        check_numbers(*volume, "attenuationColor", 3, place);
       }
       if (extensions->contains("KHR_materials_unlit"))
         gltf.ignored.insert("unlit materials are read as diffuse materials of their base colour");

@@ -94,6 +94,14 @@ Json reduced_material(const Json& material) {
       result["extensions"]["KHR_materials_ior"] = selected(*ior, {"ior"});
     if (const Json* specular = find_member(*extensions, "KHR_materials_specular"))
       result["extensions"]["KHR_materials_specular"] = selected(*specular, {"specularFactor", "specularColorFactor"});
+    if (const Json* glass = find_member(*extensions, "KHR_materials_transmission")) {
+      Json& reduced = result["extensions"]["KHR_materials_transmission"] = selected(*glass, {"transmissionFactor"});
+      if (const Json* info = find_member(*glass, "transmissionTexture"))
+        reduced["transmissionTexture"] = selected(*info, {"index"});
+    }
+    if (const Json* volume = find_member(*extensions, "KHR_materials_volume"))
+      result["extensions"]["KHR_materials_volume"] =
+          selected(*volume, {"thicknessFactor", "attenuationDistance", "attenuationColor"});
     if (find_member(*extensions, "KHR_materials_unlit")) result["extensions"]["KHR_materials_unlit"] = Json::object();
   }
   return result;

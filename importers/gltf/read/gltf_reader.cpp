@@ -209,7 +209,7 @@ void remove_invisible(const GltfModel& model, GltfScene& scene, Progress& progre
   });
   for (const std::string& name : names)
     progress.warning(
-        fmt::format("surfaces of material '{}' are skipped: their alpha is below the cutoff everywhere", name));
+        fmt::format("surfaces of material '{}' are skipped: their alpha is 0, or below the cutoff, everywhere", name));
 }
 
 /// Names the nodes of surfaces that have no material, unless the job says what these reflect.

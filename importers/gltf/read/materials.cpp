@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "importers/gltf/read/material_layers.h"
 #include "importers/gltf/read/name_pattern.h"
 #include "importers/gltf/read/scene_textures.h"
 #include "importers/gltf/read/specular_glossiness.h"
@@ -15,13 +16,6 @@ namespace {
 constexpr float kMaxReflectance = 0.99999f;
 constexpr float kMaxEmission = 3e38f;
 constexpr float kDefaultGrey = 0.8f;
-constexpr double kMaxIor = 100;
-
-[[noreturn]] void refuse(const GltfModel& model, const std::string& material, const std::string& what,
-                         const std::string& range) {
-  throw Error(ExitCode::bad_data, what, fmt::format("{}, material '{}'", model.file.name, material),
-              fmt::format("it must be {}; correct the material or override it in the job's `materials`", range));
-}
 
 Color color(const Vec3d& value) {
   return {static_cast<float>(value.x), static_cast<float>(value.y), static_cast<float>(value.z)};
@@ -37,55 +31,27 @@ double emissive_strength(const tinygltf::Material& source) {
   return extension->second.Get("emissiveStrength").GetNumberAsDouble();
 }
 
-/// Reads the alpha mask. BLEND is read as MASK with a cutoff of 0.5.
+/// Reads the alpha mask. BLEND is a mask with a cutoff of 0: see Material::alpha_cutoff.
 void read_mask(const tinygltf::Material& source, SceneTextures& textures, SurfaceMaterial& material) {
   if (source.alphaMode != "MASK" && source.alphaMode != "BLEND") return;
-  constexpr double kBlendCutoff = 0.5;
-  const double cutoff = source.alphaMode == "MASK" ? source.alphaCutoff : kBlendCutoff;
+  constexpr float kLeastAlpha = 1.0f / 512;  // of a surface that is not absent
+  const bool blend = source.alphaMode == "BLEND";
   const double alpha = source.pbrMetallicRoughness.baseColorFactor.at(3);
   if (!(alpha >= 0.0 && alpha <= 1.0))
-    refuse(textures.model(), material.name, fmt::format("the alpha of its base colour factor is {}", alpha),
-           "in [0, 1]");
-  if (!(cutoff > 0.0)) return;
+    refuse_material(textures.model(), material.name, fmt::format("the alpha of its base colour factor is {}", alpha),
+                    "in [0, 1]");
+  if (!blend && !(source.alphaCutoff > 0.0)) return;
   const std::int32_t mask = textures.mask(source.pbrMetallicRoughness.baseColorTexture);
   const std::vector<std::int32_t>& texels = textures.mask_at(mask).texels;
   const auto [least, most] = std::minmax_element(texels.begin(), texels.end());
   material.alpha = static_cast<float>(alpha);
-  material.alpha_cutoff = static_cast<float>(cutoff);
-  material.invisible = material.alpha * static_cast<float>(*most) / 255.0f < material.alpha_cutoff;
-  material.masked_by_vertices_only = material.alpha * static_cast<float>(*least) / 255.0f >= material.alpha_cutoff;
+  material.alpha_cutoff = blend ? 0.0f : static_cast<float>(source.alphaCutoff);
+  const float least_alpha = material.alpha * static_cast<float>(*least) / 255.0f;
+  const float most_alpha = material.alpha * static_cast<float>(*most) / 255.0f;
+  material.invisible = most_alpha < (blend ? kLeastAlpha : material.alpha_cutoff);
+  material.masked_by_vertices_only = least_alpha >= (blend ? 1.0f : material.alpha_cutoff);
+  material.has_uniform_mask = *least == *most;
   material.mask = mask;
-}
-
-/// The dielectric layer over a material's diffuse part, by `KHR_materials_ior` and `KHR_materials_specular`.
-Coat read_coat(const tinygltf::Material& source, const GltfModel& model, const std::string& name) {
-  const auto extension = [&](const char* key) {
-    const auto found = source.extensions.find(key);
-    return found == source.extensions.end() ? tinygltf::Value() : found->second;
-  };
-  const auto number = [](const tinygltf::Value& in, const char* key, double absent) {
-    return in.Has(key) ? in.Get(key).GetNumberAsDouble() : absent;
-  };
-  const tinygltf::Value specular = extension("KHR_materials_specular");
-  const double ior = number(extension("KHR_materials_ior"), "ior", 1.5);
-  const double factor = number(specular, "specularFactor", 1.0);
-  if (!(factor >= 0 && factor <= 1)) refuse(model, name, fmt::format("its specular factor is {}", factor), "in [0, 1]");
-  if (ior != 0 && !(ior >= 1 && ior <= kMaxIor))
-    refuse(model, name, fmt::format("its index of refraction is {}", ior), fmt::format("0 or in [1, {}]", kMaxIor));
-  // An index of 0 stands for a reflectance of 1 (compatibility with specular-glossiness).
-  const double least = ior == 0 ? 1.0 : (ior - 1) * (ior - 1) / ((ior + 1) * (ior + 1));
-  Color tint(1.0f);
-  if (specular.Has("specularColorFactor"))
-    for (int k = 0; k < 3; ++k)
-      tint[k] = static_cast<float>(specular.Get("specularColorFactor").Get(k).GetNumberAsDouble());
-  for (int k = 0; k < 3; ++k)
-    if (!(tint[k] >= 0)) refuse(model, name, fmt::format("its specular colour is {}", tint[k]), "not negative");
-  Coat coat;
-  for (int k = 0; k < 3; ++k)
-    coat.normal[k] = static_cast<float>(std::min(least * static_cast<double>(tint[k]), 1.0) * factor);
-  coat.grazing = static_cast<float>(factor);
-  coat.ior = ior >= 1 && tint == Color(1.0f) ? static_cast<float>(ior) : 0.0f;
-  return coat;
 }
 
 SurfaceMaterial read_material(const tinygltf::Material& source, bool used, SceneTextures& textures) {
@@ -106,11 +72,12 @@ SurfaceMaterial read_material(const tinygltf::Material& source, bool used, Scene
   const Vec3d factor = vector(pbr.baseColorFactor), base = factor * base_mean;
   const Vec3d emissive = vector(source.emissiveFactor) * (kPi * emissive_strength(source));
   if (!(metallic_factor >= 0.0 && metallic_factor <= 1.0)) {
-    refuse(textures.model(), material.name, fmt::format("its metallic factor is {}", metallic_factor), "in [0, 1]");
+    refuse_material(textures.model(), material.name, fmt::format("its metallic factor is {}", metallic_factor),
+                    "in [0, 1]");
   }
   if (!(pbr.roughnessFactor >= 0.0 && pbr.roughnessFactor <= 1.0)) {
-    refuse(textures.model(), material.name, fmt::format("its roughness factor is {}", pbr.roughnessFactor),
-           "in [0, 1]");
+    refuse_material(textures.model(), material.name, fmt::format("its roughness factor is {}", pbr.roughnessFactor),
+                    "in [0, 1]");
   }
   const double metallic = metallic_factor * metallic_roughness.z;
   material.reflectance = color(base * (1.0 - metallic));
@@ -118,6 +85,11 @@ SurfaceMaterial read_material(const tinygltf::Material& source, bool used, Scene
   if (used) read_mask(source, textures, material);
   if (texture >= 0) material.mapping = mapping_of(pbr.baseColorTexture);
   material.tint = color(factor * (1.0 - metallic_factor));
+  material.transmission = read_transmission(source, textures, used, material.name);
+  material.transmission.part *= static_cast<float>(1.0 - metallic);
+  material.transmission.tint = color(factor);
+  material.reflectance *= 1.0f - material.transmission.part;
+  material.tint *= 1.0f - material.transmission.part;
   material.metal = color(factor * metallic_factor);
   material.specular = color(base * metallic);
   material.roughness = static_cast<float>(pbr.roughnessFactor * metallic_roughness.y);
@@ -180,11 +152,13 @@ void apply_override(const MaterialOverride& change, const char* section, Surface
     material.texture = -1;
     if (material.mask < 0) material.mapping = {};
     material.reflectance_overridden = true;
+    material.transmission = {};
   }
   if (change.mirror) {
     material.specular = *change.mirror;
     material.roughness = 0.0f;
     material.coat = {};
+    material.transmission = {};
   }
   if (change.specular || change.ior) {
     Coat& coat = material.coat;
@@ -193,6 +167,7 @@ void apply_override(const MaterialOverride& change, const char* section, Surface
     coat.normal = Color(factor * (ior - 1) * (ior - 1) / ((ior + 1) * (ior + 1)));
     coat.grazing = factor;
     coat.ior = ior;
+    if (change.ior) material.transmission.ior = ior;
   }
   if (change.roughness) {
     material.roughness = static_cast<float>(*change.roughness);
@@ -231,22 +206,23 @@ void check_values(const GltfModel& model, SurfaceMaterial& material, Progress& p
     const float specular = material.specular[i];
     const float emission = material.emission[i];
     if (!(reflectance >= 0.0f && reflectance <= 1.0f)) {
-      refuse(model, material.name, fmt::format("its reflectance is {}", reflectance), "in [0, 1]");
+      refuse_material(model, material.name, fmt::format("its reflectance is {}", reflectance), "in [0, 1]");
     }
     if (!(specular >= 0.0f && specular <= 1.0f)) {
-      refuse(model, material.name, fmt::format("its specular reflectance is {}", specular), "in [0, 1]");
+      refuse_material(model, material.name, fmt::format("its specular reflectance is {}", specular), "in [0, 1]");
     }
     const float brightest = material.emission_texture < 0 ? emission : material.emission_tint[i];
     if (!(emission >= 0.0f && brightest >= 0.0f && brightest <= kMaxEmission)) {
-      refuse(model, material.name, fmt::format("its emission is {} W/m2", brightest), "finite and not negative");
+      refuse_material(model, material.name, fmt::format("its emission is {} W/m2", brightest),
+                      "finite and not negative");
     }
     if (!(material.tint[i] >= 0.0f && material.tint[i] <= 1.0f)) {
-      refuse(model, material.name, fmt::format("its base colour factor, times 1 - metallic, is {}", material.tint[i]),
-             "in [0, 1]");
+      refuse_material(model, material.name,
+                      fmt::format("its base colour factor, times 1 - metallic, is {}", material.tint[i]), "in [0, 1]");
     }
     if (!(material.metal[i] >= 0.0f && material.metal[i] <= 1.0f)) {
-      refuse(model, material.name, fmt::format("its base colour factor, times metallic, is {}", material.metal[i]),
-             "in [0, 1]");
+      refuse_material(model, material.name,
+                      fmt::format("its base colour factor, times metallic, is {}", material.metal[i]), "in [0, 1]");
     }
     lowered = lowered || reflectance > kMaxReflectance;
     reflectance = std::min(reflectance, kMaxReflectance);

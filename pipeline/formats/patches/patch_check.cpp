@@ -279,7 +279,7 @@ PatchFault find_fault(const PatchSet& scene) {
   for (const Material& m : scene.materials)
     if (!within(m.specular, 0.0f, 1.0f) || !within(m.tint, 0.0f, 1.0f) || !within(m.metal, 0.0f, 1.0f) ||
         !within(m.emission_tint, 0.0f, 3e38f) || !(m.roughness >= 0 && m.roughness <= 1) ||
-        !(m.roughness_factor >= 0 && m.roughness_factor <= 1) || !is_valid(m.coat))
+        !(m.roughness_factor >= 0 && m.roughness_factor <= 1) || !is_valid(m.coat) || !is_valid(m.transmission))
       return {"a value out of range", "/materials"};
   for (const Camera& camera : scene.cameras)
     for (const double* x = &camera.to_world.x[0][0]; x != &camera.to_world.x[0][0] + 16; ++x)

@@ -1,5 +1,8 @@
 #include "pipeline/formats/patches/patch_coats.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "pipeline/formats/patches/patch_rows.h"
 
 namespace patchlight {
@@ -24,6 +27,32 @@ void read_coat_datasets(const H5Reader& reader, PatchSet& scene) {
   });
   read_rows<float>(reader, "/patches/coat_transmittance", scene.patches, 3,
                    [](Patch& p, auto* r) { p.transmittance = get3<Color>(r); });
+}
+
+void write_transmissions(H5Writer& writer, const std::vector<Material>& materials) {
+  using M = const Material&;
+  if (std::ranges::none_of(materials, [](M m) { return m.transmission.exists(); })) return;
+  write_rows<float>(writer, "/materials/transmission", materials, 9, [](M m, auto* r) {
+    r[0] = m.transmission.part;
+    put3(r + 1, m.transmission.tint);
+    r[4] = m.transmission.solid ? 1.0f : 0.0f;
+    r[5] = m.transmission.ior;
+    put3(r + 6, m.transmission.absorption);
+  });
+}
+
+void read_transmissions(const H5Reader& reader, std::vector<Material>& materials) {
+  if (!reader.has("/materials/transmission")) return;
+  read_rows<float>(reader, "/materials/transmission", materials, 9, [](Material& m, auto* r) {
+    m.transmission = {r[0], get3<Color>(r + 1), r[4] != 0.0f, r[5], get3<Color>(r + 6)};
+  });
+}
+
+bool is_valid(const Transmission& glass) {
+  const auto each = [](const Color& color, auto test) { return test(color.x) && test(color.y) && test(color.z); };
+  return glass.part >= 0.0f && glass.part <= 1.0f && glass.ior >= 1.0f && glass.ior <= 100.0f &&
+         each(glass.tint, [](float x) { return x >= 0.0f && x <= 1.0f; }) &&
+         each(glass.absorption, [](float x) { return x >= 0.0f && std::isfinite(x); });
 }
 
 bool is_valid(const Coat& coat) {

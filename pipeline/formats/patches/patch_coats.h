@@ -10,7 +10,12 @@ void write_coat_datasets(H5Writer& writer, const PatchSet& scene);
 /// Reads them into a scene that has its materials and patches.
 void read_coat_datasets(const H5Reader& reader, PatchSet& scene);
 
-/// Whether a coat's values are in their ranges.
+/// Writes what materials let pass, if any does.
+void write_transmissions(H5Writer& writer, const std::vector<Material>& materials);
+void read_transmissions(const H5Reader& reader, std::vector<Material>& materials);
+
+/// Whether all values are in their ranges.
 bool is_valid(const Coat& coat);
+bool is_valid(const Transmission& transmission);
 
 }  // namespace patchlight

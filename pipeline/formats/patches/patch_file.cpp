@@ -169,6 +169,7 @@ void write_patches(const std::filesystem::path& file, PatchSet& scene) {
   write_region_datasets(writer, scene);
   write_materials(writer, scene.materials);
   write_coat_datasets(writer, scene);
+  write_transmissions(writer, scene.materials);
   write_camera_datasets(writer, scene);
   write_sources(writer, scene.sources);
   writer.strings("/light_groups/name", scene.light_groups);
@@ -263,6 +264,7 @@ PatchSet read_patches(const std::filesystem::path& file) {
   read_cut_datasets(reader, scene);
   read_materials(reader, scene.materials);
   read_coat_datasets(reader, scene);
+  read_transmissions(reader, scene.materials);
   read_camera_datasets(reader, scene);
   scene.light_groups = reader.strings("/light_groups/name", -1);
   read_light_datasets(reader, scene);

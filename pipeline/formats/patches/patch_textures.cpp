@@ -98,6 +98,13 @@ bool has_varying_metals(const PatchSet& scene) {
   return false;
 }
 
+bool has_colored_glass(const PatchSet& scene) {
+  for (std::size_t i = 0; i < scene.primitives.size(); ++i)
+    if (scene.materials[scene.primitives[i].material].transmission.exists() && is_colored(scene, std::int32_t(i)))
+      return true;
+  return false;
+}
+
 void write_metallic_roughness(H5Writer& writer, const PatchSet& scene) {
   write_tints(writer, "/materials/metal", scene, &Material::metal);
   if (!any_has(scene, &Primitive::metallic_roughness_texture)) return;
@@ -202,7 +209,7 @@ void write_texture_datasets(H5Writer& writer, const PatchSet& scene) {
 std::vector<std::string> transport_textures(const PatchSet& scene) {
   std::vector<std::string> names;
   if (!scene.masks.empty()) names = {"/masks/", "/primitives/mask", "/primitives/alpha", "/primitives/texcoord"};
-  if (has_varying_metals(scene))
+  if (has_varying_metals(scene) || has_colored_glass(scene))
     names.insert(names.end(), {"/textures/", "/primitives/texture", "/primitives/texcoord", "/primitives/color",
                                "/primitives/finish"});
   return names;
@@ -214,11 +221,16 @@ std::string metallic_roughness_key(const PatchSet& scene) {
     const auto material = std::size_t(scene.primitives[i].material);
     if (material >= scene.materials.size()) continue;  // an invalid scene, which read_patches refuses
     const Material& m = scene.materials[material];
-    if (!is_specular(m) && m.metal == Color(0.0f) && scene.primitives[i].mask < 0) continue;
+    if (!is_specular(m) && m.metal == Color(0.0f) && scene.primitives[i].mask < 0 && !m.transmission.exists()) continue;
     hasher.add(std::int64_t(i));
     for (const Color& color : {m.specular, m.metal})
       for (int k = 0; k < 3; ++k) hasher.add(double(color[k]));
     for (const float value : {m.roughness, m.roughness_factor, m.alpha, m.alpha_cutoff}) hasher.add(double(value));
+    if (const Transmission& glass = m.transmission; glass.exists()) {
+      for (const float value : {glass.part, glass.ior, glass.solid ? 1.0f : 0.0f}) hasher.add(double(value));
+      for (const Color& color : {glass.tint, glass.absorption})
+        for (int k = 0; k < 3; ++k) hasher.add(double(color[k]));
+    }
     if (!m.coat.exists()) continue;
     for (int k = 0; k < 3; ++k) hasher.add(double(m.coat.normal[k]));
     for (const float value : {m.coat.grazing, m.coat.ior, m.coat.metallic}) hasher.add(double(value));

@@ -14,15 +14,21 @@ namespace {
 constexpr std::int64_t kMaxCells = 1 << 20;
 const char* const kLights = "/emitters/light";
 
-/// Light of an emitter that reaches patches by specular reflections; empty if the file has none.
-std::vector<Color> read_photons(const H5Reader& reader, const std::string& emitter, std::int64_t patches) {
-  const std::string name = "/emitters/mirrored/" + emitter;
-  std::vector<Color> photons;
-  if (!reader.has(name)) return photons;
-  const std::vector<float> values = reader.dataset<float>(name, 2 * patches, 3);
+/// Colours of both sample sets of an emitter's rows; empty if the file has none.
+std::vector<Color> read_row_colors(const H5Reader& reader, const std::string& name, std::int64_t rows) {
+  std::vector<Color> colors;
+  if (!reader.has(name)) return colors;
+  const std::vector<float> values = reader.dataset<float>(name, 2 * rows, 3);
   check_all(reader, name, values, [](float value) { return std::isfinite(value) && value >= 0; });
-  for (std::size_t k = 0; k < values.size(); k += 3) photons.emplace_back(values[k], values[k + 1], values[k + 2]);
-  return photons;
+  for (std::size_t k = 0; k < values.size(); k += 3) colors.emplace_back(values[k], values[k + 1], values[k + 2]);
+  return colors;
+}
+
+void write_row_colors(H5Writer& writer, const std::string& name, const std::vector<Color>& colors) {
+  if (colors.empty()) return;
+  std::vector<float> values;
+  for (const Color& c : colors) values.insert(values.end(), {c.x, c.y, c.z});
+  writer.dataset<float>(name, values, 3);
 }
 
 /// Name of an emitter's datasets. `number`: its index in the file.
@@ -54,7 +60,10 @@ void read_emitters(const H5Reader& reader, std::int64_t patches, Transport& tran
     };
     emitter.factors = factors("/emitters/factor", patches);
     if (transport.display) emitter.display = factors("/display/factor", transport.display->mesh.elements());
-    emitter.mirrored = read_photons(reader, own, patches);
+    emitter.tints = read_row_colors(reader, "/emitters/tint/" + own, patches);
+    if (transport.display)
+      emitter.display_tints = read_row_colors(reader, "/display/tint/" + own, transport.display->mesh.elements());
+    emitter.mirrored = read_row_colors(reader, "/emitters/mirrored/" + own, patches);
     if (emitter.mirrored.empty() != transport.emitters.front().mirrored.empty())
       reader.refuse("photons of some emitters only", "/emitters/patches");
   }
@@ -137,10 +146,9 @@ void write_transport(const std::filesystem::path& file, const Transport& transpo
     const std::string name = "/" + emitter_name(emitter, k);
     writer.dataset<float>("/emitters/factor" + name, emitter.factors, 2);
     if (transport.display) writer.dataset<float>("/display/factor" + name, emitter.display, 2);
-    if (emitter.mirrored.empty()) continue;
-    std::vector<float> photons;
-    for (const Color& c : emitter.mirrored) photons.insert(photons.end(), {c.x, c.y, c.z});
-    writer.dataset<float>("/emitters/mirrored" + name, photons, 3);
+    write_row_colors(writer, "/emitters/tint" + name, emitter.tints);
+    if (transport.display) write_row_colors(writer, "/display/tint" + name, emitter.display_tints);
+    write_row_colors(writer, "/emitters/mirrored" + name, emitter.mirrored);
   }
   writer.dataset<std::int32_t>("/emitters/patches", ranges, 2);
   if (!lights.empty()) writer.dataset<std::int64_t>(kLights, lights);

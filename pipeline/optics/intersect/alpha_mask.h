@@ -6,9 +6,12 @@
 
 namespace patchlight {
 
-/// Alpha test of primitive `i`, which has a mask, at (u,v): whether the product of the material's, the mask's and the
-/// vertices' alpha is at least the cutoff.
-bool passes_alpha_test(const PatchSet& scene, std::int32_t i, double u, double v);
+/// Alpha of primitive `i`, which has a mask, at (u,v): the product of the material's, the mask's and the vertices'.
+float alpha_at(const PatchSet& scene, std::int32_t i, double u, double v);
+
+/// Alpha test of primitive `i`, which has a mask, at (u,v): whether its alpha is at least the cutoff; where it covers
+/// places in part, whether it exceeds `chance`, in [0,1).
+bool passes_alpha_test(const PatchSet& scene, std::int32_t i, double u, double v, float chance = 0.5f);
 
 /// Whether a patch has an alpha mask and an area.
 inline bool has_alpha_mask(const PatchSet& scene, const Patch& patch) {

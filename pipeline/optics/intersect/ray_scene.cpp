@@ -50,9 +50,12 @@ float sphere_offset(const Vec3d& center, double radius) {
   return float(kUnitRoundoff * (4 * center.length() + 16 * radius));
 }
 
-// Part of a shadow ray's length by which it ends before its end, where a surface may be: the tracers round distances by
-// 10 u, and directions and the given distance are rounded by u each.
-constexpr float kShadowEnd = 0x1p-20f;
+RayScene::Surfaces kind_of(const PatchSet& scene, const Primitive& primitive) {
+  using Surfaces = RayScene::Surfaces;
+  return primitive.intangible                ? Surfaces::intangible
+         : lets_light_pass(scene, primitive) ? Surfaces::passable
+                                             : Surfaces::tangible;
+}
 
 std::uint32_t active_lanes(const RayPacket& packet) {
   std::uint32_t active = 0;
@@ -62,50 +65,7 @@ std::uint32_t active_lanes(const RayPacket& packet) {
 
 }  // namespace
 
-void RayPacket::clear() {
-  valid.fill(0);
-}
-
-void RayPacket::start() {
-  auto& r = rays.ray;
-  for (int lane = 0; lane < kSize; ++lane) {
-    r.tnear[lane] = 0.0f;
-    r.tfar[lane] = std::numeric_limits<float>::infinity();
-    r.time[lane] = 0.0f;
-    r.mask[lane] = ~0u;
-    r.id[lane] = 0;
-    r.flags[lane] = 0;
-    rays.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
-    rays.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
-    valid[lane] = -1;
-  }
-}
-
-void RayPacket::set(int lane, const Vec3f& origin, const Vec3f& direction, float t_near) {
-  auto& r = rays.ray;
-  r.org_x[lane] = origin.x;
-  r.org_y[lane] = origin.y;
-  r.org_z[lane] = origin.z;
-  r.dir_x[lane] = direction.x;
-  r.dir_y[lane] = direction.y;
-  r.dir_z[lane] = direction.z;
-  r.tnear[lane] = t_near;
-  r.tfar[lane] = std::numeric_limits<float>::infinity();
-  r.time[lane] = 0.0f;
-  r.mask[lane] = ~0u;
-  r.id[lane] = 0;
-  r.flags[lane] = 0;
-  rays.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
-  rays.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
-  valid[lane] = -1;
-}
-
-void RayPacket::set_shadow(int lane, const Vec3f& origin, const Vec3f& direction, float distance) {
-  set(lane, origin, direction);
-  rays.ray.tfar[lane] = distance * (1.0f - kShadowEnd);
-}
-
-RayScene::RayScene(const PatchSet& scene, Tracer tracer, Surfaces surfaces) {
+RayScene::RayScene(const PatchSet& scene, Tracer tracer, Surfaces surfaces) : scene_(&scene) {
   const Imath::Box3d bounds = bounds_of(scene.primitives);
   origin_ = bounds.center();
   offsets_.resize(scene.primitives.size());
@@ -115,11 +75,13 @@ RayScene::RayScene(const PatchSet& scene, Tracer tracer, Surfaces surfaces) {
     packet_tracer_.emplace();
   else
     embree_ = EmbreeTracer::create();
-  const auto has_mask = [](const Primitive& p) { return p.mask >= 0; };
-  if (std::any_of(scene.primitives.begin(), scene.primitives.end(), has_mask)) {
-    masked_embree_ = EmbreeTracer::create();
-    scene_ = &scene;
-  }
+  const auto any_of_kind = [&](Surfaces kind, bool masked) {
+    return std::ranges::any_of(
+        scene.primitives, [&](const Primitive& p) { return (!masked || p.mask >= 0) && kind_of(scene, p) == kind; });
+  };
+  if (any_of_kind(surfaces, true)) masked_embree_ = EmbreeTracer::create();
+  if (surfaces == Surfaces::tangible && any_of_kind(Surfaces::passable, false))
+    passable_ = std::make_unique<const RayScene>(scene, tracer, Surfaces::passable);
   add_quads(scene, surfaces);
   add_spheres(scene, surfaces);
   if (packet_tracer_) packet_tracer_->build();
@@ -145,7 +107,7 @@ void RayScene::add_quads(const PatchSet& scene, Surfaces surfaces) {
       offsets_[i] = offsets_[p.back];
       continue;
     }
-    if (p.intangible != (surfaces == Surfaces::intangible)) continue;
+    if (kind_of(scene, p) != surfaces) continue;
     const auto add = [&](const std::array<Vec3f, 4>& traced, const Vec2f& shape, std::int32_t piece) {
       const bool plane = packet_tracer_ && packet_tracer_->add_quad(exact(traced), std::int32_t(quads_.size()));
       quads_.push_back({std::int32_t(i), p.back, shape.x, shape.y, Vec3f(normal), !plane, piece});
@@ -182,7 +144,7 @@ void RayScene::add_spheres(const PatchSet& scene, Surfaces surfaces) {
     const Vec3f center = to_local(p.sphere_center);
     const float radius = float(std::abs(p.sphere_radius));
     offsets_[i] = sphere_offset(Vec3d(center), double(radius));
-    if ((p.back >= 0 && p.back < std::int32_t(i)) || p.intangible != (surfaces == Surfaces::intangible)) continue;
+    if ((p.back >= 0 && p.back < std::int32_t(i)) || kind_of(scene, p) != surfaces) continue;
     if (packet_tracer_)
       packet_tracer_->add_sphere(Vec3d(center), double(radius), std::int32_t(spheres_.size()));
     else
@@ -199,6 +161,13 @@ void RayScene::intersect(RayPacket& packet, bool coherent) const {
   else
     embree_->intersect(packet.valid, packet.rays, coherent);
   if (masked_embree_) masked_embree_->intersect(packet.valid, packet.rays, coherent);
+  if (!passable_) return;
+  std::array<float, RayPacket::kSize> distances;
+  std::copy_n(packet.rays.ray.tfar, RayPacket::kSize, distances.begin());
+  passable_->intersect(packet, coherent);
+  packet.passable = 0;
+  for (int lane = 0; lane < RayPacket::kSize; ++lane)
+    packet.passable |= std::uint32_t(packet.valid[lane] != 0 && packet.rays.ray.tfar[lane] < distances[lane]) << lane;
 }
 
 std::uint32_t RayScene::occluded(RayPacket& packet) const {
@@ -258,15 +227,16 @@ inline SurfaceHit RayScene::surface_hit(unsigned geometry, unsigned index, float
 SurfaceHit RayScene::hit(const RayPacket& packet, int lane) const {
   const auto& h = packet.rays.hit;
   if (packet.valid[lane] == 0 || h.geomID[lane] == RTC_INVALID_GEOMETRY_ID) return {};
-  return surface_hit(h.geomID[lane], h.primID[lane], h.u[lane], h.v[lane], packet.origin(lane), packet.direction(lane),
-                     packet.rays.ray.tfar[lane]);
+  const RayScene& hit_scene = passable_ && (packet.passable >> lane & 1u) ? *passable_ : *this;
+  return hit_scene.surface_hit(h.geomID[lane], h.primID[lane], h.u[lane], h.v[lane], packet.origin(lane),
+                               packet.direction(lane), packet.rays.ray.tfar[lane]);
 }
 
 /// Hit filter of masked quads: the alpha test.
 bool RayScene::accepts_hit(unsigned quad, const Vec2f& at, const Vec3f& origin, const Vec3f& direction,
                            float distance) const {
   const SurfaceHit hit = surface_hit(EmbreeTracer::kQuads, quad, at.x, at.y, origin, direction, distance);
-  return passes_alpha_test(*scene_, hit.primitive, hit.u, hit.v);
+  return passes_alpha_test(*scene_, hit.primitive, hit.u, hit.v, 0.0f);
 }
 
 Vec2f sphere_uv(const Vec3f& direction) {

@@ -8,27 +8,9 @@
 #include "pipeline/model/patch_set.h"
 #include "pipeline/optics/intersect/embree_tracer.h"
 #include "pipeline/optics/intersect/packet_tracer.h"
+#include "pipeline/optics/intersect/ray_packet.h"
 
 namespace patchlight {
-
-/// Sixteen rays in the RayScene's local frame, and their hits.
-struct alignas(64) RayPacket {
-  static constexpr int kSize = 16;
-
-  RTCRayHit16 rays;
-  alignas(64) std::array<int, kSize> valid{};  ///< -1: active lane; 0: inactive.
-
-  /// Activates all lanes as rays without end; the caller sets origins and directions.
-  void start();
-  /// Deactivates all lanes.
-  void clear();
-  /// Activates a lane as a ray from `origin` along `direction` (any length), starting at t = `t_near`.
-  void set(int lane, const Vec3f& origin, const Vec3f& direction, float t_near = 0.0f);
-  /// Activates a lane as a shadow ray for occluded(), which ends at t = `distance`, less its rounding.
-  void set_shadow(int lane, const Vec3f& origin, const Vec3f& direction, float distance);
-  Vec3f origin(int lane) const { return {rays.ray.org_x[lane], rays.ray.org_y[lane], rays.ray.org_z[lane]}; }
-  Vec3f direction(int lane) const { return {rays.ray.dir_x[lane], rays.ray.dir_y[lane], rays.ray.dir_z[lane]}; }
-};
 
 /// The closest hit of a ray: a primitive and its (u,v).
 struct SurfaceHit {
@@ -43,13 +25,15 @@ struct SurfaceHit {
 /// A scene's primitives for ray casting, in single precision relative to the scene's centre; both sides of a surface
 /// are one primitive, a region its pieces. A PacketTracer traces them; Embree does, if they are very many or if fine
 /// ones cover much of the area. Masked primitives have an Embree BVH of their own with the alpha test as hit filter,
-/// that scenes without masks skip. The PatchSet must outlive the RayScene. Hits do not depend on the number of threads.
+/// that scenes without masks skip. Those that let light pass are a RayScene of their own. The PatchSet must outlive the
+/// RayScene. Hits do not depend on the number of threads.
 class RayScene {
  public:
   enum class Tracer { fastest, packets, embree };  ///< Of unmasked primitives; fastest: see SurfaceSizes.
 
-  /// The surfaces that it holds: those that block rays, or the intangible lamps (see Primitive::intangible).
-  enum class Surfaces { tangible, intangible };
+  /// The surfaces that it holds: all that rays meet, those alone that let light pass (see lets_light_pass()), or the
+  /// intangible lamps (see Primitive::intangible).
+  enum class Surfaces { tangible, passable, intangible };
 
   explicit RayScene(const PatchSet& scene, Tracer tracer = Tracer::fastest, Surfaces surfaces = Surfaces::tangible);
   RayScene(const RayScene&) = delete;
@@ -71,8 +55,18 @@ class RayScene {
   /// Finds the closest hits of the active lanes. `coherent`: hint for Embree that the rays are similar.
   void intersect(RayPacket& packet, bool coherent) const;
 
-  /// The active lanes that are occluded, a bit each.
+  /// The active lanes that surfaces occlude which let no light pass, a bit each.
   std::uint32_t occluded(RayPacket& packet) const;
+
+  /// Whether some surfaces let light pass.
+  bool has_passable() const { return passable_ != nullptr; }
+
+  using Transmittances = std::array<Color, RayPacket::kSize>;
+
+  /// Of unoccluded lanes, what the surfaces on their way let pass. Bodies of glass are taken for plates with parallel
+  /// faces, that rays pass without an offset and with all orders of reflection between the faces; rough ones scatter
+  /// nothing. Ones, if there are no such surfaces.
+  Transmittances transmittances(const RayPacket& packet, std::uint32_t lanes) const;
 
   SurfaceHit hit(const RayPacket& packet, int lane) const;
 
@@ -111,8 +105,13 @@ class RayScene {
   std::vector<Sphere> spheres_;
   std::unique_ptr<EmbreeTracer> embree_;         ///< Unmasked primitives; null: the PacketTracer has them.
   std::unique_ptr<EmbreeTracer> masked_embree_;  ///< Masked primitives; null: none.
+  std::unique_ptr<const RayScene> passable_;     ///< Of the same local frame; null: none.
   const PatchSet* scene_ = nullptr;
 };
+
+/// What a surface that lets light pass does so of a straight ray; of one inside of a body, that started where it
+/// entered the body, also what this leaves of it.
+Color straight_transmittance(const PatchSet& scene, const SurfaceHit& hit, const Vec3f& direction);
 
 /// (u,v) of a sphere in a direction (any length) from its centre.
 Vec2f sphere_uv(const Vec3f& direction);

@@ -1,10 +1,12 @@
 #include "pipeline/optics/lights/further_lights.h"
 
 #include <algorithm>
+#include <bit>
 #include <utility>
 
 #include "pipeline/optics/intersect/alpha_mask.h"
 #include "pipeline/optics/sampling/quad_shape.h"
+#include "pipeline/optics/sampling/random.h"
 
 namespace patchlight {
 
@@ -53,7 +55,8 @@ std::int32_t FurtherLights::patch_at(std::int32_t i, const Vec3d& start, const D
   const Primitive& p = scene_.primitives[emitter.primitive];
   if (emitter.patches == 1 && p.mask < 0) return emitter.first_patch;
   const Vec2f uv = uv_at(p, start + Vec3d(ray.direction) * double(ray.distance));
-  if (p.mask >= 0 && !passes_alpha_test(scene_, emitter.primitive, uv.x, uv.y)) return -1;
+  const auto chance = [&] { return uniform01(hash64(std::bit_cast<std::uint64_t>(ray.direction.x + start.z))); };
+  if (p.mask >= 0 && !passes_alpha_test(scene_, emitter.primitive, uv.x, uv.y, chance())) return -1;
   return emitter.patches == 1 ? emitter.first_patch : lookup_->patch(emitter.primitive, uv.x, uv.y);
 }
 

@@ -1,5 +1,7 @@
 #include "pipeline/optics/lights/shadow_rays.h"
 
+#include <algorithm>
+
 namespace patchlight {
 
 void ShadowRays::add(const Vec3d& start, const DirectLight::Sample& sample, const Vec2f& at, LightSamples& sums) {
@@ -31,6 +33,7 @@ void ShadowRays::cast() {
       reflected_.valid[lane] = occluded_lanes >> lane & 1u ? 0 : packet_.valid[lane];
     occluded_lanes |= scene_.occluded(reflected_);
   }
+  if (scene_.has_passable()) dim(~occluded_lanes & ((1u << lanes_) - 1));
   for (int lane = 0; lane < lanes_; ++lane) {
     const bool visible = !(occluded_lanes >> lane & 1u);
     ++(visible ? sums_[lane]->visible : sums_[lane]->hidden);
@@ -38,6 +41,21 @@ void ShadowRays::cast() {
     if (visible) sums_[lane]->reached = at_[lane];
   }
   lanes_ = 0;
+}
+
+/// Takes account of surfaces on the way of visible lanes that let light pass.
+void ShadowRays::dim(std::uint32_t visible) const {
+  constexpr float kBright = 0.75f;
+  RayScene::Transmittances passed = scene_.transmittances(packet_, visible);
+  if (mirror_) {
+    const RayScene::Transmittances reflected = scene_.transmittances(reflected_, visible);
+    for (int lane = 0; lane < lanes_; ++lane) passed[lane] *= reflected[lane];
+  }
+  for (int lane = 0; lane < lanes_; ++lane) {
+    if (!(visible >> lane & 1u)) continue;
+    sums_[lane]->lost += Vec3d(Color(1.0f) - passed[lane]) * double(weights_[lane]);
+    sums_[lane]->dimmed += std::min({passed[lane].x, passed[lane].y, passed[lane].z}) < kBright;
+  }
 }
 
 }  // namespace patchlight

@@ -52,6 +52,15 @@ bool reflect(const SpecularProperties& specular, const Vec3f& normal, const Vec2
   return true;
 }
 
+Vec3f visible_facet(float roughness, const Vec3f& normal, const Vec2f& at, const Vec3f& direction) {
+  if (roughness < kMirrorRoughness) return normal;
+  Vec3f tangent, bitangent;
+  orthonormal_frame(normal, tangent, bitangent);
+  const Vec3f view(-(direction ^ tangent), -(direction ^ bitangent), std::max(-(direction ^ normal), 1e-6f));
+  const Vec3f facet = visible_normal(view, roughness * roughness, at.x, at.y);
+  return (tangent * facet.x + bitangent * facet.y + normal * facet.z).normalized();
+}
+
 SpecularLobe specular_lobe(float roughness, const Vec3f& normal, const Vec3f& in, const Vec3f& out) {
   const float alpha = roughness * roughness;
   const Vec3f view = -in;

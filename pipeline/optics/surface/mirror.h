@@ -12,6 +12,10 @@ constexpr float kMirrorRoughness = 0.05f;
 bool reflect(const SpecularProperties& specular, const Vec3f& normal, const Vec2f& at, Vec3f& direction,
              Color& throughput);
 
+/// A facet of a GGX surface of this roughness that is visible against `direction` (unit vector, towards the surface),
+/// selected by the point `at` of the unit square; of a smooth one, `normal`. Unit vectors.
+Vec3f visible_facet(float roughness, const Vec3f& normal, const Vec2f& at, const Vec3f& direction);
+
 /// The GGX lobe of a rough metal or coat, per sr.
 struct SpecularLobe {
   float value = 0.0f;    ///< BRDF times the outgoing cosine, for a reflectance of 1.

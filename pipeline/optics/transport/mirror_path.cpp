@@ -8,20 +8,24 @@
 
 namespace patchlight {
 
+bool survives_roulette(std::uint64_t random, Color& throughput) {
+  constexpr float kThreshold = 0.25f;
+  const float max_channel = std::max({throughput.x, throughput.y, throughput.z});
+  if (max_channel >= kThreshold) return true;
+  if (uniform01(hash64(~random)) * kThreshold >= max_channel) return false;
+  throughput *= kThreshold / max_channel;
+  return true;
+}
+
 bool continue_at_mirror(const PatchSet& scene, const RayScene& ray_scene, const SurfaceHit& hit, std::uint64_t random,
                         int lane, RayPacket& packet, Color& throughput) {
-  constexpr float kRouletteThreshold = 0.25f;  // throughput below which Russian roulette is played
   const Primitive& primitive = scene.primitives[hit.primitive];
   const SurfacePoint point = point_at(primitive, hit.u, hit.v);
   Vec3f direction = packet.direction(lane);
   const Vec2f at(uniform01(random), uniform01(hash64(random)));
   const SpecularProperties specular = specular_properties_at(scene, hit.primitive, hit.u, hit.v);
-  if (!reflect(specular, point.normal, at, direction, throughput)) return false;
-  const float max_channel = std::max({throughput.x, throughput.y, throughput.z});
-  if (max_channel < kRouletteThreshold) {
-    if (uniform01(hash64(~random)) * kRouletteThreshold >= max_channel) return false;
-    throughput *= kRouletteThreshold / max_channel;
-  }
+  if (!reflect(specular, point.normal, at, direction, throughput) || !survives_roulette(random, throughput))
+    return false;
   packet.set(lane, ray_scene.to_local(point.position) + point.normal * ray_scene.offset(hit.primitive), direction);
   return true;
 }

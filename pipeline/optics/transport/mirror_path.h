@@ -7,6 +7,9 @@ namespace patchlight {
 
 constexpr int kMaxMirrorBounces = 256;  ///< Largest number of mirror reflections of a ray.
 
+/// Russian roulette for faint rays; false if the ray ends.
+bool survives_roulette(std::uint64_t random, Color& throughput);
+
 /// Reflects a lane's ray at the metal that it hit, with Russian roulette; `random` seeds both. Multiplies `throughput`
 /// by the reflected fraction. Returns false if the ray ends.
 bool continue_at_mirror(const PatchSet& scene, const RayScene& ray_scene, const SurfaceHit& hit, std::uint64_t random,

@@ -79,7 +79,7 @@ class Materials(MaterialTest):
         self.assert_base(exported.material("square"), (0.1, 0.2, 0.3))
         self.assert_base(exported.material("bare"), (0.8, 0.8, 0.8))
 
-    def test_glass_and_what_light_passes_is_left_to_the_job(self):
+    def test_glass_stays_glass_and_what_only_light_passes_is_left_to_the_job(self):
         m = Shaders("pane")
         path, glass, clear = m.add("LightPath"), m.add("BsdfGlass"), m.add("BsdfTransparent")
         factor = m.add("Math", _0=path.outputs["Is Shadow Ray"], _1=path.outputs["Is Diffuse Ray"])
@@ -87,8 +87,13 @@ class Materials(MaterialTest):
         exported, found = self.of(m.show(m.add("MixShader", _0=factor.outputs[0], _1=glass.outputs[0],
                                                _2=clear.outputs[0])))
         self.assertEqual(found["extensions"]["KHR_materials_transmission"]["transmissionFactor"], 1)
-        self.assertIn('"pane": {exclude: true}', exported.job)
-        self.assert_warned(exported, "'pane'", "glass")
+        self.assertNotIn("exclude", exported.job)
+        m = Shaders("ghost")
+        path, seen, clear = m.add("LightPath"), m.add("BsdfDiffuse"), m.add("BsdfTransparent")
+        exported, _ = self.of(m.show(m.add("MixShader", _0=path.outputs["Is Shadow Ray"], _1=seen.outputs[0],
+                                           _2=clear.outputs[0])))
+        self.assertIn('"ghost": {exclude: true}', exported.job)
+        self.assert_warned(exported, "'ghost'", "shadow rays")
 
     def test_culling_by_nodes_gives_one_side(self):
         m = Shaders("front")

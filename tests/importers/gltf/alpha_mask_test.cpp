@@ -59,16 +59,34 @@ TEST(AlphaMasks, AlphaFactorAndCutoffApply) {
   EXPECT_ERROR(leaf.import(), ExitCode::bad_data, "leaf");
 }
 
-TEST(AlphaMasks, BlendIsReadAsMaskWithAWarning) {
+TEST(AlphaMasks, BlendCoversPlacesInPart) {
   Leaf leaf;
   leaf.gltf.json["materials"][0]["alphaMode"] = "BLEND";
   leaf.gltf.json["materials"][0]["alphaCutoff"] = 0.9;
   const PatchSet scene = leaf.import();
-  EXPECT_FLOAT_EQ(scene.materials[0].alpha_cutoff, 0.5f);
-  EXPECT_EQ(patch_at(scene, 0.625).coverage, 1);
-  EXPECT_THAT(leaf.importer.messages(), ::testing::HasSubstr("BLEND is read as MASK"));
+  EXPECT_FLOAT_EQ(scene.materials[0].alpha_cutoff, 0.0f);
+  EXPECT_NEAR(patch_at(scene, 0.625).coverage, 128 / 255.0, 0.02);
+  EXPECT_NEAR(patch_at(scene, 0.125).coverage, 1, 0.01);
+  EXPECT_TRUE(lets_light_pass(scene, scene.primitives[0]));
+  EXPECT_THAT(leaf.importer.messages(), ::testing::Not(::testing::HasSubstr("BLEND")));
   leaf.gltf.json["materials"][0]["alphaMode"] = "GLASS";
   EXPECT_ERROR(leaf.import(), ExitCode::bad_data, "alphaMode");
+}
+
+TEST(AlphaMasks, BlendNeedsNoTexture) {
+  const Json veil{{"name", "veil"},
+                  {"alphaMode", "BLEND"},
+                  {"pbrMetallicRoughness", {{"metallicFactor", 0}, {"baseColorFactor", {1, 1, 1, 0.25}}}}};
+  Leaf leaf(veil);
+  leaf.gltf.primitive(0)["attributes"].erase("TEXCOORD_0");
+  const PatchSet scene = leaf.import();
+  ASSERT_EQ(scene.primitives[0].mask, 0);
+  EXPECT_NEAR(patch_at(scene, 0.375).coverage, 0.25, 0.02);
+  EXPECT_FLOAT_EQ(alpha_at(scene, 0, 0.5, 0.5), 0.25f);
+  leaf.gltf.json["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"][3] = 1;
+  EXPECT_EQ(leaf.import().primitives[0].mask, -1) << "opaque";
+  leaf.gltf.json["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"][3] = 0;
+  EXPECT_ERROR(leaf.import(), ExitCode::bad_data, "no surface with an area");
 }
 
 TEST(AlphaMasks, OpaqueSurfacesHaveNoMask) {

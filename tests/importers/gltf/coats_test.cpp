@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "pipeline/formats/patches/patch_file.h"
 #include "pipeline/optics/surface/specular.h"
 #include "tests/expect_error.h"
 #include "tests/importers/expect_color.h"
@@ -106,6 +109,56 @@ TEST(CoatsOfMaterials, FollowTheJob) {
   EXPECT_FALSE(imported(kNone, {mirror}).coat().exists());
 }
 
+Json glass(double factor, const Json& volume = kNone) {
+  return {{"KHR_materials_transmission", {{"transmissionFactor", factor}}}, {"KHR_materials_volume", volume}};
+}
+
+TEST(GlassOfMaterials, SharesTheLightWithTheDiffusePart) {
+  const Imported half = imported(glass(0.25), {}, 0.5);
+  const Transmission& passed = half.material().transmission;
+  EXPECT_FLOAT_EQ(passed.part, 0.125f) << "the metallic part lets nothing pass";
+  EXPECT_FALSE(passed.solid);
+  EXPECT_FLOAT_EQ(passed.ior, 1.5f);
+  EXPECT_FALSE(imported(kNone).material().transmission.exists());
+  EXPECT_FLOAT_EQ(imported(glass(1)).scene.patches[0].reflectance.x, 0.0f);
+}
+
+TEST(GlassOfMaterials, IsABodyWithAThickness) {
+  Json extensions =
+      glass(1, {{"thicknessFactor", 0.1}, {"attenuationDistance", 2.0}, {"attenuationColor", {0.5, 1.0, 0.25}}});
+  extensions["KHR_materials_ior"] = {{"ior", 1.33}};
+  const Imported water = imported(extensions);
+  const Transmission& body = water.material().transmission;
+  EXPECT_TRUE(body.solid);
+  EXPECT_FLOAT_EQ(body.ior, 1.33f);
+  expect_color(body.absorption, {std::log(2.0) / 2, 0.0, std::log(4.0) / 2});
+  EXPECT_FALSE(imported(glass(1, {{"thicknessFactor", 0}})).material().transmission.solid);
+}
+
+TEST(GlassOfMaterials, GivesWayToTheJob) {
+  MaterialOverride wall{"paint"}, mirror{"paint"};
+  wall.reflectance = Color(0.5f);
+  mirror.mirror = Color(0.5f);
+  EXPECT_FALSE(imported(glass(1), {wall}).material().transmission.exists());
+  EXPECT_FALSE(imported(glass(1), {mirror}).material().transmission.exists());
+}
+
+TEST(GlassOfMaterials, IsKeptInTheFile) {
+  Imported water = imported(
+      glass(0.75, {{"thicknessFactor", 0.1}, {"attenuationDistance", 2.0}, {"attenuationColor", {0.5, 1.0, 0.25}}}));
+  const std::filesystem::path file = water.importer.folder / "patches.h5";
+  write_patches(file, water.scene);
+  const Transmission read = read_patches(file).materials.at(0).transmission;
+  const Transmission& written = water.material().transmission;
+  EXPECT_EQ(read.part, written.part);
+  EXPECT_EQ(read.solid, written.solid);
+  EXPECT_EQ(read.absorption, written.absorption);
+  const std::string key = water.scene.geometry_key;
+  water.scene.materials[0].transmission.ior = 1.4f;
+  write_patches(file, water.scene);
+  EXPECT_NE(water.scene.geometry_key, key) << "rows depend on it";
+}
+
 TEST(CoatsOfMaterials, OutOfRangeAreRefused) {
   const auto refuse = [](const Json& extensions, const char* text) {
     EXPECT_ERROR(imported(extensions), ExitCode::bad_data, text);
@@ -114,6 +167,9 @@ TEST(CoatsOfMaterials, OutOfRangeAreRefused) {
   refuse({{"KHR_materials_specular", {{"specularColorFactor", {-1, 0, 0}}}}}, "specular colour");
   refuse({{"KHR_materials_ior", {{"ior", 0.5}}}}, "index of refraction");
   refuse({{"KHR_materials_ior", {{"ior", "glass"}}}}, "ior");
+  refuse(glass(1.5), "transmission factor");
+  refuse(glass(1, {{"thicknessFactor", 1}, {"attenuationDistance", 1}, {"attenuationColor", {2, 0, 0}}}),
+         "attenuation colour");
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "tracer/light/tile_light.h"
+#include "tracer/light/lamps/tile_light.h"
 
 #include <gtest/gtest.h>
 

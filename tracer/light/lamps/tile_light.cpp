@@ -1,9 +1,9 @@
-#include "tracer/light/tile_light.h"
+#include "tracer/light/lamps/tile_light.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "tracer/light/lamp_samples.h"
+#include "tracer/light/lamps/lamp_samples.h"
 
 namespace patchlight {
 
@@ -12,7 +12,6 @@ namespace {
 constexpr float kMinShare = 0.03f;           // below it a lamp takes no rays besides the probes
 constexpr float kMinSharpShare = 0.3f;       // above it a lamp's sharp shadow edges take more points
 constexpr float kMinSharpPointShare = 0.1f;  // the same for a light without extent, whose shadows are all sharp
-constexpr int kMinProbes = 8;                // of one surface, below which those of other surfaces count too
 constexpr float kDim = 0.1f;                 // visible fraction below which a lamp's rays may be guided
 constexpr int kMinScatteredRays = 4;         // of a cluster that a rough metal sees
 constexpr int kMinGuidedRays = 64;           // of a cluster
@@ -41,14 +40,13 @@ TileLight::TileLight(const ExplicitLights& lights, const FurtherLight& further, 
       samples_(samples),
       layers_(layers),
       clusters_(window),
+      probes_(clusters_),
       sharp_(std::size_t(window.pixels()), 0) {}
 
 void TileLight::probe(std::vector<ShadingPoint> points, std::span<const std::uint8_t> requested) {
   clusters_ = TileClusters(window_, std::move(points));
   const std::vector<Lamp>& lamps = lights_.lamps();
   const Factors factors(lamps, clusters_.all());
-  counts_.assign(lamps.size() * clusters_.size(), {});
-  seen_.assign(lamps.size(), 0);
   irradiance_.assign(clusters_.size(), Color(0.0f));
   if (by_group()) irradiance_by_group_.assign(layers_->group_count(), irradiance_);
   std::vector<float> visible_light(clusters_.size(), 0.0f);
@@ -56,10 +54,9 @@ void TileLight::probe(std::vector<ShadingPoint> points, std::span<const std::uin
   for (std::size_t l = 0; l < lamps.size(); ++l) {
     probes[l] = probe_lamp(l, factors);
     for (std::size_t s = 0; s < clusters_.size(); ++s) {
-      counts_[l * clusters_.size() + s] = {std::uint8_t(probes[l][s].visible), std::uint8_t(probes[l][s].hidden)};
       visible_light[s] += float(probes[l][s].seen) * lamps[l].brightness() / float(std::max(1, probes[l][s].count));
-      seen_[l] += probes[l][s].visible > 0;
     }
+    probes_.add(probes[l], lights_.ray_scene().has_passable());
   }
   for (std::size_t l = 0; l < lamps.size(); ++l) add_lamp(l, factors, probes[l], visible_light, requested);
   if (further_.empty() || (further_.is_off() && !by_group())) return;
@@ -99,20 +96,20 @@ void TileLight::add_lamp(std::size_t l, const Factors& factors, const std::vecto
   const Lamp& lamp = lights_.lamps()[l];
   ShadowRays rays(lights_.ray_scene());
   std::vector<LightSamples> sums(clusters_.size());
-  std::vector<LocalVisibility> visibility(clusters_.size());
+  std::vector<LampProbes::Local> visibility(clusters_.size());
   std::vector<std::uint32_t> dim;
   const auto takes_part = [&](std::size_t s) {
     return factors.of(l, s) > 0 && requested[clusters_[s].pixel] != 0 && sharp_[clusters_[s].pixel] == 0;
   };
   for (std::size_t s = 0; s < clusters_.size(); ++s) {
     if (!takes_part(s)) continue;
-    visibility[s] = local_visibility(l, s);
+    visibility[s] = probes_.around(l, s);
     const float share = factors.share(lamp, l, s);
     if (visibility[s].sharp && share > (lamp.light.is_point() ? kMinSharpPointShare : kMinSharpShare)) {
       sharp_[clusters_[s].pixel] = 1;
     } else if (share >= kMinShare && is_needed(lamp)) {
       const bool may_dominate = factors.of(l, s) * lamp.brightness() > visible_light[s];
-      const bool seen_by_others = seen_[l] > (probes[s].visible > 0);
+      const bool seen_by_others = probes_.reaching(l) > (probes[s].visible > 0);
       if (may_dominate && seen_by_others && !lamp.light.is_point() && visibility[s].samples.visible_fraction() < kDim)
         dim.push_back(std::uint32_t(s));
       else if (visibility[s].samples.partial())
@@ -140,7 +137,8 @@ void TileLight::add_lamp(std::size_t l, const Factors& factors, const std::vecto
   spread(residuals, takes_part, values);
   for (std::size_t s = 0; s < clusters_.size(); ++s) {
     if (!takes_part(s) || values[s] == 0) continue;
-    const float factor = values[s] * float(clusters_[s].terminator(lamp.light));
+    const Color tint = sums[s].seen > 0 ? sums[s].tint() : probes_.tint(l, s);
+    const Color factor = tint * (values[s] * float(clusters_[s].terminator(lamp.light)));
     add_light(s, std::size_t(lamp.group), lamp.unscaled * factor, lamp.exitance * factor);
   }
 }
@@ -183,33 +181,6 @@ bool TileLight::add_probed(const ShadingPoint& point, std::span<Color> pixels) c
   return true;
 }
 
-/// By the probes of a cluster's neighbours.
-TileLight::LocalVisibility TileLight::local_visibility(std::size_t lamp, std::size_t cluster) const {
-  const Counts* counts = counts_.data() + lamp * clusters_.size();
-  Visibility same;
-  bool lit = false, dark = false;
-  for (const std::int32_t s : clusters_.neighbours()[cluster]) {
-    if (s < 0) continue;
-    lit = lit || (counts[s].hidden == 0 && counts[s].visible > 0);
-    dark = dark || (counts[s].visible == 0 && counts[s].hidden > 0);
-    if (std::size_t(s) != cluster) same.add(counts[s]);
-  }
-  if (same.visible + same.hidden < kMinProbes) {
-    same = pixel_visibility(lamp, clusters_[cluster].pixel);
-    same.visible -= counts[cluster].visible;
-    same.hidden -= counts[cluster].hidden;
-  }
-  return {same, lit && dark};
-}
-
-/// By all probes from a pixel and its neighbours.
-Visibility TileLight::pixel_visibility(std::size_t lamp, std::uint32_t pixel) const {
-  const Counts* counts = counts_.data() + lamp * clusters_.size();
-  Visibility all;
-  clusters_.for_each_around(pixel, [&](std::uint32_t s) { all.add(counts[s]); });
-  return all;
-}
-
 void TileLight::add(std::vector<ShadingPoint>& points, std::span<Color> pixels) const {
   const std::vector<Lamp>& lamps = lights_.lamps();
   if (points.empty()) return;
@@ -232,10 +203,10 @@ void TileLight::add(std::vector<ShadingPoint>& points, std::span<Color> pixels) 
     std::fill(samples.begin(), samples.end(), LightSamples{});
     for (std::size_t s = 0; s < clusters.size(); ++s) {
       if (factors.of(l, s) <= 0) continue;
-      visibility[s] =
-          probed[s] >= 0 ? local_visibility(l, std::size_t(probed[s])).samples : pixel_visibility(l, clusters[s].pixel);
+      visibility[s] = probed[s] >= 0 ? probes_.around(l, std::size_t(probed[s])).samples
+                                     : probes_.around_pixel(l, clusters[s].pixel);
       own[s] = {};
-      if (probed[s] >= 0) own[s].add(counts_[l * clusters_.size() + std::size_t(probed[s])]);
+      if (probed[s] >= 0) own[s] = probes_.of(l, std::size_t(probed[s]));
       if (clusters[s].points.size() < points_of_pixel[clusters[s].pixel])
         sample_lamp(lamps[l], clusters[s], probe_count(factors.share(lamps[l], l, s)),
                     kronecker_places(hash64(seeds[s] + 2 * l)), rays, probes[s]);
@@ -246,7 +217,7 @@ void TileLight::add(std::vector<ShadingPoint>& points, std::span<Color> pixels) 
       own[s].add(probes[s]);
       const float share = factors.share(lamps[l], l, s);
       const bool scattered = clusters[s].scattered;  // then visibility from other points tells nothing
-      const bool may_be_found = visibility[s].visible == 0 && seen_[l] != 0;
+      const bool may_be_found = visibility[s].visible == 0 && probes_.reaching(l) != 0;
       const bool unknown = own[s].visible + own[s].hidden == 0;  // all probes went below the horizon
       const bool partial = visibility[s].partial() || scattered || may_be_found;
       if (!unknown && (!partial || share < kMinShare)) continue;
@@ -262,7 +233,10 @@ void TileLight::add(std::vector<ShadingPoint>& points, std::span<Color> pixels) 
       if (visibility[s].partial()) own[s].add(visibility[s]);
       const float visible = samples[s].count > 0 ? visible_factor(factors.of(l, s), samples[s], visibility[s])
                                                  : factors.of(l, s) * own[s].visible_fraction();
-      const float factor = visible * float(cluster.terminator(lamps[l].light));
+      probes[s].add_light(samples[s]);
+      const bool is_known = probes[s].seen > 0 || probed[s] < 0;
+      const Color tint = is_known ? probes[s].tint() : probes_.tint(l, std::size_t(probed[s]));
+      const Color factor = tint * (visible * float(cluster.terminator(lamps[l].light)));
       add_light(cluster, std::size_t(lamps[l].group), lamps[l].unscaled * factor, lamps[l].exitance * factor, pixels);
     }
   }

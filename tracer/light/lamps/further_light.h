@@ -4,7 +4,7 @@
 
 #include "pipeline/optics/lights/further_lights.h"
 #include "pipeline/optics/lights/shadow_rays.h"
-#include "tracer/light/shading_cluster.h"
+#include "tracer/light/lamps/shading_cluster.h"
 
 namespace patchlight {
 

@@ -2,8 +2,9 @@
 #include <optional>
 
 #include "pipeline/optics/lights/shadow_rays.h"
-#include "tracer/light/guided_light.h"
-#include "tracer/light/tile_further_light.h"
+#include "tracer/light/lamps/guided_light.h"
+#include "tracer/light/lamps/lamp_probes.h"
+#include "tracer/light/lamps/tile_further_light.h"
 #include "tracer/output/layer_sums.h"
 
 namespace patchlight {
@@ -53,13 +54,6 @@ class TileLight {
     }
   };
 
-  /// Visibility of a lamp around a cluster.
-  struct LocalVisibility {
-    Visibility samples;
-    bool sharp = false;  ///< Some neighbours see all of the lamp, and others none of it.
-  };
-  LocalVisibility local_visibility(std::size_t lamp, std::size_t cluster) const;
-  Visibility pixel_visibility(std::size_t lamp, std::uint32_t pixel) const;
   std::vector<LightSamples> probe_lamp(std::size_t lamp, const Factors& factors) const;
   /// `visible_light`: of all lamps at the clusters, by the probes, W/m2, sum of channels.
   void add_lamp(std::size_t lamp, const Factors& factors, const std::vector<LightSamples>& probes,
@@ -84,11 +78,7 @@ class TileLight {
   LayerSums* const layers_;
   TileClusters clusters_;
   std::optional<TileFurtherLight> tile_further_;
-  struct Counts {
-    std::uint8_t visible = 0, hidden = 0;
-  };
-  std::vector<Counts> counts_;       ///< [lamps][clusters].
-  std::vector<std::uint32_t> seen_;  ///< [lamps]: number of clusters with a probe that reaches the lamp.
+  LampProbes probes_;
   std::vector<std::uint8_t> sharp_;
   std::vector<Color> irradiance_;                        ///< [clusters] W/m2, at requested pixels.
   std::vector<std::vector<Color>> irradiance_by_group_;  ///< [groups][clusters], at the scene's own strength.

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "pipeline/optics/lights/visible_cells.h"
-#include "tracer/light/tile_clusters.h"
+#include "tracer/light/lamps/tile_clusters.h"
 
 namespace patchlight {
 

@@ -1,4 +1,4 @@
-#include "tracer/light/explicit_lights.h"
+#include "tracer/light/lamps/explicit_lights.h"
 
 namespace patchlight {
 

@@ -1,4 +1,4 @@
-#include "tracer/light/tile_clusters.h"
+#include "tracer/light/lamps/tile_clusters.h"
 
 #include <utility>
 

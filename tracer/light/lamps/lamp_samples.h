@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "pipeline/optics/lights/shadow_rays.h"
-#include "tracer/light/shading_cluster.h"
+#include "tracer/light/lamps/shading_cluster.h"
 
 namespace patchlight {
 

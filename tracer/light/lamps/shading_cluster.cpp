@@ -1,4 +1,4 @@
-#include "tracer/light/shading_cluster.h"
+#include "tracer/light/lamps/shading_cluster.h"
 
 #include <algorithm>
 #include <cmath>

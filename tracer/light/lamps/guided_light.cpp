@@ -1,7 +1,7 @@
-#include "tracer/light/guided_light.h"
+#include "tracer/light/lamps/guided_light.h"
 
 #include "pipeline/optics/sampling/random.h"
-#include "tracer/light/lamp_samples.h"
+#include "tracer/light/lamps/lamp_samples.h"
 
 namespace patchlight {
 

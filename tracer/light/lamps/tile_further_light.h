@@ -1,6 +1,6 @@
 #pragma once
-#include "tracer/light/further_light.h"
-#include "tracer/light/tile_clusters.h"
+#include "tracer/light/lamps/further_light.h"
+#include "tracer/light/lamps/tile_clusters.h"
 
 namespace patchlight {
 

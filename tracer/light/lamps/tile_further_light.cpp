@@ -1,11 +1,11 @@
-#include "tracer/light/tile_further_light.h"
+#include "tracer/light/lamps/tile_further_light.h"
 
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <map>
 
-#include "tracer/light/lamp_samples.h"
+#include "tracer/light/lamps/lamp_samples.h"
 
 namespace patchlight {
 
@@ -93,9 +93,9 @@ bool TileFurtherLight::sharp(std::size_t s, float brightness) const {
   bool dark = false;
   for (const std::int32_t t : clusters_.neighbours()[s]) {
     if (t < 0) continue;
-    const auto& [visible, hidden] = probes_[t].visibility;
-    if (hidden == 0) lit = std::max(lit, probes_[t].brightness());
-    dark = dark || (visible == 0 && hidden > 0);
+    const Visibility& visibility = probes_[t].visibility;
+    if (visibility.hidden == 0) lit = std::max(lit, probes_[t].brightness());
+    dark = dark || (visibility.visible == 0 && visibility.hidden > 0);
   }
   return dark && lit > kMinSharpRatio * brightness;
 }

@@ -2,7 +2,7 @@
 #include <span>
 #include <vector>
 
-#include "tracer/light/explicit_lights.h"
+#include "tracer/light/lamps/explicit_lights.h"
 
 namespace patchlight {
 

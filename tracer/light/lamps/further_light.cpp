@@ -1,9 +1,9 @@
-#include "tracer/light/further_light.h"
+#include "tracer/light/lamps/further_light.h"
 
 #include <algorithm>
 
 #include "pipeline/optics/sampling/sobol.h"
-#include "tracer/light/lamp_samples.h"
+#include "tracer/light/lamps/lamp_samples.h"
 
 namespace patchlight {
 
@@ -134,10 +134,13 @@ void FurtherLight::cast(const ShadingCluster& cluster, std::span<const Chosen> c
   std::array<Target, RayPacket::kSize> targets;
   int lane = 0;
   const auto cast_packet = [&] {
-    const std::uint32_t occluded = ray_scene_.occluded(packet);
+    const std::uint32_t visible = ~ray_scene_.occluded(packet) & ((1u << lane) - 1);
+    const RayScene::Transmittances passed = ray_scene_.transmittances(packet, visible);
     for (int k = 0; k < lane; ++k) {
-      const bool hidden = (occluded >> k & 1u) != 0;
-      (hidden ? targets[k].sums->missed : targets[k].sums->seen) += targets[k].light;
+      const bool hidden = (visible >> k & 1u) == 0;
+      const Color seen = hidden ? Color(0.0f) : targets[k].light * passed[k];
+      targets[k].sums->seen += seen;
+      targets[k].sums->missed += targets[k].light - seen;
       ++(hidden ? samples.visibility.hidden : samples.visibility.visible);
     }
     packet.clear();

@@ -1,5 +1,5 @@
 #pragma once
-#include "tracer/light/further_light.h"
+#include "tracer/light/lamps/further_light.h"
 
 namespace patchlight {
 

@@ -1,4 +1,4 @@
-#include "tracer/light/lamp_samples.h"
+#include "tracer/light/lamps/lamp_samples.h"
 
 #include <algorithm>
 #include <cmath>

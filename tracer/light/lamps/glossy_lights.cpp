@@ -1,4 +1,4 @@
-#include "tracer/light/glossy_lights.h"
+#include "tracer/light/lamps/glossy_lights.h"
 
 #include <algorithm>
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "pipeline/optics/sampling/random.h"
-#include "tracer/light/shading_cluster.h"
+#include "tracer/light/lamps/shading_cluster.h"
 
 namespace patchlight {
 

@@ -1,0 +1,89 @@
+#include "importers/gltf/read/material_layers.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "pipeline/model/error.h"
+
+namespace patchlight {
+namespace {
+
+constexpr double kMaxIor = 100;
+constexpr double kDefaultIor = 1.5;
+constexpr double kLeastPassed = 1e-6;  // of an attenuation colour, so that absorption is finite
+
+tinygltf::Value extension(const tinygltf::Material& source, const char* key) {
+  const auto found = source.extensions.find(key);
+  return found == source.extensions.end() ? tinygltf::Value() : found->second;
+}
+
+double number(const tinygltf::Value& in, const char* key, double absent) {
+  return in.Has(key) ? in.Get(key).GetNumberAsDouble() : absent;
+}
+
+}  // namespace
+
+void refuse_material(const GltfModel& model, const std::string& material, const std::string& what,
+                     const std::string& range) {
+  throw Error(ExitCode::bad_data, what, fmt::format("{}, material '{}'", model.file.name, material),
+              fmt::format("it must be {}; correct the material or override it in the job's `materials`", range));
+}
+
+Coat read_coat(const tinygltf::Material& source, const GltfModel& model, const std::string& name) {
+  const tinygltf::Value specular = extension(source, "KHR_materials_specular");
+  const double ior = number(extension(source, "KHR_materials_ior"), "ior", 1.5);
+  const double factor = number(specular, "specularFactor", 1.0);
+  if (!(factor >= 0 && factor <= 1))
+    refuse_material(model, name, fmt::format("its specular factor is {}", factor), "in [0, 1]");
+  if (ior != 0 && !(ior >= 1 && ior <= kMaxIor))
+    refuse_material(model, name, fmt::format("its index of refraction is {}", ior),
+                    fmt::format("0 or in [1, {}]", kMaxIor));
+  // An index of 0 stands for a reflectance of 1 (compatibility with specular-glossiness).
+  const double least = ior == 0 ? 1.0 : (ior - 1) * (ior - 1) / ((ior + 1) * (ior + 1));
+  Color tint(1.0f);
+  if (specular.Has("specularColorFactor"))
+    for (int k = 0; k < 3; ++k)
+      tint[k] = static_cast<float>(specular.Get("specularColorFactor").Get(k).GetNumberAsDouble());
+  for (int k = 0; k < 3; ++k)
+    if (!(tint[k] >= 0))
+      refuse_material(model, name, fmt::format("its specular colour is {}", tint[k]), "not negative");
+  Coat coat;
+  for (int k = 0; k < 3; ++k)
+    coat.normal[k] = static_cast<float>(std::min(least * static_cast<double>(tint[k]), 1.0) * factor);
+  coat.grazing = static_cast<float>(factor);
+  coat.ior = ior >= 1 && tint == Color(1.0f) ? static_cast<float>(ior) : 0.0f;
+  return coat;
+}
+
+Transmission read_transmission(const tinygltf::Material& source, SceneTextures& textures, bool used,
+                               const std::string& name) {
+  Transmission result;
+  const tinygltf::Value glass = extension(source, "KHR_materials_transmission");
+  double part = number(glass, "transmissionFactor", 0.0);
+  if (!(part >= 0 && part <= 1))
+    refuse_material(textures.model(), name, fmt::format("its transmission factor is {}", part), "in [0, 1]");
+  if (part > 0 && used && glass.Has("transmissionTexture")) {
+    tinygltf::TextureInfo info;
+    info.index = glass.Get("transmissionTexture").Get("index").GetNumberAsInt();
+    part *= textures.mean(info, TextureEncoding::linear).x;
+  }
+  if (!(part > 0)) return result;
+  result.part = static_cast<float>(part);
+  const double ior = number(extension(source, "KHR_materials_ior"), "ior", kDefaultIor);
+  result.ior = static_cast<float>(ior >= 1 ? ior : kDefaultIor);
+  const tinygltf::Value volume = extension(source, "KHR_materials_volume");
+  result.solid = number(volume, "thicknessFactor", 0.0) > 0;
+  const double distance = number(volume, "attenuationDistance", 0.0);
+  if (!result.solid || !(distance > 0) || !volume.Has("attenuationColor")) return result;
+  for (int k = 0; k < 3; ++k) {
+    const double passed = volume.Get("attenuationColor").Get(k).GetNumberAsDouble();
+    if (!(passed >= 0 && passed <= 1))
+      refuse_material(textures.model(), name, fmt::format("its attenuation colour is {}", passed), "in [0, 1]");
+    result.absorption[k] = static_cast<float>(-std::log(std::max(passed, kLeastPassed)) / distance);
+  }
+  return result;
+}
+
+}  // namespace patchlight

@@ -1,0 +1,22 @@
+#pragma once
+#include <string>
+
+#include "importers/gltf/read/scene_textures.h"
+#include "pipeline/model/patch_set.h"
+
+namespace patchlight {
+
+/// Throws: Error (bad_data): `what` is wrong with a material; `range`: of the values that are allowed.
+[[noreturn]] void refuse_material(const GltfModel& model, const std::string& material, const std::string& what,
+                                  const std::string& range);
+
+/// The dielectric layer over a material's diffuse part, by `KHR_materials_ior` and `KHR_materials_specular`.
+/// Throws: Error (bad_data) for values out of range.
+Coat read_coat(const tinygltf::Material& source, const GltfModel& model, const std::string& name);
+
+/// What a material lets pass, by `KHR_materials_transmission` and `_volume`, without its tint. `used`: the mean of the
+/// texture counts. Throws: Error (bad_data) for values out of range, and as SceneTextures::mean does.
+Transmission read_transmission(const tinygltf::Material& source, SceneTextures& textures, bool used,
+                               const std::string& name);
+
+}  // namespace patchlight

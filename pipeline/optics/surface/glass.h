@@ -1,0 +1,35 @@
+#pragma once
+#include <optional>
+
+#include "pipeline/optics/surface/specular.h"
+
+namespace patchlight {
+
+/// Reflectance of a surface that lets light pass, for the cosine of the angle to a facet. `inside`: of a body, where
+/// the reflection may be total.
+Color glass_reflectance(const SpecularProperties& specular, const Transmission& transmission, float cosine,
+                        bool inside);
+
+/// Cosine outside of a body of index `ior`, for that inside; 0 where the reflection is total.
+float outer_cosine(float ior, float inner_cosine);
+/// Cosine inside of a body of index `ior`, for that outside.
+float inner_cosine(float ior, float outer_cosine);
+
+/// The part of light that a body absorbs none of along `length`, m.
+Color unabsorbed(const Transmission& transmission, float length);
+
+/// The two ways on from a facet of glass: unit vectors, and the part of the light that goes there. What passes is yet
+/// to be multiplied by the part that is transmitted at all, and by its tint.
+struct GlassWays {
+  Vec3f reflection{0.0f}, passage{0.0f};
+  Color reflected{0.0f}, passed{0.0f};
+};
+
+/// For a ray in `direction` (unit vector, towards the surface). `normal`: on the ray's side. The point `at` of the unit
+/// square selects a facet of a rough surface (Walter et al. 2007, "Microfacet models for refraction through rough
+/// surfaces"). A thin sheet passes light straight; a rough one as if it reflected it and then mirrored it by its plane,
+/// as glTF has it.
+GlassWays glass_ways(const SpecularProperties& specular, const Transmission& transmission, const Vec3f& normal,
+                     bool inside, const Vec2f& at, const Vec3f& direction);
+
+}  // namespace patchlight
