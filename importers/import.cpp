@@ -43,7 +43,7 @@ PrimitiveList build_primitives(const GltfScene& scene, const Job& job, Progress&
                     "are shaded flat",
                     list.invalid_normals));
   if (!list.texcoords.empty()) list.texcoords.resize(list.primitives.size(), kIdentityTexcoords);
-  for (auto* texcoords : {&list.emission_texcoords, &list.metallic_roughness_texcoords}) {
+  for (auto* texcoords : {&list.emission_texcoords, &list.metallic_roughness_texcoords, &list.normal_texcoords}) {
     if (texcoords->empty()) continue;
     texcoords->resize(list.primitives.size(), kNoTexcoords);
     for (std::size_t i = 0; i < texcoords->size(); ++i)
@@ -64,7 +64,7 @@ std::vector<Material> stored_materials(const std::vector<SurfaceMaterial>& mater
   for (const SurfaceMaterial& material : materials)
     result.push_back({material.name, material.specular, material.roughness, material.tint, material.alpha,
                       material.alpha_cutoff, material.metal, material.roughness_factor, material.emission_tint,
-                      material.coat, material.transmission});
+                      material.coat, material.transmission, material.normal_scale});
   return result;
 }
 
@@ -155,6 +155,7 @@ PatchSet import_scene(const Job& job, Progress& progress) {
   set.texcoords = std::move(list.texcoords);
   set.emission_texcoords = std::move(list.emission_texcoords);
   set.metallic_roughness_texcoords = std::move(list.metallic_roughness_texcoords);
+  set.normal_texcoords = std::move(list.normal_texcoords);
   set.colors = std::move(list.colors);
   set.normals = std::move(list.normals);
   set.shaders = scene.shaders;

@@ -41,6 +41,9 @@ struct SurfaceMaterial {
   Color emission_tint{0.0f};                     ///< Factor of the emission texture, W/m2; `emission` is the mean.
   std::int32_t metallic_roughness_texture = -1;  ///< Among the scene's textures; -1: none.
   TextureMapping metallic_roughness_mapping{};
+  std::int32_t normal_texture = -1;  ///< Among the scene's textures; -1: none.
+  TextureMapping normal_mapping{};
+  float normal_scale = 1.0f;
   float mean_metallic = 1.0f;     ///< Mean of the metallic channel of that texture.
   float roughness_factor = 1.0f;  ///< Factor of that texture's roughness channel; `roughness` is the mean.
   Color metal{0.0f};              ///< Factor of base colour texture times metallic channel; `specular` is the mean.
@@ -58,7 +61,7 @@ struct SurfaceMaterial {
   /// The textures' mappings without duplicates. The first is `mapping`, which shaders use too.
   struct Mappings {
     std::vector<TextureMapping> all;
-    std::size_t emission = 0, metallic_roughness = 0;  ///< Indices into `all` of the mappings that these textures use.
+    std::size_t emission = 0, metallic_roughness = 0, normal = 0;  ///< Indices into `all` of what these textures use.
   };
   Mappings mappings() const {
     Mappings result{{mapping}};
@@ -71,9 +74,12 @@ struct SurfaceMaterial {
     };
     result.emission = index_of(emission_texture, emission_mapping);
     result.metallic_roughness = index_of(metallic_roughness_texture, metallic_roughness_mapping);
+    result.normal = index_of(normal_texture, normal_mapping);
     return result;
   }
-  bool has_texture() const { return texture >= 0 || emission_texture >= 0 || metallic_roughness_texture >= 0; }
+  bool has_texture() const {
+    return texture >= 0 || emission_texture >= 0 || metallic_roughness_texture >= 0 || normal_texture >= 0;
+  }
   bool emits() const { return emission != Color(0.0f); }
   /// Whether its surfaces have two sides with patches. That of a body of glass has one, and lets light out.
   bool has_two_sides() const { return double_sided && !transmission.solid; }

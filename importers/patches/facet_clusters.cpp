@@ -130,7 +130,8 @@ bool may_be_clustered(const Primitive& p, const SurfaceMaterial& material, const
 
 /// Facets with the same value are of one node, with the same material and pictures.
 auto kind_of(const Primitive& p) {
-  return std::tuple(p.node, p.material, p.shader, p.texture, p.metallic_roughness_texture, p.back < 0);
+  return std::tuple(p.node, p.material, p.shader, p.texture, p.metallic_roughness_texture, p.normal_texture,
+                    p.back < 0);
 }
 
 /// Parts of bodies that are connected: facets of a part with a common neighbour are together. -1: not in a cluster.
@@ -216,6 +217,7 @@ std::vector<FacetCluster> cluster_facets(const std::vector<SurfaceMaterial>& mat
   reorder(order, list.texcoords);
   reorder(order, list.emission_texcoords);
   reorder(order, list.metallic_roughness_texcoords);
+  reorder(order, list.normal_texcoords);
   reorder(order, list.colors);
   reorder(order, list.normals);
   return clusters;

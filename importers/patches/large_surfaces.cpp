@@ -180,6 +180,7 @@ class Rebuilder {
     list.texcoords = std::move(list_.texcoords);
     list.emission_texcoords = std::move(list_.emission_texcoords);
     list.metallic_roughness_texcoords = std::move(list_.metallic_roughness_texcoords);
+    list.normal_texcoords = std::move(list_.normal_texcoords);
     list.colors = std::move(list_.colors);
     list.normals = std::move(list_.normals);
     list.smooth_vertices += new_vertices_;
@@ -200,6 +201,7 @@ class Rebuilder {
     };
     interpolate(before_.emission_texcoords, list_.emission_texcoords);
     interpolate(before_.metallic_roughness_texcoords, list_.metallic_roughness_texcoords);
+    interpolate(before_.normal_texcoords, list_.normal_texcoords);
     interpolate(before_.colors, list_.colors);
     interpolate(before_.normals, list_.normals);
     if (!list_.normals.empty())

@@ -170,6 +170,7 @@ void append_primitives(const Surface& surface, const SurfaceMaterial& material, 
     if (has_mapping(mappings.emission)) primitive.emission_texture = material.emission_texture;
     if (has_mapping(mappings.metallic_roughness))
       primitive.metallic_roughness_texture = material.metallic_roughness_texture;
+    if (has_mapping(mappings.normal)) primitive.normal_texture = material.normal_texture;
     if (surface.is_masked && (has_mapping(0) || material.masked_by_vertices_only || material.has_uniform_mask))
       primitive.mask = material.mask;
     append(primitive, material.has_two_sides(), smooth_count, list);
@@ -179,7 +180,8 @@ void append_primitives(const Surface& surface, const SurfaceMaterial& material, 
     };
     if (has_mapping(0)) append_corners(at_corners(topology.texcoords[0]), kIdentityTexcoords, list, list.texcoords);
     for (const auto& [mapping, corners] : {std::pair(mappings.emission, &list.emission_texcoords),
-                                           std::pair(mappings.metallic_roughness, &list.metallic_roughness_texcoords)})
+                                           std::pair(mappings.metallic_roughness, &list.metallic_roughness_texcoords),
+                                           std::pair(mappings.normal, &list.normal_texcoords)})
       if (mapping > 0 && has_mapping(mapping))
         append_corners(at_corners(topology.texcoords[mapping]), kNoTexcoords, list, *corners);
     if (!topology.colors.empty()) append_corners(at_corners(topology.colors), kWhiteVertices, list, list.colors);

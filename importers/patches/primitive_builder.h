@@ -24,6 +24,7 @@ struct PrimitiveList {
   /// As texcoords, of emission textures whose mapping differs from the base colour's; otherwise kNoTexcoords.
   std::vector<Texcoords> emission_texcoords{};
   std::vector<Texcoords> metallic_roughness_texcoords{};  ///< The same for metallic-roughness textures.
+  std::vector<Texcoords> normal_texcoords{};              ///< The same for normal textures.
   std::vector<CornerColors> colors;                       ///< By primitive, up to the last one with vertex colours.
   std::vector<CornerNormals> normals{};                   ///< By primitive, up to the last curved one.
   std::int32_t smooth_vertices = 0;                       ///< Number of smooth vertices.

@@ -10,10 +10,10 @@ namespace patchlight {
 namespace {
 
 // Raised whenever a stage computes different results from the same inputs.
-constexpr int kImportVersion = 18;
+constexpr int kImportVersion = 19;
 constexpr int kTransportKeyVersion = 43;
 constexpr int kSolveVersion = 43;
-constexpr int kTraceVersion = 22;
+constexpr int kTraceVersion = 23;
 
 void add_color(KeyHasher& hasher, const std::optional<Color>& color) {
   hasher.add(color.has_value());

@@ -36,7 +36,8 @@ struct Primitive {
   std::int32_t emission_texture = -1;  ///< Index into PatchSet::textures; -1: none.
   /// Index into PatchSet::textures; -1: none. Green is roughness, blue is metalness, both linear.
   std::int32_t metallic_roughness_texture = -1;
-  std::int32_t mask = -1;  ///< Alpha mask: index into PatchSet::masks; -1: none.
+  std::int32_t normal_texture = -1;  ///< Index into PatchSet::textures, of tangent space; -1: none.
+  std::int32_t mask = -1;            ///< Alpha mask: index into PatchSet::masks; -1: none.
   std::array<Vec3d, 4> corners{Vec3d(0.0), Vec3d(0.0), Vec3d(0.0), Vec3d(0.0)};  ///< m; zeros for a sphere.
   Vec3d sphere_center{0.0};                                                      ///< m; zero for a quad.
   double sphere_radius = 0.0;     ///< m; negative: lit inside. Zero for a quad.
@@ -94,6 +95,7 @@ struct Material {
   Color emission_tint{0.0f};      ///< Radiant exitance of a white texel of the emission texture, W/m2.
   Coat coat{};
   Transmission transmission{};
+  float normal_scale = 1.0f;  ///< Of the x and y of normal textures.
 };
 
 /// Texture coordinates at corners 0 to 3 of a primitive, bilinear between them; shaders see them as (u,v).
@@ -174,6 +176,7 @@ struct PatchSet {
   std::vector<Texcoords> texcoords;             ///< [primitives]; empty: texture coordinates are the primitives' (u,v).
   std::vector<Texcoords> emission_texcoords{};  ///< For emission textures; empty: `texcoords`.
   std::vector<Texcoords> metallic_roughness_texcoords{};  ///< For these textures; empty: `texcoords`.
+  std::vector<Texcoords> normal_texcoords{};              ///< For normal textures; empty: `texcoords`.
   std::vector<CornerColors> colors;                       ///< [primitives] Vertex colours; empty: none.
   std::vector<CornerNormals> normals{};                   ///< [primitives]; empty: all are flat.
 

@@ -28,7 +28,7 @@ bool PathTracer::pass(const SurfaceHit& hit, const SurfacePoint& point, int lane
   const Vec3f in = packet.direction(lane);
   const bool inside = glass.solid && !hit.front;
   const Vec3f facing = (in ^ point.normal) < 0 ? point.normal : -point.normal;
-  Vec3f normal = normals_(hit.primitive, hit.u, hit.v, point.normal);
+  Vec3f normal = normals_.mapped(hit.primitive, hit.u, hit.v, normals_(hit.primitive, hit.u, hit.v, point.normal));
   if ((normal ^ facing) < 0) normal = -normal;
   normal = valid_for_viewer(normal, facing, -in);
   if (inside) path.throughput *= unabsorbed(glass, hit.t);

@@ -104,9 +104,10 @@ bool PathTracer::shade(RayPacket& packet, int lane, Path& path, const CameraRays
     return is_passable && !path.central && pass(hit, point, lane, path, packet, sums);
   }
   SolvedSurfaces::Colors colors = surfaces_.colors(hit);
-  const Vec3f smooth = normals_(hit.primitive, hit.u, hit.v, point.normal);
+  const Vec3f of_mesh = normals_(hit.primitive, hit.u, hit.v, point.normal);
+  const Vec3f smooth = normals_.mapped(hit.primitive, hit.u, hit.v, of_mesh);
   const Vec3f normal = valid_for_viewer(smooth, point.normal, -direction);
-  if (!path.faint) features.normal = normal;
+  if (!path.faint) features.normal = of_mesh;
   if (in_layers) add_surface({features.depth, point.position, normal, colors.reflectance, std::uint32_t(colors.patch)});
   if (path.central) return false;
   const std::int32_t material = scene_.primitives[hit.primitive].material;

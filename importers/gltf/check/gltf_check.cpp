@@ -96,6 +96,8 @@ void check_materials(GltfLists& gltf) {
     check_string(material, "name", place);
     check_numbers(material, "emissiveFactor", 3, place);
     check_texture_info(gltf, material, "emissiveTexture", place);
+    check_texture_info(gltf, material, "normalTexture", place);
+    if (const Json* normal = find_member(material, "normalTexture")) check_number(*normal, "scale", place);
     if (material.contains("occlusionTexture"))
       gltf.ignored.insert("occlusion textures are ignored: shading by nearby surfaces is computed");
     check_string(material, "alphaMode", place);
@@ -152,6 +154,7 @@ std::set<int> used_texcoords(const GltfLists& gltf) {
     add(pbr, "baseColorTexture");
     add(pbr, "metallicRoughnessTexture");
     add(&material, "emissiveTexture");
+    add(&material, "normalTexture");
     add(find_specular_glossiness(material, place), "diffuseTexture");
   });
   return sets;

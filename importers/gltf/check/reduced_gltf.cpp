@@ -70,6 +70,10 @@ Json reduced_material(const Json& material) {
   if (const Json* emissive = find_member(material, "emissiveTexture")) {
     result["emissiveTexture"] = reduced_texture(*emissive);
   }
+  if (const Json* normal = find_member(material, "normalTexture")) {
+    Json& reduced = result["normalTexture"] = reduced_texture(*normal);
+    if (const Json* scale = find_member(*normal, "scale")) reduced["scale"] = *scale;
+  }
   const std::string file;
   const Json* glossy = find_specular_glossiness(material, {file});
   const Json dielectric = glossy ? dielectric_of(*glossy) : Json();

@@ -104,6 +104,15 @@ SurfaceMaterial read_material(const tinygltf::Material& source, bool used, Scene
   material.emission_tint = color(emissive);
   if (material.emits()) material.emission_texture = emission_texture;
   material.emission_mapping = mapping_of(source.emissiveTexture);
+  if (!unlit) {
+    tinygltf::TextureInfo info;
+    info.index = source.normalTexture.index;
+    info.texCoord = source.normalTexture.texCoord;
+    info.extensions = source.normalTexture.extensions;
+    material.normal_texture = read(info, TextureEncoding::linear).second;
+    material.normal_mapping = mapping_of(info);
+    material.normal_scale = static_cast<float>(source.normalTexture.scale);
+  }
   material.double_sided = source.doubleSided;
   if (source.extras.Has("light_group") && source.extras.Get("light_group").IsString()) {
     material.light_group = source.extras.Get("light_group").Get<std::string>();

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "pipeline/formats/patches/patch_clusters.h"
-#include "pipeline/formats/patches/patch_coats.h"
 #include "pipeline/formats/patches/patch_cuts.h"
+#include "pipeline/formats/patches/patch_materials.h"
 #include "pipeline/formats/patches/patch_regions.h"
 #include "pipeline/job/expression.h"
 
@@ -104,6 +104,8 @@ PatchFault reference_fault(const PatchSet& scene, const Primitive& p) {
     return {"an index out of range", "/primitives/emission_texture"};
   if (!is_there(p.metallic_roughness_texture, scene.metallic_roughness_texcoords))
     return {"an index out of range", "/primitives/finish_texture"};
+  if (!is_there(p.normal_texture, scene.normal_texcoords))
+    return {"an index out of range", "/primitives/normal_texture"};
   if (p.mask != -1 && (!index_of(p.mask, scene.masks.size()) || p.shape != Primitive::Shape::quad))
     return {"a mask that is not there, or of no quad", "/primitives/mask"};
   if (p.back >= 0 && scene.primitives[p.back].mask != p.mask)
@@ -124,6 +126,7 @@ PatchFault texcoord_fault(const PatchSet& scene, const std::vector<Texcoords>& t
 PatchFault texture_fault(const PatchSet& scene) {
   if (PatchFault fault = texcoord_fault(scene, scene.texcoords, "/primitives/texcoord")) return fault;
   if (PatchFault fault = texcoord_fault(scene, scene.emission_texcoords, "/primitives/emission_texcoord")) return fault;
+  if (PatchFault fault = texcoord_fault(scene, scene.normal_texcoords, "/primitives/normal_texcoord")) return fault;
   return texcoord_fault(scene, scene.metallic_roughness_texcoords, "/primitives/finish_texcoord");
 }
 
@@ -277,10 +280,7 @@ PatchFault find_fault(const PatchSet& scene) {
     if (PatchFault fault = patch_fault(scene, patch)) return fault;
   }
   for (const Material& m : scene.materials)
-    if (!within(m.specular, 0.0f, 1.0f) || !within(m.tint, 0.0f, 1.0f) || !within(m.metal, 0.0f, 1.0f) ||
-        !within(m.emission_tint, 0.0f, 3e38f) || !(m.roughness >= 0 && m.roughness <= 1) ||
-        !(m.roughness_factor >= 0 && m.roughness_factor <= 1) || !is_valid(m.coat) || !is_valid(m.transmission))
-      return {"a value out of range", "/materials"};
+    if (!is_valid(m)) return {"a value out of range", "/materials"};
   for (const Camera& camera : scene.cameras)
     for (const double* x = &camera.to_world.x[0][0]; x != &camera.to_world.x[0][0] + 16; ++x)
       if (!std::isfinite(*x) || !(camera.vertical > 0 && std::isfinite(camera.vertical)))

@@ -25,6 +25,7 @@ void for_each_corner_value(PatchSet& scene, ClusterFacets& facets, Act act) {
   act(scene.texcoords, facets.texcoords, kIdentityTexcoords);
   act(scene.emission_texcoords, facets.emission_texcoords, kIdentityTexcoords);
   act(scene.metallic_roughness_texcoords, facets.metallic_roughness_texcoords, kIdentityTexcoords);
+  act(scene.normal_texcoords, facets.normal_texcoords, kIdentityTexcoords);
   act(scene.colors, facets.colors, kWhiteVertices);
   act(scene.normals, facets.normals, kFlatNormals);
 }
@@ -165,6 +166,7 @@ void write_cluster_datasets(H5Writer& writer, const ClusterFacets& facets) {
   write_corners(writer, "/facets/texcoord", facets.texcoords);
   write_corners(writer, "/facets/emission_texcoord", facets.emission_texcoords);
   write_corners(writer, "/facets/finish_texcoord", facets.metallic_roughness_texcoords);
+  write_corners(writer, "/facets/normal_texcoord", facets.normal_texcoords);
   write_corners(writer, "/facets/color", facets.colors);
   write_corners(writer, "/facets/normals", facets.normals);
 }
@@ -199,6 +201,7 @@ void read_cluster_datasets(const H5Reader& reader, const std::vector<bool>& is_c
   read_corners(reader, "/facets/emission_texcoord", scene.emission_texcoords, count, facets.emission_texcoords);
   read_corners(reader, "/facets/finish_texcoord", scene.metallic_roughness_texcoords, count,
                facets.metallic_roughness_texcoords);
+  read_corners(reader, "/facets/normal_texcoord", scene.normal_texcoords, count, facets.normal_texcoords);
   read_corners(reader, "/facets/color", scene.colors, count, facets.colors);
   read_corners(reader, "/facets/normals", scene.normals, count, facets.normals);
   for (const CornerNormals& normals : facets.normals)

@@ -15,6 +15,7 @@ struct ClusterFacets {
   std::vector<Texcoords> texcoords;   ///< [facets], and so are the following; each empty as in PatchSet.
   std::vector<Texcoords> emission_texcoords;
   std::vector<Texcoords> metallic_roughness_texcoords;
+  std::vector<Texcoords> normal_texcoords;
   std::vector<CornerColors> colors;
   std::vector<CornerNormals> normals;
 };

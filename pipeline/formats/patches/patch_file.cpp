@@ -7,10 +7,10 @@
 #include "pipeline/formats/patches/patch_cameras.h"
 #include "pipeline/formats/patches/patch_check.h"
 #include "pipeline/formats/patches/patch_clusters.h"
-#include "pipeline/formats/patches/patch_coats.h"
 #include "pipeline/formats/patches/patch_cuts.h"
 #include "pipeline/formats/patches/patch_environment.h"
 #include "pipeline/formats/patches/patch_lights.h"
+#include "pipeline/formats/patches/patch_materials.h"
 #include "pipeline/formats/patches/patch_regions.h"
 #include "pipeline/formats/patches/patch_rows.h"
 #include "pipeline/formats/patches/patch_shaders.h"
@@ -230,6 +230,9 @@ void write_patches(const std::filesystem::path& file, PatchSet& scene) {
                                     "/primitives/color",
                                     "/primitives/emission_tex",
                                     "/primitives/finish_tex",
+                                    "/primitives/normal_tex",
+                                    "/materials/normal_scale",
+                                    "/facets/normal_tex",
                                     "/facets/texcoord",
                                     "/facets/emission_tex",
                                     "/facets/finish_tex",

@@ -194,6 +194,12 @@ void write_texture_datasets(H5Writer& writer, const PatchSet& scene) {
   }
   if (!scene.textures.empty() || !scene.colors.empty()) write_tints(writer, "/materials/tint", scene, &Material::tint);
   if (has_varying_metals(scene)) write_metallic_roughness(writer, scene);
+  if (any_has(scene, &Primitive::normal_texture)) {
+    write_indices(writer, "/primitives/normal_texture", scene, &Primitive::normal_texture);
+    std::vector<float> scales;
+    for (const Material& m : scene.materials) scales.push_back(m.normal_scale);
+    writer.dataset<float>("/materials/normal_scale", scales);
+  }
   if (any_has(scene, &Primitive::emission_texture)) {
     write_indices(writer, "/primitives/emission_texture", scene, &Primitive::emission_texture);
     write_tints(writer, "/materials/emission_tint", scene, &Material::emission_tint);
@@ -204,6 +210,7 @@ void write_texture_datasets(H5Writer& writer, const PatchSet& scene) {
   write_texcoords(writer, "/primitives/texcoord", scene.texcoords);
   write_texcoords(writer, "/primitives/emission_texcoord", scene.emission_texcoords);
   write_texcoords(writer, "/primitives/finish_texcoord", scene.metallic_roughness_texcoords);
+  write_texcoords(writer, "/primitives/normal_texcoord", scene.normal_texcoords);
 }
 
 std::vector<std::string> transport_textures(const PatchSet& scene) {
@@ -249,6 +256,11 @@ void read_texture_datasets(const H5Reader& reader, PatchSet& scene) {
     read_indices(reader, "/primitives/emission_texture", scene, &Primitive::emission_texture);
     read_tints(reader, "/materials/emission_tint", scene, &Material::emission_tint);
   }
+  if (reader.has("/primitives/normal_texture")) {
+    read_indices(reader, "/primitives/normal_texture", scene, &Primitive::normal_texture);
+    const auto scales = reader.dataset<float>("/materials/normal_scale", std::int64_t(scene.materials.size()));
+    for (std::size_t i = 0; i < scales.size(); ++i) scene.materials[i].normal_scale = scales[i];
+  }
   if (reader.has("/masks/shape")) read_masks(reader, scene);
   if (reader.has("/primitives/color")) read_colors(reader, scene);
   if (reader.has("/primitives/normals")) read_normals(reader, scene);
@@ -256,6 +268,7 @@ void read_texture_datasets(const H5Reader& reader, PatchSet& scene) {
   read_texcoords(reader, "/primitives/texcoord", count, scene.texcoords);
   read_texcoords(reader, "/primitives/emission_texcoord", count, scene.emission_texcoords);
   read_texcoords(reader, "/primitives/finish_texcoord", count, scene.metallic_roughness_texcoords);
+  read_texcoords(reader, "/primitives/normal_texcoord", count, scene.normal_texcoords);
 }
 
 }  // namespace patchlight

@@ -97,6 +97,17 @@ Vec2f roughness_metalness(const PatchSet& scene, std::int32_t i, double u, doubl
          255.0f;
 }
 
+const Texcoords& normal_texcoords(const PatchSet& scene, std::int32_t i) {
+  const auto& texcoords = scene.normal_texcoords.empty() ? scene.texcoords : scene.normal_texcoords;
+  return texcoords.empty() ? kIdentityTexcoords : texcoords[i];
+}
+
+Vec3f tangent_space_normal(const PatchSet& scene, std::int32_t i, double u, double v) {
+  const auto& texcoords = scene.normal_texcoords.empty() ? scene.texcoords : scene.normal_texcoords;
+  const Texture& texture = scene.textures[scene.primitives[i].normal_texture];
+  return filtered_value(texture, texcoord_of(texcoords, i, u, v), srgb_channels) * (2.0f / 255.0f) - Vec3f(1.0f);
+}
+
 Color base_color(const PatchSet& scene, std::int32_t i, double u, double v) {
   const Primitive& primitive = scene.primitives[i];
   const Vec4f vertex = vertex_color(scene, i, u, v);

@@ -20,6 +20,13 @@ Color base_color(const PatchSet& scene, std::int32_t i, double u, double v);
 /// Roughness and metalness, both in [0,1], by the texture that primitive `i` has for them.
 Vec2f roughness_metalness(const PatchSet& scene, std::int32_t i, double u, double v);
 
+/// A vector of the normal texture of primitive `i`, each component in [-1,1]: x along growing s, y against growing t, z
+/// out of the surface.
+Vec3f tangent_space_normal(const PatchSet& scene, std::int32_t i, double u, double v);
+
+/// Texture coordinates of normal textures at the corners of primitive `i`, which has one.
+const Texcoords& normal_texcoords(const PatchSet& scene, std::int32_t i);
+
 /// Radiant exitance at (u,v) of primitive `i`, which has an emission texture, W/m2.
 Color textured_emission(const PatchSet& scene, std::int32_t i, double u, double v);
 

@@ -67,6 +67,19 @@ TEST(MaterialTextures, PatchesAverageTheirPartOfTheTexture) {
   for (const Patch& patch : scene.patches) EXPECT_NEAR(patch.reflectance.x, patch.center.x < 0.5 ? 0.5 : 0.0, 1e-5);
 }
 
+TEST(MaterialTextures, NormalTexturesAreKeptForFrames) {
+  Importer importer;
+  write_png(importer.folder / "tiles.png", {128, 128, 255, 200, 128, 230});
+  GltfBuilder gltf = mapped("tiles.png");
+  gltf.json["materials"][0]["normalTexture"] = {{"index", 0}, {"scale", 0.75}};
+  const PatchSet scene = importer.import(gltf);
+  ASSERT_GE(scene.primitives[0].normal_texture, 0);
+  EXPECT_FLOAT_EQ(scene.materials[0].normal_scale, 0.75f);
+  EXPECT_EQ(scene.textures.at(scene.primitives[0].normal_texture).texels[0], 0x8080ff);
+  gltf.json["materials"][0]["normalTexture"]["index"] = 7;
+  EXPECT_ERROR(importer.import(gltf), ExitCode::bad_data, "index 7");
+}
+
 TEST(MaterialTextures, TextureUsesItsCoordinateSetAndTransform) {
   Importer importer;
   write_png(importer.folder / "tiles.png", {255, 0, 188, 0, 0, 188});

@@ -117,6 +117,9 @@ PatchSet finished_sample() {
   scene.materials[0].roughness_factor = 0.375f;
   scene.materials[0].emission_tint = Color(7.0f, 8.0f, 9.0f);
   scene.metallic_roughness_texcoords.assign(3, kIdentityTexcoords);
+  scene.primitives[1].normal_texture = 0;
+  scene.materials[0].normal_scale = -0.5f;
+  scene.normal_texcoords.assign(3, {Vec2f(1, 0), Vec2f(2, 0), Vec2f(2, 1), Vec2f(1, 1)});
   scene.emission_texcoords.assign(3, {Vec2f(1, 2), Vec2f(3, 4), Vec2f(5, 6), Vec2f(7, 8)});
   return scene;
 }
@@ -135,6 +138,9 @@ TEST(PatchFile, KeepsTexturesOfEmissionAndFinish) {
   EXPECT_EQ(read.materials[0].emission_tint, Color(7.0f, 8.0f, 9.0f));
   EXPECT_EQ(read.metallic_roughness_texcoords, scene.metallic_roughness_texcoords);
   EXPECT_EQ(read.emission_texcoords, scene.emission_texcoords);
+  EXPECT_EQ(read.primitives[1].normal_texture, 0);
+  EXPECT_EQ(read.materials[0].normal_scale, -0.5f);
+  EXPECT_EQ(read.normal_texcoords, scene.normal_texcoords);
   EXPECT_NE(scene.geometry_key, plain.geometry_key);
 }
 
@@ -144,6 +150,9 @@ TEST(PatchFile, RefusesBrokenFinishes) {
       {
           {"/primitives/finish_texture", [](PatchSet& s) { s.primitives[1].metallic_roughness_texture = 2; }},
           {"/primitives/emission_texture", [](PatchSet& s) { s.primitives[0].emission_texture = -2; }},
+          {"/primitives/normal_texture", [](PatchSet& s) { s.primitives[0].normal_texture = 9; }},
+          {"/primitives/normal_texcoord", [](PatchSet& s) { s.normal_texcoords[0][0].y = NAN; }},
+          {"/materials", [](PatchSet& s) { s.materials[0].normal_scale = NAN; }},
           {"/primitives/light_group", [](PatchSet& s) { s.primitives[2].emission_texture = 0; }},
           {"/primitives/emission_texcoord", [](PatchSet& s) { s.emission_texcoords[2][3].x = NAN; }},
           {"/materials", [](PatchSet& s) { s.materials[0].roughness_factor = 2; }},

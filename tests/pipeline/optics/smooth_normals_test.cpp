@@ -86,5 +86,63 @@ TEST(SmoothNormals, AreValidForViewersOfWhichTheSurfaceHasAMirrorImage) {
     }
 }
 
+/// A level square lit above, 2 m wide, with a normal texture of one texel that leans by x, y; texture coordinates run
+/// with x and z, s from 0 to 1 and t downwards in the picture, which is seen from above with -z up.
+PatchScene with_texel(float x, float y, const Texcoords& texcoords) {
+  PatchScene builder;
+  builder.quad({{{-1, 0, 1}, {1, 0, 1}, {1, 0, -1}, {-1, 0, -1}}}, 1, 1, {});
+  PatchSet& scene = builder.get();
+  const auto level = [](float value) { return std::int32_t(std::lround(127.5f * (value + 1.0f))); };
+  scene.textures.push_back({1, 1, {}, true, {level(x) << 16 | level(y) << 8 | level(std::sqrt(1 - x * x - y * y))}});
+  scene.texcoords = {texcoords};
+  scene.primitives[0].normal_texture = 0;
+  return builder;
+}
+
+Vec3f mapped(const PatchScene& builder, std::int32_t i = 0, float u = 0.3f, float v = 0.6f) {
+  PatchScene copy = builder;
+  const PatchSet& scene = copy.get();
+  const Vec3f flat = point_at(scene.primitives[i], double(u), double(v)).normal;
+  return SmoothNormals(scene).mapped(i, u, v, flat);
+}
+
+const Texcoords kAsSeen{Vec2f(0, 1), Vec2f(1, 1), Vec2f(1, 0), Vec2f(0, 0)};
+
+void expect_near(const Vec3f& a, const Vec3f& b) {
+  EXPECT_LT((a - b).length(), 0.01f) << a.x << ' ' << a.y << ' ' << a.z;
+}
+
+TEST(NormalTextures, LeanRightAndUpInThePicture) {
+  expect_near(mapped(with_texel(0, 0, kAsSeen)), {0, 1, 0});
+  expect_near(mapped(with_texel(0.6f, 0, kAsSeen)), {0.6f, 0.8f, 0});
+  expect_near(mapped(with_texel(0, 0.6f, kAsSeen)), {0, 0.8f, -0.6f});
+  const Texcoords turned{Vec2f(1, 1), Vec2f(1, 0), Vec2f(0, 0), Vec2f(0, 1)};  // the picture's right is +z
+  expect_near(mapped(with_texel(0.6f, 0, turned)), {0, 0.8f, 0.6f});
+  expect_near(mapped(with_texel(0, 0.6f, turned)), {0.6f, 0.8f, 0});
+  const Texcoords mirrored{Vec2f(1, 1), Vec2f(0, 1), Vec2f(0, 0), Vec2f(1, 0)};
+  expect_near(mapped(with_texel(0.6f, 0, mirrored)), {-0.6f, 0.8f, 0});
+  expect_near(mapped(with_texel(0, 0.6f, mirrored)), {0, 0.8f, -0.6f});
+}
+
+TEST(NormalTextures, AreScaledAndReversedOnBacks) {
+  PatchScene builder = with_texel(0.6f, 0, kAsSeen);
+  builder.get().materials[0].normal_scale = 0.5f;
+  expect_near(mapped(builder), Vec3f(0.3f, 0.8f, 0).normalized());
+  builder = with_texel(0.6f, 0, kAsSeen);
+  builder.quad({{{1, 0, 1}, {-1, 0, 1}, {-1, 0, -1}, {1, 0, -1}}}, 1, 1, {});
+  PatchSet& scene = builder.get();
+  scene.texcoords.push_back({kAsSeen[1], kAsSeen[0], kAsSeen[3], kAsSeen[2]});
+  scene.primitives[1].normal_texture = 0;
+  scene.primitives[0].back = 1;
+  scene.primitives[1].back = 0;
+  expect_near(mapped(builder, 1), {-0.6f, -0.8f, 0});
+}
+
+TEST(NormalTextures, WithoutUsableCoordinatesChangeNothing) {
+  Texcoords point;
+  point.fill(Vec2f(0.5f));
+  expect_near(mapped(with_texel(0.6f, 0, point)), {0, 1, 0});
+}
+
 }  // namespace
 }  // namespace patchlight

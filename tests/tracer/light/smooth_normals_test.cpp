@@ -78,5 +78,40 @@ TEST(SmoothNormalsInFrames, DoNotMoveShadowRaysThroughOtherSurfaces) {
   }
 }
 
+/// A level floor whose normal texture leans towards +x, under a sun.
+TEST(NormalTexturesInFrames, FollowTheCosineOfTheTurnedNormal) {
+  for (const double lean : {0.0, 0.6}) {
+    for (const double slope : {0.8, -0.8}) {  // of the direction to the sun, along x
+      PatchScene builder;
+      builder.quad({{{-9, 0, 9}, {9, 0, 9}, {9, 0, -9}, {-9, 0, -9}}}, 1, 1, {0.5f});
+      PatchSet& scene = builder.get();
+      const auto level = [](double value) { return std::int32_t(std::lround(127.5 * (value + 1))); };
+      scene.textures.push_back(
+          {1, 1, {}, true, {level(lean) << 16 | level(0) << 8 | level(std::sqrt(1 - lean * lean))}});
+      scene.texcoords = {{Vec2f(0, 1), Vec2f(1, 1), Vec2f(1, 0), Vec2f(0, 0)}};
+      scene.primitives[0].normal_texture = 0;
+      scene.primitives[0].light_group = -1;
+      Light sun;
+      sun.kind = Light::Kind::sun;
+      sun.direction = Vec3d(-slope, -1, 0).normalized();
+      sun.strength = Color(1.0f);
+      sun.light_group = 0;
+      scene.lights.push_back(sun);
+      Solved solved(builder, 0.0f, 0.0f);
+      solved.job.trace.quality = "direct";
+      solved.camera.to_world.rotate(Vec3d(-kPi / 2, 0, 0));
+      solved.camera.to_world[3][1] = 3;
+      solved.camera.vertical = 0.1;
+      const Vec3d normal(lean, std::sqrt(1 - lean * lean), 0);
+      const double cosine = std::max(0.0, -(sun.direction ^ normal));
+      const Image image = solved.render();
+      const double flat = -sun.direction.y;
+      Solved plain = solved;
+      plain.scene.primitives[0].normal_texture = -1;
+      EXPECT_NEAR(image.pixels[27].x / plain.render().pixels[27].x, cosine / flat, 0.02) << lean << ' ' << slope;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace patchlight

@@ -15,7 +15,6 @@ void write_transmissions(H5Writer& writer, const std::vector<Material>& material
 void read_transmissions(const H5Reader& reader, std::vector<Material>& materials);
 
 /// Whether all values are in their ranges.
-bool is_valid(const Coat& coat);
-bool is_valid(const Transmission& transmission);
+bool is_valid(const Material& material);
 
 }  // namespace patchlight

@@ -1,4 +1,4 @@
-#include "pipeline/formats/patches/patch_coats.h"
+#include "pipeline/formats/patches/patch_materials.h"
 
 #include <algorithm>
 #include <cmath>
@@ -48,17 +48,19 @@ void read_transmissions(const H5Reader& reader, std::vector<Material>& materials
   });
 }
 
-bool is_valid(const Transmission& glass) {
-  const auto each = [](const Color& color, auto test) { return test(color.x) && test(color.y) && test(color.z); };
-  return glass.part >= 0.0f && glass.part <= 1.0f && glass.ior >= 1.0f && glass.ior <= 100.0f &&
-         each(glass.tint, [](float x) { return x >= 0.0f && x <= 1.0f; }) &&
-         each(glass.absorption, [](float x) { return x >= 0.0f && std::isfinite(x); });
-}
-
-bool is_valid(const Coat& coat) {
+bool is_valid(const Material& material) {
   const auto in_unit = [](float x) { return x >= 0.0f && x <= 1.0f; };
-  return in_unit(coat.normal.x) && in_unit(coat.normal.y) && in_unit(coat.normal.z) && in_unit(coat.grazing) &&
-         in_unit(coat.metallic) && (coat.ior == 0.0f || (coat.ior >= 1.0f && coat.ior <= 100.0f));
+  const auto each = [](const Color& color, auto test) { return test(color.x) && test(color.y) && test(color.z); };
+  const Coat& coat = material.coat;
+  const Transmission& glass = material.transmission;
+  const bool is_surface_valid = each(material.specular, in_unit) && each(material.tint, in_unit) &&
+                                each(material.metal, in_unit) && in_unit(material.roughness) &&
+                                in_unit(material.roughness_factor) && std::isfinite(material.normal_scale) &&
+                                each(material.emission_tint, [](float x) { return x >= 0.0f && x <= 3e38f; });
+  const bool is_coat_valid = each(coat.normal, in_unit) && in_unit(coat.grazing) && in_unit(coat.metallic) &&
+                             (coat.ior == 0.0f || (coat.ior >= 1.0f && coat.ior <= 100.0f));
+  return is_surface_valid && is_coat_valid && in_unit(glass.part) && each(glass.tint, in_unit) && glass.ior >= 1.0f &&
+         glass.ior <= 100.0f && each(glass.absorption, [](float x) { return x >= 0.0f && std::isfinite(x); });
 }
 
 }  // namespace patchlight
