@@ -26,8 +26,20 @@ def prepare(instances):
     digests = {}
     for item in instances:
         if item.mesh not in digests:
+            _join_slots(item.mesh)
             digests[item.mesh] = _digest(item.mesh)
         item.mesh = first.setdefault(digests[item.mesh], item.mesh)
+
+
+def _join_slots(mesh):
+    """Moves faces to the first slot of their material. Exact Booleans differ from run to run in the slots of equal
+    materials."""
+    slots = list(mesh.materials) or [None]
+    joined = np.array([slots.index(material) for material in slots], np.int32)
+    used = array(mesh.polygons, "material_index", 1, np.int32)
+    first = joined[np.minimum(used, len(slots) - 1)] if len(used) else used
+    if np.any(first != used):
+        mesh.polygons.foreach_set("material_index", first)
 
 
 def _is_sheared(matrix):
