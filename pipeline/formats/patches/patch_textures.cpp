@@ -98,10 +98,12 @@ bool has_varying_metals(const PatchSet& scene) {
   return false;
 }
 
+/// Whether colours may vary what glass lets pass.
 bool has_colored_glass(const PatchSet& scene) {
+  const auto is_glass = [](const Material& material) { return material.transmission.exists(); };
+  if (std::ranges::none_of(scene.materials, is_glass)) return false;
   for (std::size_t i = 0; i < scene.primitives.size(); ++i)
-    if (scene.materials[scene.primitives[i].material].transmission.exists() && is_colored(scene, std::int32_t(i)))
-      return true;
+    if (is_colored(scene, std::int32_t(i))) return true;
   return false;
 }
 
