@@ -11,9 +11,9 @@ namespace {
 
 // Raised whenever a stage computes different results from the same inputs.
 constexpr int kImportVersion = 19;
-constexpr int kTransportKeyVersion = 43;
-constexpr int kSolveVersion = 43;
-constexpr int kTraceVersion = 23;
+constexpr int kTransportKeyVersion = 44;
+constexpr int kSolveVersion = 44;
+constexpr int kTraceVersion = 24;
 
 void add_color(KeyHasher& hasher, const std::optional<Color>& color) {
   hasher.add(color.has_value());

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pipeline/optics/transport/glass_path.h"
+
 namespace patchlight {
 
 namespace {
@@ -35,7 +37,8 @@ PhotonTargets::PhotonTargets(const PatchSet& scene, const RayScene& ray_scene, s
   std::vector<std::vector<std::int32_t>> planes(scene.nodes.size());
   for (std::int32_t i = 0; i < std::int32_t(all.size()); ++i) {
     const Primitive& p = scene.primitives[i];
-    if (scene.materials[p.material].specular == Color(0.0f) || all[i].patches == 0 || target_of_[i] >= 0) continue;
+    const bool is_target = scene.materials[p.material].specular != Color(0.0f) || is_turning(scene, i);
+    if (!is_target || all[i].patches == 0 || target_of_[i] >= 0) continue;
     if (p.shape == Primitive::Shape::quad) {
       planes[p.node].push_back(i);
     } else if (p.back >= 0 && p.back < i && target_of_[p.back] >= 0) {

@@ -8,9 +8,10 @@
 
 namespace patchlight {
 
-/// Targets at which photons are aimed so that they hit metals: each metallic plane of a node with few of them, each
-/// metallic sphere, and a bounding sphere of all metallic planes of a node with many. Every metallic primitive belongs
-/// to one target. A photon that first hits a surface outside its target is dropped, so no light counts twice.
+/// Targets at which photons are aimed so that they hit metals and glass that turns light: each such plane of a node
+/// with few of them, each such sphere, and a bounding sphere of all such planes of a node with many. Every such
+/// primitive belongs to one target. A photon that first hits a surface outside its target is dropped, so no light
+/// counts twice.
 class PhotonTargets {
  public:
   /// `imaged`: mirrors by which emitters have virtual images; each becomes a target of its own.
@@ -18,7 +19,7 @@ class PhotonTargets {
 
   int count() const { return int(targets_.size()); }
 
-  /// Index of the target that a primitive belongs to; -1: not metallic.
+  /// Index of the target that a primitive belongs to; -1: none.
   std::int32_t target_of(std::int32_t primitive) const { return target_of_[primitive]; }
 
   /// Whether patches get the light that is reflected at the target alone by virtual images.

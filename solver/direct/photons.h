@@ -3,6 +3,7 @@
 
 #include "pipeline/optics/sampling/patch_lookup.h"
 #include "pipeline/stage/progress.h"
+#include "solver/direct/photon_source.h"
 #include "solver/direct/photon_targets.h"
 
 namespace patchlight {
@@ -29,17 +30,18 @@ class Photons {
   std::vector<Color> shoot(const Emitter& emitter, std::int64_t photons, std::int64_t& cast) const;
 
  private:
-  class Source;
   struct Batch;
   struct Deposit;
 
   bool has_paths(std::span<const PlaneMirror> imaged) const;
-  float pilot_power(const Source& source, int target) const;
-  std::vector<Batch> batches(const Source& source, std::int64_t photons) const;
+  float pilot_power(const PhotonSource& source, int target) const;
+  std::vector<Batch> batches(const PhotonSource& source, std::int64_t photons) const;
+  struct Way;
   void intersect(RayPacket& packet, std::span<Color> flux) const;
-  void start(const Source& source, const Batch& batch, std::uint32_t first, RayPacket& packet,
+  bool go_on(const SurfaceHit& hit, std::uint64_t random, int lane, RayPacket& packet, Color& flux, Way& way) const;
+  void start(const PhotonSource& source, const Batch& batch, std::uint32_t first, RayPacket& packet,
              std::span<Color> flux) const;
-  void trace(const Source& source, const Batch& batch, std::vector<Deposit>& deposits, std::int64_t& cast) const;
+  void trace(const PhotonSource& source, const Batch& batch, std::vector<Deposit>& deposits, std::int64_t& cast) const;
 
   const PatchSet& scene_;
   const RayScene& ray_scene_;

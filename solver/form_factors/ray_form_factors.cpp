@@ -109,7 +109,7 @@ void RayFormFactors::cast_packets(const Shot& shot, std::uint32_t first, std::ui
       for (std::size_t k = 0; k < 4; ++k) x[k] += kSteps[k];
     }
     ray_scene_.intersect(packet, false);
-    if (ray_scene_.has_passable()) pass_straight(scene_, ray_scene_, packet, {});
+    if (ray_scene_.has_passable()) pass_straight(scene_, ray_scene_, packet, {}, true);
     for (int lane = 0; lane < RayPacket::kSize; ++lane) {
       const SurfaceHit hit = ray_scene_.hit(packet, lane);
       *columns++ = hit.front ? lookup_.patch(hit.primitive, hit.u, hit.v) : -1;

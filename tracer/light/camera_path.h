@@ -2,6 +2,7 @@
 #include <optional>
 #include <vector>
 
+#include "pipeline/optics/surface/glass.h"
 #include "tracer/light/final_gather.h"
 #include "tracer/light/lamps/explicit_lights.h"
 #include "tracer/light/lamps/glossy_lights.h"
@@ -21,7 +22,9 @@ struct CameraPath {
   bool mirrored = false;
   bool scattered = false;  ///< By rough metals or coats.
   bool faint = false;      ///< A coat reflected so little that what it meets is looked up in the solution.
+  bool is_part = false;    ///< The reflection by the first glass that a path met, traced besides it.
   float pdf = 0.0f;        ///< Of the present direction if a rough surface reflected it, per sr; otherwise 0.
+  GlassEntry entry{};
   PathFeatures features{};
 
   ShadingPoint::PathKind kind() const {
@@ -54,12 +57,17 @@ struct LiftedPoints {
 
 /// Sums over the paths of some pixels.
 struct PathSums {
-  std::vector<Color> pixels;                      ///< Sums of radiance, without light that is added at the pixel.
-  std::vector<ShadingPoint> points;               ///< Where direct light of sampled emitters is to be added.
-  std::vector<GatherPoint> gather{};              ///< Where gathered light is to be added; `quality: gather` only.
-  std::vector<PixelDetail> details{};             ///< [pixels]; empty: not asked for.
-  LayerSums* layers = nullptr;                    ///< Null: not asked for.
-  const TileWindow* window = nullptr;             ///< Of the pixels.
+  std::vector<Color> pixels;           ///< Sums of radiance, without light that is added at the pixel.
+  std::vector<ShadingPoint> points;    ///< Where direct light of sampled emitters is to be added.
+  std::vector<GatherPoint> gather{};   ///< Where gathered light is to be added; `quality: gather` only.
+  std::vector<PixelDetail> details{};  ///< [pixels]; empty: not asked for.
+  LayerSums* layers = nullptr;         ///< Null: not asked for.
+  const TileWindow* window = nullptr;  ///< Of the pixels.
+  struct Part {
+    CameraPath path;
+    Vec3f origin, direction;  ///< In the local frame of the RayScene.
+  };
+  std::vector<Part> parts{};                      ///< Yet to be traced.
   std::optional<GlossyShadowRays> glossy_rays{};  ///< Once a path has hit a rough metal or coat.
   std::optional<LiftedPoints> lifted{};           ///< Once a path has hit a curved mesh.
 };

@@ -35,16 +35,26 @@ bool PathTracer::pass(const SurfaceHit& hit, const SurfacePoint& point, int lane
 
   const SpecularProperties specular = specular_properties_at(scene_, hit.primitive, hit.u, hit.v);
   const float cosine = std::min(-(in ^ normal), 1.0f);
-  // After a rough surface, whose light of lamps comes straight, by shadow rays.
-  const bool is_straight = path.pdf > 0 || (!glass.solid && specular.roughness < kMirrorRoughness);
-  const Color reflectance = inside && !is_straight ? glass_reflectance(specular, glass, cosine, true)
-                                                   : coats_.at(primitive.material, specular, cosine) + specular.metal;
+  const Color reflectance = inside ? glass_reflectance(specular, glass, cosine, true)
+                                   : coats_.at(primitive.material, specular, cosine) + specular.metal;
   Color through = glass.tint * glass.part;
   if (is_colored(scene_, hit.primitive)) through *= base_color(scene_, hit.primitive, hit.u, hit.v);
   const float alpha = primitive.mask >= 0 ? std::min(alpha_at(scene_, hit.primitive, hit.u, hit.v), 1.0f) : 1.0f;
-  const float open = 1.0f - alpha, reflected = inside && is_straight ? 0.0f : alpha * largest(reflectance);
+  const float open = 1.0f - alpha, reflected = alpha * largest(reflectance);
   const float passed = alpha * largest((Color(1.0f) - reflectance) * through);
-  const float all = open + reflected + passed;
+  // Both ways from the faces of the first glass, so that faint reflections before what is dark show no grain.
+  const bool is_split =
+      path.bounces <= 1 && !path.is_part && specular.roughness < kMirrorRoughness && reflected > 0 && open + passed > 0;
+  if (is_split) {
+    PathSums::Part part{path, ray_scene_.to_local(point.position) + facing * ray_scene_.offset(hit.primitive),
+                        in + normal * (2.0f * cosine)};
+    part.path.throughput *= reflectance * alpha;
+    part.path.faint = largest(part.path.throughput) < kFaint;
+    part.path.is_part = part.path.mirrored = true;
+    ++part.path.bounces;
+    sums.parts.push_back(part);
+  }
+  const float reflected_here = is_split ? 0.0f : reflected, all = open + reflected_here + passed;
   if (!(all > 0) || ++path.bounces >= kMaxBounces) return false;
 
   const std::uint64_t seed =
@@ -60,7 +70,7 @@ bool PathTracer::pass(const SurfaceHit& hit, const SurfacePoint& point, int lane
     path.throughput *= all;
     return go_on(-facing, in);
   }
-  if (choice < open + reflected && !inside) {
+  if (choice < open + reflected_here && !inside) {
     if (!path.faint) path.faint = specular.metal == Color(0.0f) && largest(path.throughput) * reflected < kFaint;
     path.throughput *= alpha * all / reflected;
     const Vec3d origin = point.position + Vec3d(facing) * double(ray_scene_.offset(hit.primitive));
@@ -68,16 +78,22 @@ bool PathTracer::pass(const SurfaceHit& hit, const SurfacePoint& point, int lane
     return scatter(specular, origin, normal, facing, lane, path, direction, sums) && go_on(facing, direction);
   }
   const GlassWays ways = glass_ways(specular, glass, normal, inside, at, in);
-  const bool is_reflected = choice < open + reflected;
-  path.mirrored = path.mirrored || is_reflected || !is_straight;
+  const bool is_reflected = choice < open + reflected_here;
+  const bool is_straight = !is_reflected && !glass.solid && specular.roughness < kMirrorRoughness;
+  path.mirrored = path.mirrored || !is_straight;
   if (is_reflected) {
+    path.pdf = 0;  // shadow rays go straight: no MIS
     path.throughput *= ways.reflected * (alpha * all / reflected);
     return go_on(facing, ways.reflection);
   }
-  path.throughput *= is_straight ? (Color(1.0f) - reflectance) * through * (alpha * all / passed)
-                                 : ways.passed * through * (alpha * all / passed);
-  if (!is_straight && specular.roughness >= kMirrorRoughness) path.scattered = path.features.scattered = true;
-  return go_on(-facing, is_straight ? in : ways.passage);
+  path.throughput *= ways.passed * through * (alpha * all / passed);
+  const bool rough = specular.roughness >= kMirrorRoughness;
+  if (rough) path.scattered = path.features.scattered = true;
+  if (rough || (path.entry.primitive >= 0 && inside &&
+                !is_plate(scene_, path.entry, point.normal, hit.t * std::abs(in ^ point.normal))))
+    path.pdf = 0;
+  path.entry = glass.solid && !inside ? GlassEntry{hit.primitive, point.normal} : GlassEntry{};
+  return go_on(-facing, ways.passage);
 }
 
 }  // namespace patchlight

@@ -56,6 +56,19 @@ PathTracer::PathTracer(const PatchSet& scene, const RayScene& ray_scene, const O
 
 void PathTracer::trace(RayPacket& packet, std::array<Path, RayPacket::kSize>& paths, const CameraRays& camera,
                        PathSums& sums) const {
+  trace_to_ends(packet, paths, camera, sums);
+  while (!sums.parts.empty()) {
+    for (int lane = 0; lane < RayPacket::kSize && !sums.parts.empty(); ++lane) {
+      paths[lane] = sums.parts.back().path;
+      packet.set(lane, sums.parts.back().origin, sums.parts.back().direction);
+      sums.parts.pop_back();
+    }
+    trace_to_ends(packet, paths, camera, sums);
+  }
+}
+
+void PathTracer::trace_to_ends(RayPacket& packet, std::array<Path, RayPacket::kSize>& paths, const CameraRays& camera,
+                               PathSums& sums) const {
   for (bool coherent = true, active = true; active; coherent = false) {
     ray_scene_.intersect(packet, coherent);
     if (lamps_) lamps_->add(packet, paths, sums);
@@ -67,7 +80,7 @@ void PathTracer::trace(RayPacket& packet, std::array<Path, RayPacket::kSize>& pa
         continue;
       }
       packet.valid[lane] = 0;
-      if (!sums.details.empty()) sums.details[paths[lane].pixel].add(paths[lane].features);
+      if (!sums.details.empty() && !paths[lane].is_part) sums.details[paths[lane].pixel].add(paths[lane].features);
     }
     if (sums.lifted && sums.lifted->pending) move_lifted_points(sums);
     if (sums.glossy_rays && sums.glossy_rays->pending) add_glossy_light(paths, sums);

@@ -32,6 +32,8 @@ class PathTracer {
              PathSums& sums) const;
 
  private:
+  void trace_to_ends(RayPacket& packet, std::array<Path, RayPacket::kSize>& paths, const CameraRays& camera,
+                     PathSums& sums) const;
   /// Adds the light of a lane's hit and sets its next ray; false when the path ends.
   bool shade(RayPacket& packet, int lane, Path& path, const CameraRays& camera, PathSums& sums) const;
   void add_sky(const Vec3f& direction, Path& path, PathSums& sums) const;

@@ -63,9 +63,9 @@ class RayScene {
 
   using Transmittances = std::array<Color, RayPacket::kSize>;
 
-  /// Of unoccluded lanes, what the surfaces on their way let pass. Bodies of glass are taken for plates with parallel
-  /// faces, that rays pass without an offset and with all orders of reflection between the faces; rough ones scatter
-  /// nothing. Ones, if there are no such surfaces.
+  /// Of unoccluded lanes, what the surfaces on their way let pass straight. Rays pass bodies of glass where they are
+  /// plates (see is_plate()), without an offset and with all orders of reflection between the faces; nothing passes
+  /// other bodies straight, nor rough glass. Ones, if there are no such surfaces.
   Transmittances transmittances(const RayPacket& packet, std::uint32_t lanes) const;
 
   SurfaceHit hit(const RayPacket& packet, int lane) const;

@@ -6,6 +6,7 @@
 #include "pipeline/optics/intersect/ray_scene.h"
 #include "pipeline/optics/sampling/patch_sampling.h"
 #include "pipeline/optics/surface/glass.h"
+#include "pipeline/optics/surface/mirror.h"
 #include "pipeline/optics/surface/texture_lookup.h"
 
 namespace patchlight {
@@ -16,9 +17,8 @@ constexpr int kMostSurfaces = 256;  // that light passes along a ray
 constexpr float kBlack = 1e-4f;
 
 /// A body of glass that a ray has entered.
-struct Entry {
-  std::int32_t material = -1;  ///< -1: none.
-  float distance = 0.0f;       ///< Along the ray, m.
+struct Entry : GlassEntry {
+  float distance = 0.0f;  ///< Along the ray, m.
 };
 
 /// What a surface lets pass straight. `entry`: the body that the ray is in.
@@ -28,17 +28,18 @@ Color passed_straight(const PatchSet& scene, const SurfaceHit& hit, const Vec3f&
   const Transmission& glass = material.transmission;
   const float alpha = primitive.mask >= 0 ? std::min(alpha_at(scene, hit.primitive, hit.u, hit.v), 1.0f) : 1.0f;
   const Color open(1.0f - alpha);
-  if (!glass.exists()) return open;
+  if (!glass.exists() || material.roughness >= kMirrorRoughness) return open;
   const Vec3f normal = point_at(primitive, hit.u, hit.v).normal;
   const float cosine = std::min(std::abs(direction ^ normal), 1.0f);
   const Color reflectance = specular_properties_at(scene, hit.primitive, hit.u, hit.v).reflectance(cosine);
   Color passed = (Color(1.0f) - reflectance) * glass.tint * glass.part;
   if (is_colored(scene, hit.primitive)) passed *= base_color(scene, hit.primitive, hit.u, hit.v);
   if (glass.solid && hit.front) {
-    entry = {primitive.material, hit.t};
+    entry = {{hit.primitive, normal}, hit.t};
   } else if (glass.solid && !hit.front) {
-    const float from = entry.material == primitive.material ? entry.distance : 0.0f;
-    const Color once = unabsorbed(glass, (hit.t - from) * cosine / inner_cosine(glass.ior, cosine));
+    const float length = hit.t - entry.distance;
+    if (entry.primitive >= 0 && !is_plate(scene, entry, normal, length * cosine)) return open;
+    const Color once = unabsorbed(glass, length * cosine / inner_cosine(glass.ior, cosine));
     for (int k = 0; k < 3; ++k) {
       const float between = reflectance[k] * once[k];  // of both faces, after which light is where it was
       passed[k] *= once[k] / std::max(1.0f - between * between, 1e-6f);

@@ -27,6 +27,23 @@ Color unabsorbed(const Transmission& transmission, float length) {
   return {std::exp(-a.x * length), std::exp(-a.y * length), std::exp(-a.z * length)};
 }
 
+bool turns_light(const Material& material) {
+  return material.transmission.exists() && (material.transmission.solid || material.roughness >= kMirrorRoughness);
+}
+
+bool is_plate(const PatchSet& scene, const GlassEntry& entry, const Vec3f& exit, float length) {
+  constexpr float kParallel = 0.99f;  // cosine between the faces
+  constexpr double kThin = 1.0 / 8;   // thickness over the extent of a face
+  if (entry.primitive < 0 || -(entry.normal ^ exit) < kParallel) return false;
+  const Primitive& face = scene.primitives[entry.primitive];
+  if (scene.materials[face.material].roughness >= kMirrorRoughness) return false;
+  const auto& c = face.corners;
+  const double extent = face.shape == Primitive::Shape::sphere
+                            ? 2 * std::abs(face.sphere_radius)
+                            : std::sqrt(std::max((c[2] - c[0]).length2(), (c[3] - c[1]).length2()));
+  return double(length) <= kThin * extent;
+}
+
 GlassWays glass_ways(const SpecularProperties& specular, const Transmission& transmission, const Vec3f& normal,
                      bool inside, const Vec2f& at, const Vec3f& direction) {
   GlassWays ways;

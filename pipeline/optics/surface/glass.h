@@ -18,6 +18,19 @@ float inner_cosine(float ior, float outer_cosine);
 /// The part of light that a body absorbs none of along `length`, m.
 Color unabsorbed(const Transmission& transmission, float length);
 
+/// Whether glass may turn the light that passes it: the surface of a body, or rough.
+bool turns_light(const Material& material);
+
+/// Where a ray entered a body of glass.
+struct GlassEntry {
+  std::int32_t primitive = -1;  ///< -1: it is in none.
+  Vec3f normal{0.0f};
+};
+
+/// Whether a ray passes a body as a thin plate of smooth glass with parallel faces, which gives it its direction back
+/// nearly at its place. `exit`: normal where it leaves the body; `length`: of the way in the body along it, m.
+bool is_plate(const PatchSet& scene, const GlassEntry& entry, const Vec3f& exit, float length);
+
 /// The two ways on from a facet of glass: unit vectors, and the part of the light that goes there. What passes is yet
 /// to be multiplied by the part that is transmitted at all, and by its tint.
 struct GlassWays {

@@ -63,7 +63,8 @@ Passing cross_by_chance(const PatchSet& scene, const RayScene& ray_scene, const 
   return Passing::passed;
 }
 
-void pass_straight(const PatchSet& scene, const RayScene& ray_scene, RayPacket& packet, std::span<Color> throughput) {
+void pass_straight(const PatchSet& scene, const RayScene& ray_scene, RayPacket& packet, std::span<Color> throughput,
+                   bool all) {
   RayPacket rays = packet;
   for (int lane = 0; lane < RayPacket::kSize; ++lane)
     if (!(rays.passable >> lane & 1u)) rays.valid[lane] = 0;
@@ -73,7 +74,7 @@ void pass_straight(const PatchSet& scene, const RayScene& ray_scene, RayPacket& 
     for (int lane = 0; lane < RayPacket::kSize; ++lane) {
       if (rays.valid[lane] == 0) continue;
       const SurfaceHit hit = ray_scene.hit(rays, lane);
-      if (!(rays.passable >> lane & 1u)) {
+      if (!(rays.passable >> lane & 1u) || (!all && is_turning(scene, hit.primitive))) {
         packet.copy_lane(rays, lane);
         rays.valid[lane] = 0;
         continue;

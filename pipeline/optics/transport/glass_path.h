@@ -3,6 +3,7 @@
 #include <span>
 
 #include "pipeline/optics/intersect/ray_scene.h"
+#include "pipeline/optics/surface/glass.h"
 
 namespace patchlight {
 
@@ -26,7 +27,13 @@ Passing cross_by_chance(const PatchSet& scene, const RayScene& ray_scene, const 
                         int lane, RayPacket& packet, Color& throughput);
 
 /// Moves the active lanes, whose closest hits are known, straight past surfaces that let light pass, to their next
-/// hits. Multiplies the lanes' `throughput` by what passes, unless it is empty.
-void pass_straight(const PatchSet& scene, const RayScene& ray_scene, RayPacket& packet, std::span<Color> throughput);
+/// hits. Multiplies the lanes' `throughput` by what passes, unless it is empty. `all`: also past what turns light.
+void pass_straight(const PatchSet& scene, const RayScene& ray_scene, RayPacket& packet, std::span<Color> throughput,
+                   bool all);
+
+/// Whether a primitive is of glass that may turn light: see turns_light().
+inline bool is_turning(const PatchSet& scene, std::int32_t primitive) {
+  return turns_light(scene.materials[scene.primitives[primitive].material]);
+}
 
 }  // namespace patchlight

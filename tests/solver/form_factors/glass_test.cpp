@@ -118,5 +118,34 @@ TEST(GlassSolved, VeilsInAWhiteWorldAbsorbNothing) {
   for (std::size_t i = 0; i < 36; ++i) EXPECT_NEAR(irradiance(energy, i).y, kPi, 0.03 * kPi) << i;
 }
 
+/// The power that the black walls of a room absorb, over that of a lamp, with something of glass under it.
+double absorbed_power(int kind) {
+  PatchScene builder;
+  PatchSet& scene = builder.get();
+  const int ball = add_glass(scene, true), rough = add_glass(scene, false, 0.4f), plate = add_glass(scene, true);
+  builder.room(1, 8, {0.0f});
+  const std::size_t walls = scene.patches.size();
+  add_level(builder, 0.9, 0.1, false, {0.0f, 1.0f});
+  if (kind == 1) builder.sphere({0, 0.2, 0}, 0.4, 8, 16, {0.0f, 0.0f, 0, ball});
+  if (kind == 2) add_level(builder, 0.2, 0.5, true, {0.0f, 0.0f, 0, rough});
+  if (kind == 3) {
+    add_level(builder, 0.25, 0.5, true, {0.0f, 0.0f, 0, plate});
+    add_level(builder, 0.2, 0.5, false, {0.0f, 0.0f, 0, plate});
+  }
+  for (Primitive& primitive : scene.primitives) primitive.light_group = -1;
+  scene.primitives[6].light_group = 0;
+  const EnergyField energy = solve_quietly(scene);
+  double sum = 0;
+  for (std::size_t i = 0; i < walls; ++i) sum += scene.patches[i].area * double(irradiance(energy, i).y);
+  return sum / (scene.patches[walls].area * double(scene.patches[walls].emission.y));
+}
+
+TEST(GlassSolved, KeepsThePowerOfALampThatItTurns) {
+  EXPECT_NEAR(absorbed_power(0), 1, 0.005);
+  EXPECT_NEAR(absorbed_power(1), 1, 0.01) << "a ball";
+  EXPECT_NEAR(absorbed_power(2), 1, 0.01) << "a rough sheet";
+  EXPECT_NEAR(absorbed_power(3), 1, 0.02) << "a plate, of which the offset and the open edges are left out";
+}
+
 }  // namespace
 }  // namespace patchlight
