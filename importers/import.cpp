@@ -5,10 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "importers/environment/environment.h"
 #include "importers/gltf/read/cameras.h"
 #include "importers/gltf/read/gltf_reader.h"
+#include "importers/mesh/mesh_topology.h"
 #include "importers/patches/facet_clusters.h"
 #include "importers/patches/large_surfaces.h"
 #include "importers/patches/patch_areas.h"
@@ -23,11 +25,44 @@
 namespace patchlight {
 namespace {
 
-PrimitiveList build_primitives(const GltfScene& scene, const Job& job, Progress& progress) {
+bool is_closed(const TriangleSoup& soup) {
+  const MeshTopology topology = build_topology(soup);
+  return std::ranges::all_of(topology.components, &MeshTopology::Component::closed);
+}
+
+/// Makes glass of meshes that are not closed, which bound no body, thin sheets.
+class OpenGlass {
+ public:
+  explicit OpenGlass(GltfScene& scene) : scene_(scene) {}
+
+  void check(const TriangleSoup& soup, Surface& surface, Progress& progress) {
+    if (!scene_.materials[surface.material].transmission.solid || is_closed(soup)) return;
+    const auto [entry, is_new] = thin_.emplace(surface.material, static_cast<int>(scene_.materials.size()));
+    if (is_new) {
+      SurfaceMaterial sheet = scene_.materials[surface.material];
+      sheet.transmission.solid = false;
+      progress.warning(
+          fmt::format("glass of material '{}' has a thickness, but the mesh of node `{}` is not closed: it "
+                      "is a thin sheet there",
+                      sheet.name, scene_.nodes[surface.node]));
+      scene_.materials.push_back(std::move(sheet));
+    }
+    surface.material = entry->second;
+  }
+
+ private:
+  GltfScene& scene_;
+  std::map<int, int> thin_;  ///< Materials, and those of sheets.
+};
+
+PrimitiveList build_primitives(GltfScene& scene, const Job& job, Progress& progress) {
   PrimitiveList list;
+  OpenGlass open_glass(scene);
   for (std::size_t i = 0; i < scene.surfaces.size(); ++i) {
-    const Surface& surface = scene.surfaces[i];
-    append_primitives(surface, scene.materials[surface.material], read_triangles(scene, surface), list);
+    Surface& surface = scene.surfaces[i];
+    const TriangleSoup soup = read_triangles(scene, surface);
+    open_glass.check(soup, surface, progress);
+    append_primitives(surface, scene.materials[surface.material], soup, list);
     if (static_cast<std::int64_t>(list.primitives.size()) > job.import.max_patches) {
       throw Error(ExitCode::over_limit,
                   fmt::format("the scene has more surfaces than import.max_patches ({})", job.import.max_patches),

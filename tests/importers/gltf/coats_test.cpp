@@ -19,12 +19,13 @@ struct Imported {
 };
 
 Imported imported(const Json& extensions, const std::vector<MaterialOverride>& changes = {}, double metallic = 0,
-                  bool with_coats = true) {
+                  bool with_coats = true, bool closed = false) {
   Imported result;
   result.importer.job.materials = changes;
   result.importer.job.import.dielectric_coat = with_coats;
   GltfBuilder gltf = single_mesh(
-      grid(1), {{"name", "paint"}, {"pbrMetallicRoughness", {{"metallicFactor", metallic}, {"roughnessFactor", 0.3}}}});
+      closed ? cube() : grid(1),
+      {{"name", "paint"}, {"pbrMetallicRoughness", {{"metallicFactor", metallic}, {"roughnessFactor", 0.3}}}});
   gltf.json["materials"][0]["extensions"] = extensions;
   result.scene = result.importer.import(gltf);
   return result;
@@ -127,12 +128,20 @@ TEST(GlassOfMaterials, IsABodyWithAThickness) {
   Json extensions =
       glass(1, {{"thicknessFactor", 0.1}, {"attenuationDistance", 2.0}, {"attenuationColor", {0.5, 1.0, 0.25}}});
   extensions["KHR_materials_ior"] = {{"ior", 1.33}};
-  const Imported water = imported(extensions);
+  const Imported water = imported(extensions, {}, 0, true, true);
   const Transmission& body = water.material().transmission;
   EXPECT_TRUE(body.solid);
   EXPECT_FLOAT_EQ(body.ior, 1.33f);
   expect_color(body.absorption, {std::log(2.0) / 2, 0.0, std::log(4.0) / 2});
-  EXPECT_FALSE(imported(glass(1, {{"thicknessFactor", 0}})).material().transmission.solid);
+  EXPECT_FALSE(imported(glass(1, {{"thicknessFactor", 0}}), {}, 0, true, true).material().transmission.solid);
+}
+
+TEST(GlassOfMaterials, OfOpenMeshesIsASheet) {
+  const Imported square = imported(glass(1, {{"thicknessFactor", 0.1}}));
+  const Material& used = square.scene.materials.at(square.scene.primitives[0].material);
+  EXPECT_TRUE(used.transmission.exists());
+  EXPECT_FALSE(used.transmission.solid);
+  EXPECT_NE(square.importer.messages().find("glass of material 'paint' has a thickness"), std::string::npos);
 }
 
 TEST(GlassOfMaterials, GivesWayToTheJob) {
@@ -145,7 +154,8 @@ TEST(GlassOfMaterials, GivesWayToTheJob) {
 
 TEST(GlassOfMaterials, IsKeptInTheFile) {
   Imported water = imported(
-      glass(0.75, {{"thicknessFactor", 0.1}, {"attenuationDistance", 2.0}, {"attenuationColor", {0.5, 1.0, 0.25}}}));
+      glass(0.75, {{"thicknessFactor", 0.1}, {"attenuationDistance", 2.0}, {"attenuationColor", {0.5, 1.0, 0.25}}}), {},
+      0, true, true);
   const std::filesystem::path file = water.importer.folder / "patches.h5";
   write_patches(file, water.scene);
   const Transmission read = read_patches(file).materials.at(0).transmission;
