@@ -1,9 +1,12 @@
 #include "pipeline/job/blender/blender_export.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -62,6 +65,17 @@ std::vector<std::string> lines_of(const std::string& text, const std::string& ki
   return lines;
 }
 
+/// The last line of a program that says something; empty if none does.
+std::string last_line(const ProgramOutput& run) {
+  std::string last;
+  for (const std::string* text : {&run.out, &run.err}) {
+    std::istringstream stream(*text);
+    for (std::string line; std::getline(stream, line);)
+      if (line.find_first_not_of(" \t\r") != std::string::npos && line != "Blender quit") last = line;
+  }
+  return last;
+}
+
 json read_json(const fs::path& file) {
   std::ifstream stream(file);
   return json::parse(stream, nullptr, false);
@@ -98,8 +112,45 @@ std::optional<BlenderExport> fresh_export(const fs::path& folder, const fs::path
       if (text->find(sign) != std::string::npos)
         throw Error(ExitCode::bad_data, "Blender cannot read the file", blend,
                     "is it a whole Blender file, saved by no newer Blender?");
-  throw Error(ExitCode::unavailable, fmt::format("Blender ended with exit code {}", run.exit_code), blend,
+  const std::string last = last_line(run);
+  const std::string what = run.exit_code == int(ExitCode::internal) ? "Blender crashed"
+                           : run.exit_code == 0                     ? "Blender wrote no export"
+                                                : fmt::format("Blender ended with exit code {}", run.exit_code);
+  throw Error(ExitCode::unavailable, last.empty() ? what : fmt::format("{}; last it said: {}", what, last), blend,
               "open the file in Blender; if that works, report what `patchlight from-blend` prints");
+}
+
+/// Keeps other runs from exporting into a folder, which it creates. Does nothing on file systems without locks.
+class FolderLock {
+ public:
+  explicit FolderLock(const fs::path& folder) {
+    std::error_code fault;
+    fs::create_directories(folder, fault);
+    folder_ = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (folder_ < 0)
+      throw Error(ExitCode::cannot_create, "cannot make the folder of the export", folder,
+                  "choose another output with --output");
+    if (::flock(folder_, LOCK_EX) == 0 || errno != EINTR) return;
+    ::close(folder_);
+    throw Error(ExitCode::interrupted, "interrupted while another run exports", folder, "run it again");
+  }
+  ~FolderLock() { ::close(folder_); }
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+
+ private:
+  int folder_;
+};
+
+/// Removes what killed exports left in a folder.
+void remove_leftovers(const fs::path& folder, const fs::path& blend) {
+  std::error_code fault;
+  const std::string of_blend = "." + blend.stem().string() + ".";
+  for (const auto& entry : fs::directory_iterator(folder, fault)) {
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with(kTemporaryPrefix) || (name.starts_with(of_blend) && entry.is_directory(fault)))
+      fs::remove_all(entry.path(), fault);
+  }
 }
 
 }  // namespace
@@ -156,10 +207,15 @@ BlenderExport cached_blender_export(const fs::path& blend, const fs::path& outpu
   fs::path above = own.parent_path();
   for (int level = 0; level < kLevels; ++level, above = above.parent_path())
     if (auto found = fresh_export(above / kFolder, blend, content, exporter)) return *found;
-  for (const fs::path& file : files_of_export(own.parent_path())) fs::remove(file, fault);
+  const FolderLock lock(own);
+  if (auto found = fresh_export(own, blend, content, exporter)) return *found;  // of another run, meanwhile
+  remove_leftovers(own, blend);
+  std::vector<fs::path> old = files_of_export(own.parent_path());
   fs::remove(own / kRecord, fault);
   const auto start = fs::file_time_type::clock::now();
   BlenderExport result = export_blender_file(blend, own);
+  for (const fs::path& file : old)
+    if (std::ranges::find(result.files, file.filename().string()) == result.files.end()) fs::remove(file, fault);
   const auto is_newer = [&](const std::string& file) {
     const auto changed = fs::last_write_time(blend.parent_path() / file, fault);
     return !fault && changed > start;

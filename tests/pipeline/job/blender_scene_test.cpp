@@ -1,4 +1,5 @@
 #include <cstdlib>
+#include <thread>
 
 #include "tests/pipeline/job/job_file.h"
 
@@ -83,6 +84,30 @@ TEST_F(BlenderScene, IsExportedAgainOnlyAfterAChange) {
   EXPECT_EQ(runs(), 5u);
 }
 
+TEST_F(BlenderScene, LeavesNothingOfKilledExportsAndNoFilesOfOldOnes) {
+  read(kJob);
+  const std::filesystem::path made = folder_ / "out/blend";
+  std::filesystem::create_directories(made / ".room.k4x0_q1z");
+  folder_.write("out/blend/.room.k4x0_q1z/room.glb", "half");
+  folder_.write("out/blend/.patchlight-1.json", "{");
+  folder_.write("out/blend/notes.txt", "a user's");
+  folder_.write("out/blend/room_sky.exr", "of an export with a sky");
+  folder_.write("room.blend", "second");
+  read(kJob);
+  EXPECT_FALSE(std::filesystem::exists(made / ".room.k4x0_q1z"));
+  EXPECT_FALSE(std::filesystem::exists(made / ".patchlight-1.json"));
+  EXPECT_TRUE(std::filesystem::exists(made / "notes.txt"));
+  EXPECT_TRUE(std::filesystem::exists(made / "room.glb"));
+}
+
+TEST_F(BlenderScene, IsExportedOnceByRunsAtTheSameTime) {
+  const std::filesystem::path job = folder_.write("both.yaml", kJob);
+  std::thread other([&] { read_job(job); });
+  read_job(job);
+  other.join();
+  EXPECT_EQ(runs(), 1u);
+}
+
 TEST_F(BlenderScene, ServesVariantsFromTheFolderAboveThem) {
   read(kJob);
   const Job variant = read_job(folder_ / "job.yaml", {"trace.samples=2"}, folder_ / "out/variant");
@@ -97,10 +122,10 @@ TEST_F(BlenderScene, NamesWhatWentWrongInBlender) {
   EXPECT_ERROR(read(kJob), ExitCode::unavailable, "Blender 2.8 is too old: install Blender 3.4 or newer");
   use_blender("echo 'Error: File format is not supported in file' >&2; exit 1");
   EXPECT_ERROR(read(kJob), ExitCode::bad_data, "Blender cannot read the file");
-  use_blender("kill -SEGV $$");
-  EXPECT_ERROR(read(kJob), ExitCode::unavailable, "open the file in Blender");
+  use_blender("echo 'Writing: /tmp/room.crash.txt' >&2; kill -SEGV $$");
+  EXPECT_ERROR(read(kJob), ExitCode::unavailable, "Blender crashed; last it said: Writing: /tmp/room.crash.txt");
   use_blender("exit 0");
-  EXPECT_ERROR(read(kJob), ExitCode::unavailable, "open the file in Blender");
+  EXPECT_ERROR(read(kJob), ExitCode::unavailable, "Blender wrote no export");
   setenv("BLENDER", "/none/blender", 1);
   EXPECT_ERROR(read(kJob), ExitCode::unavailable, "set it to Blender's program");
   EXPECT_FALSE(std::filesystem::exists(folder_ / "out/blend/export.json"));
