@@ -139,9 +139,11 @@ class WrongBlenders(BlendCase):
         self.assertFalse((self.folder / "room.patchlight/blend/export.json").exists())
 
     def test_a_crash_says_what_to_try(self):
-        for script in ("kill -SEGV $$", "kill -ABRT $$", "exit 1", "exit 0"):
+        crash = "Blender crashed; last it said: Writing: room.crash.txt"
+        for script, text in (("kill -SEGV $$", crash), ("kill -ABRT $$", crash), ("exit 1", "ended with exit code 1"),
+                             ("exit 0", "Blender wrote no export")):
             with self.subTest(script):
-                self.run_with(script, 69, "Blender ended", "open the file in Blender")
+                self.run_with(f"echo 'Writing: room.crash.txt'; {script}", 69, text, "open the file in Blender")
 
     def test_an_old_blender_is_refused(self):
         (self.folder / "bpy.py").write_text("class app:\n    version, version_string = (2, 79, 0), '2.79'\n")
