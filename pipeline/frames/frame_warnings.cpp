@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdlib>
+#include <map>
 
 #include "pipeline/frames/camera_view.h"
 #include "pipeline/frames/light_settings.h"
@@ -15,11 +17,11 @@ namespace {
 
 constexpr std::size_t kMaxNames = 5;
 
-bool is_black(const Frame& frame) {
+std::map<std::string, std::string> metadata_of(const Frame& frame) {
   try {
-    return read_exr_header(frame.exr).metadata.contains(kBlackFrame);
+    return read_exr_header(frame.exr).metadata;
   } catch (const Error&) {
-    return false;
+    return {};
   }
 }
 
@@ -51,12 +53,19 @@ std::string reason_for_black(const Job& job, const PatchSet& scene, int frame) {
 
 std::vector<std::string> frame_warnings(const Job& job, const PatchSet& scene, const std::vector<Frame>& frames) {
   const Imath::Box3d bounds = bounds_of(scene.primitives);
-  std::vector<const Frame*> without_view, black;
+  std::vector<const Frame*> without_view, black, dark;
+  double brightest = 0.0;  // of the dark frames
   for (const Frame& frame : frames) {
-    if (misses(frame.camera, double(frame.size[0]) / frame.size[1], bounds))
+    if (misses(frame.camera, double(frame.size[0]) / frame.size[1], bounds)) {
       without_view.push_back(&frame);
-    else if (!scene.light_groups.empty() && is_black(frame))
-      black.push_back(&frame);
+      continue;
+    }
+    const auto metadata = metadata_of(frame);
+    if (!scene.light_groups.empty() && metadata.contains(kBlackFrame)) black.push_back(&frame);
+    const auto radiance = metadata.find(kDarkFrame);
+    if (radiance == metadata.end()) continue;
+    dark.push_back(&frame);
+    brightest = std::max(brightest, std::strtod(radiance->second.c_str(), nullptr));
   }
   std::vector<std::string> warnings;
   if (!without_view.empty())
@@ -67,6 +76,11 @@ std::vector<std::string> frame_warnings(const Job& job, const PatchSet& scene, c
   if (!black.empty())
     warnings.push_back(
         fmt::format("a frame is black ({}): {}", names(black), reason_for_black(job, scene, black[0]->number)));
+  if (!dark.empty())
+    warnings.push_back(fmt::format(
+        "a frame is nearly black ({}): its brightest pixel is {:.2g} W/(m2 sr), so the picture shows nothing; "
+        "are the lights as strong as they should be? If so, raise `trace.exposure`",
+        names(dark), brightest));
   return warnings;
 }
 

@@ -26,15 +26,22 @@ constexpr float kMaxHalf = 65504.0f;
 /// Smallest half float above zero.
 constexpr float kMinHalf = 5.9604645e-8f;
 
+/// Display value below which a picture is black to the eye.
+constexpr float kLeastVisible = 1.5f / 255;
+
 void clamp(std::vector<Color>& pixels, float limit) {
   for (Color& pixel : pixels)
     for (int k = 0; k < 3; ++k) pixel[k] = pixel[k] > 0 ? std::min(pixel[k], limit) : 0.0f;  // NaN is not > 0
 }
 
+float largest(const std::vector<Color>& pixels) {
+  float value = 0.0f;
+  for (const Color& pixel : pixels) value = std::max({value, pixel.x, pixel.y, pixel.z});
+  return value;
+}
+
 bool is_black(const std::vector<Color>& pixels) {
-  return std::all_of(pixels.begin(), pixels.end(), [](const Color& pixel) {
-    return std::max({pixel.x, pixel.y, pixel.z}) < kMinHalf;
-  });
+  return largest(pixels) < kMinHalf;
 }
 
 /// SMPTE timecode: hours, minutes, seconds and frames.
@@ -113,14 +120,18 @@ void FrameWriter::write(const Frame& frame, Image image, double seconds, const s
       {"patchlight:job", effective_job(job)},
   };
   image.metadata.insert(stated_errors_.begin(), stated_errors_.end());
-  if (is_black(image.pixels)) image.metadata[kBlackFrame] = "yes";
+  const Image picture = view_(image);
+  if (is_black(image.pixels))
+    image.metadata[kBlackFrame] = "yes";
+  else if (largest(picture.pixels) < kLeastVisible)
+    image.metadata[kDarkFrame] = fmt::format("{:.4g}", largest(image.pixels));
   if (!relit_from.empty()) {
     image.metadata["patchlight:key"] = relit_key(key(frame));
     image.metadata["patchlight:relit_from"] = relit_from;
   }
   if (frame.camera.projection == Camera::Projection::perspective)
     image.metadata["Lens"] = lens(frame.camera, frame.size);
-  write_png(frame.png, view_(image), job_.output);
+  write_png(frame.png, picture, job_.output);
   image.metadata["patchlight:png"] = hash_file(frame.png);
   write_exr(frame.exr, image, job_.output, {job_.trace.pixel_type, job_.trace.compression});
 }

@@ -70,6 +70,12 @@ TEST_F(Warnings, TellAboutABlackFrame) {
                       {"--set", "cameras.behind={look_from: [0, 0.28, -3], look_at: [0, 0.28, 0]}"});
 }
 
+TEST_F(Warnings, TellAboutANearlyBlackFrame) {
+  small_job(folder_);
+  expect_in_both_runs("patchlight-trace: warning: a frame is nearly black (`camera`): its brightest pixel is",
+                      {"--set", "lights.\"lights.ceiling\".scale=0.00001"});
+}
+
 TEST_F(Warnings, TellAboutAllBlackFramesAtOnce) {
   small_job(folder_);
   expect_in_both_runs(
