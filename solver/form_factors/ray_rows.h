@@ -69,7 +69,7 @@ class RayRows {
   void pass_surfaces(SampleSet& set, const DirectionTable& table, int first, RayPacket& packet,
                      Reflections& reflections) const;
   Passing cross(SampleSet& set, const SurfaceHit& hit, std::uint64_t random, int lane, RayPacket& packet,
-                 Color& throughput) const;
+                Color& throughput) const;
   std::uint32_t reaching_sky(const SampleSet& set, int first, RayPacket& packet) const;
   bool reflects_at_coat(const SurfaceHit& hit, std::uint64_t random, int lane, RayPacket& packet, Color& throughput,
                         Color& passed) const;

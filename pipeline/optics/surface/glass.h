@@ -1,6 +1,4 @@
 #pragma once
-#include <optional>
-
 #include "pipeline/optics/surface/specular.h"
 
 namespace patchlight {
