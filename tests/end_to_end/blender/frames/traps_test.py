@@ -106,6 +106,27 @@ class Traps(ExportTest):
         self.add_lamp("lamp", "POINT", 100, shadow_soft_size=0.05).location = (1, 0, 3)
         self.assert_frame_is_that_of_cycles()
 
+    def test_glass_shows_and_lights_what_is_behind_it(self):
+        self.add_floor()
+        self.add_cube("box", diffuse("box", (0.7, 0.2, 0.1, 1)), (0.6, 0, 0.25), 0.5)
+        m = Shaders("glass")
+        pane = self.add_cube("pane", m.show(m.add("BsdfGlass", IOR=1.45)), (0, 0, 1), 1)
+        pane.scale = (2, 2, 0.02)
+        self.scene.world = bpy.data.worlds.new("world")
+        self.scene.world.color = (0.3, 0.5, 0.8)
+        self.scene.cycles.blur_glossy = 0  # it would make the glass rough
+        self.assert_frame_is_that_of_cycles(0.03, 512)
+
+    def test_veils_let_a_part_of_the_light_pass(self):
+        self.add_floor()
+        m = Shaders("veil")
+        clear, cloth = m.add("BsdfTransparent"), m.add("BsdfDiffuse", Color=(0.8, 0.6, 0.3, 1))
+        veil = m.show(m.add("MixShader", _0=0.4, _1=clear.outputs[0], _2=cloth.outputs[0]))
+        self.add_square("veil", veil, size=1.5, location=(0, 0, 1))
+        lamp = self.add_lamp("panel", "AREA", 80, size=0.5)
+        lamp.location, lamp.visible_camera = (0.3, 0.2, 2.5), False
+        self.assert_frame_is_that_of_cycles(0.03, 512)
+
     def test_black_frames_say_what_to_do(self):
         self.add_floor()
         self.add_lamp("hidden", "AREA", 50).hide_render = True
