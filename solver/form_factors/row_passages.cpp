@@ -30,8 +30,8 @@ Passing RayRows::cross(SampleSet& set, const SurfaceHit& hit, std::uint64_t rand
   return passing;
 }
 
-/// Takes the rays of a block past surfaces that let light pass. Those that go straight meet what is behind; the others
-/// start again.
+/// Continues the rays of a packet that hit surfaces which let light pass. A ray that keeps its direction and its weight
+/// counts as if there were no such surface; any other ray is traced on as a reflected one.
 void RayRows::pass_surfaces(SampleSet& set, const DirectionTable& table, int first, RayPacket& packet,
                             Reflections& reflections) const {
   RayPacket rays = packet;

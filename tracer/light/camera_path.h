@@ -63,6 +63,7 @@ struct PathSums {
   std::vector<PixelDetail> details{};  ///< [pixels]; empty: not asked for.
   LayerSums* layers = nullptr;         ///< Null: not asked for.
   const TileWindow* window = nullptr;  ///< Of the pixels.
+  /// The reflection by the first glass that a path met.
   struct Part {
     CameraPath path;
     Vec3f origin, direction;  ///< In the local frame of the RayScene.

@@ -131,7 +131,7 @@ class Writer:
             self.shader.link_number("Alpha", node, "A", 1)
 
     def _find_grey(self, alpha):
-        """Whether more than a tenth of an alpha image is partly transparent."""
+        """Notes whether more than a tenth of an alpha image is partly transparent."""
         self.is_grey |= bool(np.mean((alpha > 0.1) & (alpha < 0.9)) > 0.1)
 
     def _number(self, name, value):

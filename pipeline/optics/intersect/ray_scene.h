@@ -25,8 +25,8 @@ struct SurfaceHit {
 /// A scene's primitives for ray casting, in single precision relative to the scene's centre; both sides of a surface
 /// are one primitive, a region its pieces. A PacketTracer traces them; Embree does, if they are very many or if fine
 /// ones cover much of the area. Masked primitives have an Embree BVH of their own with the alpha test as hit filter,
-/// that scenes without masks skip. Those that let light pass are a RayScene of their own. The PatchSet must outlive the
-/// RayScene. Hits do not depend on the number of threads.
+/// that scenes without masks skip. Surfaces that let light pass form a RayScene of their own. The PatchSet must outlive
+/// the RayScene. Hits do not depend on the number of threads.
 class RayScene {
  public:
   enum class Tracer { fastest, packets, embree };  ///< Of unmasked primitives; fastest: see SurfaceSizes.
