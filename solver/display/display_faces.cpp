@@ -27,7 +27,7 @@ SpectrumField face_reflectance(const PatchSet& scene, const DisplayMesh& mesh) {
     for (int k = 0; k < kAcross * kAcross; ++k) {
       const Imath::V2d at =
           sampler.place((float(k % kAcross) + 0.5f) / float(kAcross), (float(k / kAcross) + 0.5f) / float(kAcross)).uv;
-      if (primitive.mask >= 0 && !passes_alpha_test(scene, part.primitive, at.x, at.y, 0.0f)) continue;
+      if (primitive.mask >= 0 && !passes_alpha_test(scene, part.primitive, at.x, at.y)) continue;
       ++count;
       sum += Spectrum(shaded ? shaded_reflectance(scene, shaders[primitive.shader], part.primitive, at.x, at.y)
                              : colored_reflectance(scene, part.primitive, at.x, at.y));

@@ -10,8 +10,8 @@ namespace patchlight {
 float alpha_at(const PatchSet& scene, std::int32_t i, double u, double v);
 
 /// Alpha test of primitive `i`, which has a mask, at (u,v): whether its alpha is at least the cutoff; where it covers
-/// places in part, whether it exceeds `chance`, in [0,1).
-bool passes_alpha_test(const PatchSet& scene, std::int32_t i, double u, double v, float chance = 0.5f);
+/// places in part, whether it exceeds `chance`, in [0,1); by default, whether there is any of it.
+bool passes_alpha_test(const PatchSet& scene, std::int32_t i, double u, double v, float chance = 0.0f);
 
 /// Whether a patch has an alpha mask and an area.
 inline bool has_alpha_mask(const PatchSet& scene, const Patch& patch) {

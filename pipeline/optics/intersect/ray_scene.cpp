@@ -236,7 +236,7 @@ SurfaceHit RayScene::hit(const RayPacket& packet, int lane) const {
 bool RayScene::accepts_hit(unsigned quad, const Vec2f& at, const Vec3f& origin, const Vec3f& direction,
                            float distance) const {
   const SurfaceHit hit = surface_hit(EmbreeTracer::kQuads, quad, at.x, at.y, origin, direction, distance);
-  return passes_alpha_test(*scene_, hit.primitive, hit.u, hit.v, 0.0f);
+  return passes_alpha_test(*scene_, hit.primitive, hit.u, hit.v);
 }
 
 Vec2f sphere_uv(const Vec3f& direction) {
