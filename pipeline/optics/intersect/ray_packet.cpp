@@ -10,6 +10,20 @@ namespace {
 // 10 u, and directions and the given distance are rounded by u each.
 constexpr float kShadowEnd = 0x1p-20f;
 
+/// Makes a lane a ray without end and without a hit.
+inline void activate(RayPacket& packet, int lane, float t_near) {
+  auto& r = packet.rays.ray;
+  r.tnear[lane] = t_near;
+  r.tfar[lane] = std::numeric_limits<float>::infinity();
+  r.time[lane] = 0.0f;
+  r.mask[lane] = ~0u;
+  r.id[lane] = 0;
+  r.flags[lane] = 0;
+  packet.rays.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
+  packet.rays.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
+  packet.valid[lane] = -1;
+}
+
 }  // namespace
 
 void RayPacket::clear() {
@@ -17,18 +31,7 @@ void RayPacket::clear() {
 }
 
 void RayPacket::start() {
-  auto& r = rays.ray;
-  for (int lane = 0; lane < kSize; ++lane) {
-    r.tnear[lane] = 0.0f;
-    r.tfar[lane] = std::numeric_limits<float>::infinity();
-    r.time[lane] = 0.0f;
-    r.mask[lane] = ~0u;
-    r.id[lane] = 0;
-    r.flags[lane] = 0;
-    rays.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
-    rays.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
-    valid[lane] = -1;
-  }
+  for (int lane = 0; lane < kSize; ++lane) activate(*this, lane, 0.0f);
 }
 
 void RayPacket::set(int lane, const Vec3f& origin, const Vec3f& direction, float t_near) {
@@ -39,15 +42,7 @@ void RayPacket::set(int lane, const Vec3f& origin, const Vec3f& direction, float
   r.dir_x[lane] = direction.x;
   r.dir_y[lane] = direction.y;
   r.dir_z[lane] = direction.z;
-  r.tnear[lane] = t_near;
-  r.tfar[lane] = std::numeric_limits<float>::infinity();
-  r.time[lane] = 0.0f;
-  r.mask[lane] = ~0u;
-  r.id[lane] = 0;
-  r.flags[lane] = 0;
-  rays.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
-  rays.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
-  valid[lane] = -1;
+  activate(*this, lane, t_near);
 }
 
 void RayPacket::set_shadow(int lane, const Vec3f& origin, const Vec3f& direction, float distance) {
