@@ -16,7 +16,7 @@ bool RayRows::reflects_at_coat(const SurfaceHit& hit, std::uint64_t random, int 
   const SpecularProperties specular = specular_properties_at(scene_, hit.primitive, hit.u, hit.v);
   Color reflected(1.0f);
   if (!reflect(specular, point.normal, at, direction, reflected)) reflected = Color(0.0f);
-  const float chance = std::max({reflected.x, reflected.y, reflected.z});
+  const float chance = max_component(reflected);
   if (uniform01(hash64(~random)) >= chance) {
     for (int k = 0; k < 3; ++k) passed[k] = reflected[k] == chance ? 1.0f : (1.0f - reflected[k]) / (1.0f - chance);
     return false;

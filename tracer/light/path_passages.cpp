@@ -15,10 +15,6 @@ namespace {
 
 constexpr std::uint64_t kStream = 0x676c617373;  // of random numbers, apart from those of reflections
 
-float largest(const Color& c) {
-  return std::max({c.x, c.y, c.z});
-}
-
 }  // namespace
 
 bool PathTracer::pass(const SurfaceHit& hit, const SurfacePoint& point, int lane, Path& path, RayPacket& packet,
@@ -40,8 +36,8 @@ bool PathTracer::pass(const SurfaceHit& hit, const SurfacePoint& point, int lane
   Color through = glass.tint * glass.part;
   if (is_colored(scene_, hit.primitive)) through *= base_color(scene_, hit.primitive, hit.u, hit.v);
   const float alpha = primitive.mask >= 0 ? std::min(alpha_at(scene_, hit.primitive, hit.u, hit.v), 1.0f) : 1.0f;
-  const float open = 1.0f - alpha, reflected = alpha * largest(reflectance);
-  const float passed = alpha * largest((Color(1.0f) - reflectance) * through);
+  const float open = 1.0f - alpha, reflected = alpha * max_component(reflectance);
+  const float passed = alpha * max_component((Color(1.0f) - reflectance) * through);
   // Both ways from the faces of the first glass, so that faint reflections before what is dark show no grain.
   const bool is_split =
       path.bounces <= 1 && !path.is_part && specular.roughness < kMirrorRoughness && reflected > 0 && open + passed > 0;
@@ -49,7 +45,7 @@ bool PathTracer::pass(const SurfaceHit& hit, const SurfacePoint& point, int lane
     PathSums::Part part{path, ray_scene_.to_local(point.position) + facing * ray_scene_.offset(hit.primitive),
                         in + normal * (2.0f * cosine)};
     part.path.throughput *= reflectance * alpha;
-    part.path.faint = largest(part.path.throughput) < kFaint;
+    part.path.faint = max_component(part.path.throughput) < kFaint;
     part.path.is_part = part.path.mirrored = true;
     ++part.path.bounces;
     sums.parts.push_back(part);
@@ -64,14 +60,14 @@ bool PathTracer::pass(const SurfaceHit& hit, const SurfacePoint& point, int lane
   const auto go_on = [&](const Vec3f& side, const Vec3f& direction) {
     const Vec3d origin = point.position + Vec3d(side) * double(ray_scene_.offset(hit.primitive));
     packet.set(lane, ray_scene_.to_local(origin), direction);
-    return largest(path.throughput) >= kMinThroughput;
+    return max_component(path.throughput) >= kMinThroughput;
   };
   if (choice < open) {
     path.throughput *= all;
     return go_on(-facing, in);
   }
   if (choice < open + reflected_here && !inside) {
-    if (!path.faint) path.faint = specular.metal == Color(0.0f) && largest(path.throughput) * reflected < kFaint;
+    if (!path.faint) path.faint = specular.metal == Color(0.0f) && max_component(path.throughput) * reflected < kFaint;
     path.throughput *= alpha * all / reflected;
     const Vec3d origin = point.position + Vec3d(facing) * double(ray_scene_.offset(hit.primitive));
     Vec3f direction = in;

@@ -31,10 +31,6 @@ std::int32_t brightness_levels(const Color& reflected) {
   return levels;
 }
 
-float max_component(const Color& c) {
-  return std::max({c.x, c.y, c.z});
-}
-
 }  // namespace
 
 PathTracer::PathTracer(const PatchSet& scene, const RayScene& ray_scene, const Outlines& outlines,

@@ -7,6 +7,15 @@
 
 namespace patchlight {
 
+namespace {
+
+/// Cosine outside of a body, for that inside; 0 where the reflection is total.
+float outer_cosine(float ior, float inside) {
+  return std::sqrt(std::max(0.0f, 1.0f - ior * ior * (1.0f - inside * inside)));
+}
+
+}  // namespace
+
 Color glass_reflectance(const SpecularProperties& specular, const Transmission& transmission, float cosine,
                         bool inside) {
   if (!inside) return specular.reflectance(cosine);
@@ -14,12 +23,8 @@ Color glass_reflectance(const SpecularProperties& specular, const Transmission& 
   return outside > 0 ? specular.reflectance(outside) : Color(1.0f);
 }
 
-float outer_cosine(float ior, float inner_cosine) {
-  return std::sqrt(std::max(0.0f, 1.0f - ior * ior * (1.0f - inner_cosine * inner_cosine)));
-}
-
-float inner_cosine(float ior, float outer_cosine) {
-  return std::sqrt(1.0f - (1.0f - outer_cosine * outer_cosine) / (ior * ior));
+float inner_cosine(float ior, float outside) {
+  return std::sqrt(1.0f - (1.0f - outside * outside) / (ior * ior));
 }
 
 Color unabsorbed(const Transmission& transmission, float length) {

@@ -8,12 +8,10 @@ namespace patchlight {
 Color glass_reflectance(const SpecularProperties& specular, const Transmission& transmission, float cosine,
                         bool inside);
 
-/// Cosine outside of a body of index `ior`, for that inside; 0 where the reflection is total.
-float outer_cosine(float ior, float inner_cosine);
-/// Cosine inside of a body of index `ior`, for that outside.
-float inner_cosine(float ior, float outer_cosine);
+/// Cosine of the angle to the normal inside of a body of index `ior`, for that outside (Snell's law).
+float inner_cosine(float ior, float outside);
 
-/// The part of light that a body absorbs none of along `length`, m.
+/// The part of light that is left after a way of this length in a body, m.
 Color unabsorbed(const Transmission& transmission, float length);
 
 /// Whether glass may turn the light that passes it: the surface of a body, or rough.

@@ -1,7 +1,13 @@
 #pragma once
+#include <algorithm>
+
 #include "pipeline/model/patch_set.h"
 
 namespace patchlight {
+
+inline float max_component(const Color& c) {
+  return std::max({c.x, c.y, c.z});
+}
 
 /// Specular reflection at a surface point: that of metal and of a coat, which have the same roughness.
 struct SpecularProperties {

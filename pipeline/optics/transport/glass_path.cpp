@@ -1,7 +1,5 @@
 #include "pipeline/optics/transport/glass_path.h"
 
-#include <algorithm>
-
 #include "pipeline/optics/intersect/alpha_mask.h"
 #include "pipeline/optics/sampling/patch_sampling.h"
 #include "pipeline/optics/sampling/random.h"
@@ -14,15 +12,6 @@ namespace patchlight {
 namespace {
 
 constexpr int kMostPassed = 256;  // surfaces that a straight ray passes
-
-float largest(const Color& c) {
-  return std::max({c.x, c.y, c.z});
-}
-
-/// a / b by channel; exactly 1 where they are equal.
-Color ratio(const Color& a, float b) {
-  return {a.x / b, a.y / b, a.z / b};
-}
 
 }  // namespace
 
@@ -46,17 +35,17 @@ Passing cross_by_chance(const PatchSet& scene, const RayScene& ray_scene, const 
   if (inside) throughput *= unabsorbed(glass, hit.t);
   const Vec2f at(uniform01(random), uniform01(hash64(random)));
   const GlassWays ways = glass_ways(specular, glass, normal, inside, at, direction);
-  const float chance = largest(ways.reflected);
+  const float chance = max_component(ways.reflected);
   if (uniform01(hash64(~random)) < chance) {
-    throughput *= ratio(ways.reflected, chance);
+    throughput *= ways.reflected / chance;
     go_on(normal, ways.reflection);
     return Passing::reflected;
   }
   if (uniform01(hash64(~hash64(random))) >= glass.part) {
-    throughput *= ratio(Color(1.0f) - ways.reflected, 1.0f - chance);
+    throughput *= (Color(1.0f) - ways.reflected) / (1.0f - chance);
     return Passing::lands;
   }
-  throughput *= ratio(ways.passed, 1.0f - chance) * glass.tint;
+  throughput *= ways.passed / (1.0f - chance) * glass.tint;
   if (is_colored(scene, hit.primitive)) throughput *= base_color(scene, hit.primitive, hit.u, hit.v);
   if (!survives_roulette(hash64(random + 2), throughput)) return Passing::ends;
   go_on(-normal, ways.passage);

@@ -10,7 +10,7 @@ namespace patchlight {
 
 bool survives_roulette(std::uint64_t random, Color& throughput) {
   constexpr float kThreshold = 0.25f;
-  const float max_channel = std::max({throughput.x, throughput.y, throughput.z});
+  const float max_channel = max_component(throughput);
   if (max_channel >= kThreshold) return true;
   if (uniform01(hash64(~random)) * kThreshold >= max_channel) return false;
   throughput *= kThreshold / max_channel;
