@@ -99,7 +99,7 @@ std::vector<Material> stored_materials(const std::vector<SurfaceMaterial>& mater
   for (const SurfaceMaterial& material : materials)
     result.push_back({material.name, material.specular, material.roughness, material.tint, material.alpha,
                       material.alpha_cutoff, material.metal, material.roughness_factor, material.emission_tint,
-                      material.coat, material.transmission, material.normal_scale});
+                      material.coat, material.transmission, material.normal_scale, material.translucence});
   return result;
 }
 

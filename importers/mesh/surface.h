@@ -31,7 +31,8 @@ struct SurfaceMaterial {
   float roughness = 1.0f;   ///< Of the metallic part and of the coat.
   Coat coat{};
   Transmission transmission{};
-  Color emission{0.0f};  ///< Radiant exitance, W/m2.
+  Color translucence{0.0f};  ///< As Material has it.
+  Color emission{0.0f};      ///< Radiant exitance, W/m2.
   bool double_sided = false;
   std::int32_t texture = -1;           ///< Base colour texture, among the scene's; -1: none.
   TextureMapping mapping;              ///< Of that texture and of the mask.
@@ -81,8 +82,9 @@ struct SurfaceMaterial {
     return texture >= 0 || emission_texture >= 0 || metallic_roughness_texture >= 0 || normal_texture >= 0;
   }
   bool emits() const { return emission != Color(0.0f); }
-  /// Whether its surfaces have two sides with patches. That of a body of glass has one, and lets light out.
-  bool has_two_sides() const { return double_sided && !transmission.solid; }
+  /// Whether its surfaces have two sides with patches. That of a body of glass has one, and lets light out; one that
+  /// passes light to its other side has both.
+  bool has_two_sides() const { return (double_sided || translucence != Color(0.0f)) && !transmission.solid; }
 };
 
 /// Unconnected triangles in world space, three corners each, counter-clockwise seen from the front.

@@ -10,7 +10,7 @@ namespace patchlight {
 namespace {
 
 // Raised whenever a stage computes different results from the same inputs.
-constexpr int kImportVersion = 20;
+constexpr int kImportVersion = 21;
 constexpr int kTransportKeyVersion = 44;
 constexpr int kSolveVersion = 44;
 constexpr int kTraceVersion = 24;

@@ -80,7 +80,8 @@ std::vector<Color> irradiance(const EnergyField::Group& group);
 /// The same without direct light from sampled emitters.
 std::vector<Color> irradiance_without_sampled(const EnergyField::Group& group);
 
-/// Radiosity B = E + rho * (all groups' direct + indirect irradiance), W/m2. Shape: [patches].
+/// Radiosity B = E + rho * (all groups' direct + indirect irradiance), W/m2, without what passes translucent surfaces.
+/// Shape: [patches].
 std::vector<Color> radiosity(const PatchSet& scene, const EnergyField& energy);
 
 /// Area-weighted relative L2 difference of reflected radiosity, B - E, over patches that do not emit: an emitter's

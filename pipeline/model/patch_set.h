@@ -96,6 +96,8 @@ struct Material {
   Coat coat{};
   Transmission transmission{};
   float normal_scale = 1.0f;  ///< Of the x and y of normal textures.
+  /// Part of the light below the coat that leaves the other side diffusely, each in [0,1]. 0: none.
+  Color translucence{0.0f};
 };
 
 /// Texture coordinates at corners 0 to 3 of a primitive, bilinear between them; shaders see them as (u,v).
@@ -197,6 +199,11 @@ inline bool is_colored(const PatchSet& scene, std::int32_t i) {
 /// Whether a material reflects other than diffusely.
 inline bool is_specular(const Material& material) {
   return material.specular != Color(0.0f) || material.coat.exists();
+}
+
+/// Whether a part of the light that falls on a primitive leaves its other side diffusely.
+inline bool is_translucent(const PatchSet& scene, const Primitive& primitive) {
+  return primitive.back >= 0 && scene.materials[primitive.material].translucence != Color(0.0f);
 }
 
 /// Whether light passes a primitive: glass, or a surface that covers places in part.

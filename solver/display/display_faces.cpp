@@ -6,7 +6,9 @@
 #include "pipeline/optics/sampling/patch_sampling.h"
 #include "pipeline/optics/surface/material_shader.h"
 #include "pipeline/optics/surface/texture_lookup.h"
+#include "pipeline/optics/transport/elements.h"
 #include "pipeline/optics/transport/face_lookup.h"
+#include "solver/form_factors/row_scattering.h"
 
 namespace patchlight {
 
@@ -35,6 +37,23 @@ SpectrumField face_reflectance(const PatchSet& scene, const DisplayMesh& mesh) {
     if (count > 0) mean = sum * Spectrum(1.0 / count);
   }
   return reflectance;
+}
+
+std::vector<Scattering::Passage> face_passages(const PatchSet& scene, const DisplayMesh& mesh) {
+  std::vector<Scattering::Passage> passages;
+  if (std::ranges::none_of(scene.primitives, [&](const Primitive& p) { return is_translucent(scene, p); }))
+    return passages;
+  const Elements elements(scene, mesh);
+  const std::vector<Patch> parts = face_patches(scene, mesh);
+  for (std::int32_t f = 0; f < mesh.elements(); ++f) {
+    const Primitive& primitive = scene.primitives[parts[f].primitive];
+    if (!is_translucent(scene, primitive)) continue;
+    const auto [front, uv] = PatchSampler(scene.primitives, parts[f]).place(0.5f, 0.5f);
+    const std::int32_t behind = elements.at(scene.primitives[front].back, 1.0f - float(uv.x), float(uv.y));
+    const Color& translucence = scene.materials[primitive.material].translucence;
+    passages.push_back({f, behind, seen_by_rows(scene, scene.patches[mesh.faces[f].patch], translucence, true)});
+  }
+  return passages;
 }
 
 std::vector<float> exposure_of_vertices(const Transport::Display& display) {

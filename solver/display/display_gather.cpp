@@ -8,6 +8,7 @@
 #include "solver/display/display_faces.h"
 #include "solver/display/vertex_filter.h"
 #include "solver/form_factors/coated_rows.h"
+#include "solver/form_factors/row_scattering.h"
 #include "solver/linear/form_factor_rows.h"
 #include "solver/linear/linear_system.h"
 #include "solver/linear/patch_interpolation.h"
@@ -16,25 +17,22 @@ namespace patchlight {
 
 namespace {
 
-/// What surfaces reflect towards the rays of rows, over their irradiance.
+/// What surfaces send out towards the rays of rows, over their irradiance.
 struct Reflectances {
-  SpectrumField patches, faces;  ///< See row_reflectance(). Shapes: [patches], [mesh elements].
+  Scattering patches;                         ///< See row_scattering(). Shape: [patches].
+  SpectrumField faces;                        ///< [mesh elements]
+  std::vector<Scattering::Passage> passages;  ///< To faces, from elements.
   CoatLight coats;
   bool metals;
 
   Reflectances(const PatchSet& scene, const Transport& transport, const DisplayMesh& mesh)
-      : patches(row_reflectance(scene, true)),
+      : patches(row_scattering(scene, true)),
         faces(face_reflectance(scene, mesh)),
+        passages(face_passages(scene, mesh)),
         coats(scene, transport.lights),
         metals(has_metals(scene)) {
-    for (std::int32_t f = 0; f < mesh.elements(); ++f) {
-      const Patch& patch = scene.patches[mesh.faces[f].patch];
-      const Primitive& primitive = scene.primitives[patch.primitive];
-      if (!passes_by_chance(scene, primitive))
-        faces[f] *= Spectrum(patch.transmittance);
-      else if (const float part = untransmitted_part(scene, primitive); part < 1)
-        faces[f] *= Spectrum(part > 0 ? 1.0 / double(part) : 0.0);
-    }
+    for (std::int32_t f = 0; f < mesh.elements(); ++f)
+      faces[f] *= seen_by_rows(scene, scene.patches[mesh.faces[f].patch], Color(1.0f), true);
   }
 };
 
@@ -68,16 +66,18 @@ class Gather {
   /// Sets the radiosity to gather: in the first pass from patches, later from the previous pass's irradiance at faces.
   FormFactorRows::Output begin_pass() {
     if (at_vertices_.empty()) {
+      SpectrumField irradiance;
+      irradiance.reserve(patches_);
+      for (std::size_t i = 0; i < patches_; ++i) irradiance.push_back(total_irradiance_of_patch(i));
+      const SpectrumField exitance = reflectances_.patches.exitance(irradiance);
       for (std::size_t i = 0; i < patches_; ++i)
         radiosity_.set(field_, i,
-                       gathered_emission_[i] +
-                           reflectances_.patches[i] * (Spectrum(group_.direct[i]) + Spectrum(group_.indirect[i])) +
+                       gathered_emission_[i] + exitance[i] +
                            (group_.by_coats.empty() ? Spectrum() : Spectrum(group_.by_coats[i])));
-      for (std::int32_t f = 0; f < mesh_.elements(); ++f) set_radiosity(f, irradiance_of_patch(mesh_.faces[f].patch));
+      set_face_radiosities([&](std::int32_t f) { return irradiance_of_patch(mesh_.faces[f].patch); });
       at_vertices_.resize(mesh_.gathered);
     } else {
-      for (std::int32_t f = 0; f < mesh_.elements(); ++f)
-        set_radiosity(f, irradiance_of_face(mesh_.corners_of(mesh_.faces[f])));
+      set_face_radiosities([&](std::int32_t f) { return irradiance_of_face(mesh_.corners_of(mesh_.faces[f])); });
     }
     deviation_.resize(mesh_.gathered);
     return {&at_vertices_, &deviation_};
@@ -196,11 +196,24 @@ class Gather {
     return scene_.primitives[scene_.patches[i].primitive].light_group == light_group_;
   }
 
-  void set_radiosity(std::int32_t face, const Spectrum& irradiance) {
-    const std::int32_t patch = mesh_.faces[face].patch;
-    radiosity_.set(field_, patches_ + face,
-                   gathered_emission_[patch] + reflectances_.faces[face] * (Spectrum(direct_[face]) + irradiance) +
-                       (by_coats_.empty() ? Spectrum() : Spectrum(by_coats_[face])));
+  /// irradiance(f): of a face, without the direct light of sampled emitters.
+  template <class Irradiance>
+  void set_face_radiosities(Irradiance irradiance) {
+    for (std::int32_t f = 0; f < mesh_.elements(); ++f)
+      radiosity_.set(field_, patches_ + f,
+                     gathered_emission_[mesh_.faces[f].patch] +
+                         reflectances_.faces[f] * (Spectrum(direct_[f]) + irradiance(f)) +
+                         (by_coats_.empty() ? Spectrum() : Spectrum(by_coats_[f])));
+    for (const Scattering::Passage& p : reflectances_.passages) {
+      const std::int32_t face = p.from - std::int32_t(patches_);
+      radiosity_.add(
+          field_, patches_ + p.to,
+          p.part * (face < 0 ? total_irradiance_of_patch(p.from) : Spectrum(direct_[face]) + irradiance(face)));
+    }
+  }
+
+  Spectrum total_irradiance_of_patch(std::size_t i) const {
+    return Spectrum(group_.direct[i]) + Spectrum(group_.indirect[i]);
   }
 
   Spectrum irradiance_of_patch(std::size_t i) const {

@@ -72,12 +72,15 @@ double reciprocity_error(const Transport& transport, const FormFactorRows& rows,
 }
 
 EnergyBalance::EnergyBalance(const PatchSet& scene, const FormFactorRows& rows, const std::vector<double>& areas,
-                             const SpectrumField& reflectance, SpectrumField external_irradiance,
+                             const Scattering& scattering, SpectrumField external_irradiance,
                              const SpectrumField& irradiance, const CoatExchange& coats)
-    : areas_(receiving_areas(scene, areas)), reflectance_(reflectance), row_sums_(padded_row_sums(areas.size(), rows)) {
+    : areas_(receiving_areas(scene, areas)),
+      reflectance_(scattering.albedo),
+      row_sums_(padded_row_sums(areas.size(), rows)) {
+  const SpectrumField exitance = scattering.exitance(irradiance);
   for (std::size_t i = 0; i < areas.size(); ++i) {
     const Spectrum area(areas_[i]);
-    Spectrum reflected = reflectance[i] * irradiance[i];
+    Spectrum reflected = exitance[i];
     if (!coats.reflected.empty()) {
       reflected += coats.reflected[i];
       excess_ -= coats.unmatched[i] * area;

@@ -30,7 +30,7 @@ class EnergyBalance {
  public:
   /// `external_irradiance`, that of lights and the environment, counts as emitted and is part of `irradiance`.
   EnergyBalance(const PatchSet& scene, const FormFactorRows& rows, const std::vector<double>& areas,
-                const SpectrumField& reflectance, SpectrumField external_irradiance, const SpectrumField& irradiance,
+                const Scattering& scattering, SpectrumField external_irradiance, const SpectrumField& irradiance,
                 const CoatExchange& coats = {});
 
   /// Power that leaves patches and by the row sums reaches patches, minus the power that patches receive, over the

@@ -40,14 +40,14 @@ struct SquareSum {
 
 class Estimator {
  public:
-  Estimator(const PatchSet& scene, const FormFactorRows& rows, const SpectrumField& reflectance,
+  Estimator(const PatchSet& scene, const FormFactorRows& rows, const Scattering& scattering,
             const std::vector<double>& areas, const SampledSolution& solution, const EnergyBalance& balance)
-      : reflectance_(reflectance),
+      : reflectance_(scattering.albedo),
         areas_(areas),
         solution_(solution),
         balance_(balance),
-        propagation_(rows, reflectance, areas),
-        errors_(scene, reflectance, areas, solution.irradiance) {}
+        propagation_(rows, scattering, areas),
+        errors_(scene, scattering.albedo, areas, solution.irradiance) {}
 
   EnergyField::Estimate operator()() {
     EnergyField::Estimate estimate;
@@ -245,10 +245,10 @@ class Estimator {
 
 }  // namespace
 
-EnergyField::Estimate estimate_error(const PatchSet& scene, const FormFactorRows& rows,
-                                     const SpectrumField& reflectance, const std::vector<double>& areas,
-                                     const SampledSolution& solution, const EnergyBalance& balance) {
-  return Estimator(scene, rows, reflectance, areas, solution, balance)();
+EnergyField::Estimate estimate_error(const PatchSet& scene, const FormFactorRows& rows, const Scattering& scattering,
+                                     const std::vector<double>& areas, const SampledSolution& solution,
+                                     const EnergyBalance& balance) {
+  return Estimator(scene, rows, scattering, areas, solution, balance)();
 }
 
 }  // namespace patchlight

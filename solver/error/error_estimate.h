@@ -26,8 +26,8 @@ struct SampledSolution {
 /// as the true ones; solving the system for them adds the error that reaches other patches. The energy balance shows
 /// how much light the solution lacks in all, which random signs may miss. The linear system's residual: the system is
 /// solved for it alike.
-EnergyField::Estimate estimate_error(const PatchSet& scene, const FormFactorRows& rows,
-                                     const SpectrumField& reflectance, const std::vector<double>& areas,
-                                     const SampledSolution& solution, const EnergyBalance& balance);
+EnergyField::Estimate estimate_error(const PatchSet& scene, const FormFactorRows& rows, const Scattering& scattering,
+                                     const std::vector<double>& areas, const SampledSolution& solution,
+                                     const EnergyBalance& balance);
 
 }  // namespace patchlight

@@ -17,11 +17,11 @@ constexpr int kMaxIterations = 500;
 
 }  // namespace
 
-ErrorPropagation::ErrorPropagation(const FormFactorRows& rows, const SpectrumField& reflectance,
+ErrorPropagation::ErrorPropagation(const FormFactorRows& rows, const Scattering& scattering,
                                    const std::vector<double>& areas)
-    : rows_(rows), reflectance_(reflectance), areas_(areas) {
+    : rows_(rows), scattering_(scattering), areas_(areas) {
   double largest = 0;
-  for (const Spectrum& rho : reflectance)
+  for (const Spectrum& rho : scattering.albedo)
     for (int k = 0; k < 3; ++k) largest = std::max(largest, rho.c[k]);
   amplification_ = 1 / std::max(1 - largest, 1e-6);
 }
@@ -46,14 +46,14 @@ SpectrumField ErrorPropagation::propagate_safely(const SpectrumField& error, dou
 SpectrumField ErrorPropagation::gather(const SpectrumField& error) const {
   SpectrumField gathered(areas_.size());
   const FormFactorRows::Field field{&error, {&gathered}};
-  rows_.gather({&field, 1}, &reflectance_, FormFactorRows::Precision::single);
+  rows_.gather({&field, 1}, &scattering_, FormFactorRows::Precision::single);
   return gathered;
 }
 
 double ErrorPropagation::solve(const SpectrumField& source, double tolerance, SpectrumField& x) const {
   std::vector<SpectrumField> sources{source}, solutions;
   solutions.push_back(std::move(x));
-  const double residual = solve_irradiance(rows_, reflectance_, areas_, sources, tolerance, kMaxIterations, solutions,
+  const double residual = solve_irradiance(rows_, scattering_, areas_, sources, tolerance, kMaxIterations, solutions,
                                            [](double) { Progress::check_interrupted(); })[0]
                               .residual;
   x = std::move(solutions[0]);

@@ -3,11 +3,11 @@
 
 namespace patchlight {
 
-/// How errors of the irradiance of patches reach other patches: p = F rho (e + p) for an error e. At high reflectance
-/// p is many times e.
+/// How errors of the irradiance of patches reach other patches: p = F M (e + p) for an error e and the scattering M. At
+/// high reflectance p is many times e.
 class ErrorPropagation {
  public:
-  ErrorPropagation(const FormFactorRows& rows, const SpectrumField& reflectance, const std::vector<double>& areas);
+  ErrorPropagation(const FormFactorRows& rows, const Scattering& scattering, const std::vector<double>& areas);
 
   /// The propagated part p of an error, solved to a residual of 5%. Shape: [n].
   SpectrumField propagate(const SpectrumField& error) const;
@@ -27,7 +27,7 @@ class ErrorPropagation {
   double solve(const SpectrumField& source, double tolerance, SpectrumField& x) const;
 
   const FormFactorRows& rows_;
-  const SpectrumField& reflectance_;
+  const Scattering& scattering_;
   const std::vector<double>& areas_;
   double amplification_;  ///< Upper bound of the norm of (1 - F rho)^-1: rows of F add up to at most 1.
 };

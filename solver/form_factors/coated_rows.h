@@ -1,6 +1,5 @@
 #pragma once
 #include "pipeline/model/patch_set.h"
-#include "solver/linear/spectrum.h"
 
 namespace patchlight {
 
@@ -17,10 +16,6 @@ inline bool passes_by_chance(const PatchSet& scene, const Primitive& primitive) 
 inline float untransmitted_part(const PatchSet& scene, const Primitive& primitive) {
   return 1.0f - scene.materials[primitive.material].transmission.part;
 }
-
-/// What the diffuse parts of patches reflect towards rays of rows that reach them, over the irradiance. `coats`:
-/// whether rows go on over coats; else coats absorb what they reflect. Shape: [patches].
-SpectrumField row_reflectance(const PatchSet& scene, bool coats);
 
 /// Whether the scene has metals, over which rows and photons bring the light of sampled emitters.
 bool has_metals(const PatchSet& scene);

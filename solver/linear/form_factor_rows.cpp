@@ -103,16 +103,19 @@ void FormFactorRows::gather(const RadiosityTable& table, std::span<const Output>
     gather_stored<double>(table, outputs);
 }
 
-void FormFactorRows::gather(std::span<const Field> fields, const SpectrumField* factor, Precision precision) const {
+void FormFactorRows::gather(std::span<const Field> fields, const Scattering* scattering, Precision precision) const {
   if (fields.empty()) return;
   const std::size_t count = fields[0].radiosity->size();
   RadiosityTable table(fields.size(), sky_ > 0 ? std::size_t(transport_.rows()) + std::size_t(sky_) : count, precision);
   for_each_row(count, [&](std::size_t i) {
     for (std::size_t f = 0; f < fields.size(); ++f) {
       const Spectrum& value = (*fields[f].radiosity)[i];
-      table.set(f, i, factor ? value * (*factor)[i] : value);
+      table.set(f, i, scattering ? value * scattering->albedo[i] : value);
     }
   });
+  if (scattering)
+    for (const Scattering::Passage& p : scattering->passages)
+      for (std::size_t f = 0; f < fields.size(); ++f) table.add(f, p.to, p.part * (*fields[f].radiosity)[p.from]);
   std::vector<Output> outputs;
   for (const Field& field : fields) outputs.push_back(field.output);
   gather(table, outputs);

@@ -5,6 +5,7 @@
 
 #include "pipeline/model/transport.h"
 #include "solver/linear/radiosity_table.h"
+#include "solver/linear/scattering.h"
 
 namespace patchlight {
 
@@ -32,9 +33,9 @@ class FormFactorRows {
   /// Gathers each field of a table into the output of its index. Sums are always in double precision.
   void gather(const RadiosityTable& table, std::span<const Output> outputs) const;
 
-  /// Gathers up to RadiosityTable::kMaxFields fields, each times `factor` [elements] unless null. Fields without values
-  /// for the environment have a black one.
-  void gather(std::span<const Field> fields, const SpectrumField* factor, Precision precision) const;
+  /// Gathers up to RadiosityTable::kMaxFields fields; with `scattering`, the exitance by each as an irradiance. Fields
+  /// without values for the environment have a black one.
+  void gather(std::span<const Field> fields, const Scattering* scattering, Precision precision) const;
 
   /// Gathers `radiosity` in full precision.
   void gather(const SpectrumField& radiosity, SpectrumField& irradiance) const;

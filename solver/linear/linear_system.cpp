@@ -168,7 +168,7 @@ std::vector<Color> to_colors(const SpectrumField& field, const std::string& grou
   return colors;
 }
 
-std::vector<LinearSolve> solve_irradiance(const FormFactorRows& rows, const SpectrumField& reflectance,
+std::vector<LinearSolve> solve_irradiance(const FormFactorRows& rows, const Scattering& scattering,
                                           const std::vector<double>& areas, const std::vector<SpectrumField>& sources,
                                           double tolerance, int max_iterations, std::vector<SpectrumField>& x,
                                           const std::function<void(double)>& step) {
@@ -176,11 +176,11 @@ std::vector<LinearSolve> solve_irradiance(const FormFactorRows& rows, const Spec
   std::vector<BiCgStab> systems;
   for (std::size_t k = 0; k < sources.size(); ++k) systems.emplace_back(areas, sources[k], x[k]);
   std::vector<BiCgStab*> active;
-  // to = F (reflectance from) for all active systems
+  // to = F M from for all active systems
   const auto apply = [&](SpectrumField BiCgStab::*from, SpectrumField BiCgStab::*to) {
     std::vector<FormFactorRows::Field> fields;
     for (BiCgStab* system : active) fields.push_back({&(system->*from), {&(system->*to)}});
-    rows.gather(fields, &reflectance, precision);
+    rows.gather(fields, &scattering, precision);
   };
 
   for (std::size_t k = 0; k < systems.size(); ++k)

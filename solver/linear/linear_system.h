@@ -23,11 +23,11 @@ struct LinearSolve {
   std::vector<double> residuals;  ///< Before each iteration and after the last.
 };
 
-/// Solves x = source + F (reflectance x) for the irradiance x of each source by BiCGSTAB (van der Vorst 1992), all
-/// channels and up to RadiosityTable::kMaxFields sources together, in the inner product weighted by `areas`.
+/// Solves x = source + F M x, where M is `scattering`, for the irradiance x of each source by BiCGSTAB (van der Vorst
+/// 1992), all channels and up to RadiosityTable::kMaxFields sources together, in the inner product weighted by `areas`.
 /// `x` holds the initial guesses. `step` is called with the largest residual before each iteration.
 /// The result depends neither on the number of threads nor on the other sources.
-std::vector<LinearSolve> solve_irradiance(const FormFactorRows& rows, const SpectrumField& reflectance,
+std::vector<LinearSolve> solve_irradiance(const FormFactorRows& rows, const Scattering& scattering,
                                           const std::vector<double>& areas, const std::vector<SpectrumField>& sources,
                                           double tolerance, int max_iterations, std::vector<SpectrumField>& x,
                                           const std::function<void(double)>& step);

@@ -30,6 +30,15 @@ class RadiosityTable {
       put(reinterpret_cast<double*>(lines_.get()) + element * width_ + 3 * field, value);
   }
 
+  /// Adds to a value.
+  void add(std::size_t field, std::size_t element, const Spectrum& value) {
+    const std::size_t at = element * width_ + 3 * field;
+    if (precision_ == Precision::single)
+      for (int c = 0; c < 3; ++c) reinterpret_cast<float*>(lines_.get())[at + std::size_t(c)] += float(value.c[c]);
+    else
+      for (int c = 0; c < 3; ++c) reinterpret_cast<double*>(lines_.get())[at + std::size_t(c)] += value.c[c];
+  }
+
   std::size_t elements() const { return elements_; }
   Precision precision() const { return precision_; }
 

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "solver/form_factors/coated_rows.h"
+#include "solver/form_factors/row_scattering.h"
 
 namespace patchlight {
 
@@ -181,7 +182,7 @@ void add_reflected_light(const RadiositySystem& system, std::span<GroupSolution>
   }
   std::vector<Field> fields;
   for (std::size_t g = 0; g < groups.size(); ++g) fields.push_back({&irradiance[g], {&sources[g]}});
-  system.rows.gather(fields, &system.reflectance, precision);
+  system.rows.gather(fields, &system.scattering, precision);
   std::vector<SpectrumField> by_coats(groups.size()), coat_deviations(groups.size());
   for (std::size_t g = 0; g < groups.size(); ++g) {
     if (!groups[g].coats.reflected.empty()) {
@@ -194,12 +195,11 @@ void add_reflected_light(const RadiositySystem& system, std::span<GroupSolution>
     add(groups[g].mirrored, sources[g]);
   }
 
-  std::vector<LinearSolve> solves =
-      solve_irradiance(system.rows, system.reflectance, system.areas, sources, tolerance, kMaxIterations, indirect,
-                       [&](double residual) {
-                         progress.update(std::min(0.99, std::log(residual) / std::log(tolerance)),
-                                         fmt::format("residual {:.2g}", residual));
-                       });
+  std::vector<LinearSolve> solves = solve_irradiance(
+      system.rows, system.scattering, system.areas, sources, tolerance, kMaxIterations, indirect, [&](double residual) {
+        progress.update(std::min(0.99, std::log(residual) / std::log(tolerance)),
+                        fmt::format("residual {:.2g}", residual));
+      });
 
   // Another gathering pass finds the deviation from its sample sets.
   for (std::size_t g = 0; g < groups.size(); ++g) {
@@ -207,7 +207,7 @@ void add_reflected_light(const RadiositySystem& system, std::span<GroupSolution>
     fields[g] = {&irradiance[g], {&groups[g].reflected, &groups[g].reflected_deviation}};
     groups[g].linear = std::move(solves[g]);
   }
-  system.rows.gather(fields, &system.reflectance, precision);
+  system.rows.gather(fields, &system.scattering, precision);
   for (std::size_t g = 0; g < groups.size(); ++g) {
     add(by_coats[g], groups[g].reflected);
     add(coat_deviations[g], groups[g].reflected_deviation);
@@ -225,7 +225,7 @@ RadiositySystem::RadiositySystem(const PatchSet& patches, const Transport& from)
       rows(from, patches.sky_cells()),
       emitters(explicit_emitters(patches)),
       further(further_emitters(patches)),
-      reflectance(row_reflectance(patches, from.rays > 0)),
+      scattering(row_scattering(patches, from.rays > 0)),
       coat_light(patches, from.lights) {
   for (const Patch& patch : scene.patches) areas.push_back(patch.covered_area());
 }

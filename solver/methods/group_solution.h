@@ -19,7 +19,7 @@ struct RadiositySystem {
   const std::vector<Emitter> emitters;  ///< As in `transport`.
   const std::vector<Emitter> further;   ///< See further_emitters().
   std::vector<double> areas;            ///< [n] Covered area, m2.
-  SpectrumField reflectance;            ///< [n] See row_reflectance().
+  Scattering scattering;                ///< [n] See row_scattering().
   const CoatLight coat_light;
 
   RadiositySystem(const PatchSet& patches, const Transport& from);

@@ -42,7 +42,7 @@ class FilteredComponents {
     const PatchLookup lookup(system.scene);
     const std::vector<FilterGrid> grids = filter_grids(system.scene, lookup, Lattices(system.scene, lookup));
     const auto filter = [&](const Component& component, const SpectrumField& lit) {
-      return IrradianceFilter(grids, component.irradiance, component.deviation, system.reflectance, lit);
+      return IrradianceFilter(grids, component.irradiance, component.deviation, system.scattering.albedo, lit);
     };
     reflected_filter_.emplace(filter(reflected_, reflected_.irradiance));
     if (!is_black(mirrored_.irradiance)) mirrored_filter_.emplace(filter(mirrored_, reflected_.irradiance));
@@ -129,9 +129,9 @@ EnergyField solve_matrix(const PatchSet& scene, const SolveConfig& config, int r
     components.add_group(scene.light_groups[g], std::move(groups[g]), energy, total);
 
   const std::vector<double> areas = visible_areas(scene, transport);
-  const EnergyBalance balance(scene, system.rows, areas, system.reflectance, std::move(external_irradiance),
+  const EnergyBalance balance(scene, system.rows, areas, system.scattering, std::move(external_irradiance),
                               total.irradiance, coats);
-  energy.estimate = estimate_error(scene, system.rows, system.reflectance, system.areas, total, balance);
+  energy.estimate = estimate_error(scene, system.rows, system.scattering, system.areas, total, balance);
   energy.estimate->reciprocity = reciprocity_error(transport, system.rows, receiving_areas(scene, areas));
   energy.estimate->balance = balance.error();
   return energy;

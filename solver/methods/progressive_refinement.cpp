@@ -6,8 +6,10 @@
 #include <cmath>
 #include <numeric>
 
+#include "solver/form_factors/row_scattering.h"
 #include "solver/linear/linear_system.h"
 #include "solver/methods/external_irradiance.h"
+#include "solver/methods/refinement_state.h"
 
 namespace patchlight {
 
@@ -18,31 +20,13 @@ constexpr double kMaxShotRays = 1 << 22;
 constexpr int kRaysBesideHemicubes = 256;    // shadow rays of a patch where form factors are by hemicubes
 constexpr double kOvershootResidual = 1e-2;  // overshooting saves a fifth of the shots above it, and costs more below
 
+Vec3d vector(const Spectrum& s) {
+  return {s.c[0], s.c[1], s.c[2]};
+}
+
 double channel_sum(const Vec3d& c) {
   return c.x + c.y + c.z;
 }
-
-/// Every k-th value and the last, about 500 at most.
-std::vector<double> thinned(const std::vector<double>& values) {
-  constexpr std::size_t kMaxValues = 500;
-  const std::size_t step = values.size() / kMaxValues + 1;
-  std::vector<double> result;
-  for (std::size_t i = 0; i + 1 < values.size(); i += step) result.push_back(values[i]);
-  if (!values.empty()) result.push_back(values.back());
-  return result;
-}
-
-/// Light group while it is solved. Fields have shape [n].
-struct Group {
-  /// Irradiance of explicit_emitters(), of further_emitters(), and of other emitters and the environment, W/m2.
-  std::vector<Vec3d> direct, sampled, gathered;
-  std::vector<Vec3d> indirect;  ///< Irradiance, W/m2.
-  std::vector<Vec3d> unshot;    ///< Reflected and not shot yet, W/m2.
-  double emitted = 0.0;         ///< W, sum of channels; of lights and the environment, the power that arrives.
-  double source_norm = 0.0;     ///< Of the reflected direct light rho D.
-  double unshot_norm = 0.0;
-  Vec3d ambient{0.0};  ///< Estimated mean irradiance by the unshot light, W/m2.
-};
 
 class Refinement {
  public:
@@ -51,16 +35,19 @@ class Refinement {
         config_(config),
         form_factors_(form_factors),
         by_rays_(config.form_factors == "rays"),
+        scattering_(row_scattering(scene, false)),
+        passages_(scattering_),
         groups_(scene.light_groups.size()),
         power_(scene.patches.size()),
         used_(scene.patches.size()) {
-    for (Group& group : groups_)
+    for (RefinedGroup& group : groups_)
       for (auto* field : {&group.direct, &group.sampled, &group.gathered, &group.indirect, &group.unshot})
         field->resize(power_.size(), Vec3d(0.0));
-    for (const Patch& patch : scene.patches) {
+    for (std::size_t i = 0; i < power_.size(); ++i) {
+      const Patch& patch = scene.patches[i];
       area_ += patch.covered_area();
-      reflectance_ += Vec3d(patch.total_reflectance()) * patch.covered_area();
-      if (Group* group = emitting_group(patch))
+      reflectance_ += vector(scattering_.albedo[i]) * patch.covered_area();
+      if (RefinedGroup* group = emitting_group(patch))
         group->emitted += patch.covered_area() * channel_sum(Vec3d(patch.emission));
     }
     reflectance_ /= area_;
@@ -72,7 +59,7 @@ class Refinement {
   EnergyField result() const;
 
  private:
-  Group* emitting_group(const Patch& patch) {
+  RefinedGroup* emitting_group(const Patch& patch) {
     const std::int32_t index = scene_.primitives[patch.primitive].light_group;
     return index >= 0 && patch.emission != Color(0.0f) ? &groups_[index] : nullptr;
   }
@@ -107,17 +94,24 @@ class Refinement {
   }
 
   /// Distributes `flux` (W) of a group by a row of form factors.
-  void distribute(Group& group, std::vector<Vec3d>& irradiance, const Vec3d& flux, std::span<const FormFactor> row) {
+  void distribute(RefinedGroup& group, std::vector<Vec3d>& irradiance, const Vec3d& flux,
+                  std::span<const FormFactor> row) {
     double received = 0;
     for (const FormFactor& f : row) {
       const Patch& patch = scene_.patches[f.patch];
       const Vec3d added = flux * (double(f.value) / patch.covered_area());
       irradiance[f.patch] += added;
-      group.unshot[f.patch] += added * Vec3d(patch.total_reflectance());
+      reflect(group, f.patch, added);
       received += f.value;
     }
     shot_flux_ += channel_sum(positive(flux)) / group.emitted;
     received_flux_ += received * channel_sum(positive(flux)) / group.emitted;
+  }
+
+  /// Adds what patch i sends out of an irradiance to the unshot light.
+  void reflect(RefinedGroup& group, std::int32_t i, const Vec3d& irradiance) {
+    group.unshot[i] += irradiance * Vec3d(scene_.patches[i].total_reflectance());
+    for (const Scattering::Passage& p : passages_.of(i)) group.unshot[p.to] += irradiance * vector(p.part);
   }
 
   void sum_unshot();
@@ -125,7 +119,7 @@ class Refinement {
 
   double residual() const {
     double largest = 0;
-    for (const Group& group : groups_)
+    for (const RefinedGroup& group : groups_)
       if (group.source_norm > 0) largest = std::max(largest, group.unshot_norm / group.source_norm);
     return largest;
   }
@@ -134,7 +128,9 @@ class Refinement {
   const SolveConfig& config_;
   FormFactorSource& form_factors_;
   const bool by_rays_;
-  std::vector<Group> groups_;
+  const Scattering scattering_;
+  const PassagesFrom passages_;
+  std::vector<RefinedGroup> groups_;
   std::vector<double> power_;        ///< [n] Unshot power, over the emitted power of its groups.
   std::vector<std::uint64_t> used_;  ///< [n] Samples that the patch has used.
   double area_ = 0.0;                ///< m2
@@ -150,19 +146,20 @@ void Refinement::add_external_light(Progress& progress) {
   if (scene_.lights.empty() && !scene_.environment) return;
   const ExternalIrradiance external(scene_, by_rays_ ? config_.rays : kRaysBesideHemicubes,
                                     std::uint64_t(config_.seed));
-  const auto add = [&](Group& group, std::vector<Vec3d> Group::*direct, const std::vector<Vec3d>& irradiance) {
+  const auto add = [&](RefinedGroup& group, std::vector<Vec3d> RefinedGroup::*direct,
+                       const std::vector<Vec3d>& irradiance) {
     for (std::size_t i = 0; i < power_.size(); ++i) {
       const Patch& patch = scene_.patches[i];
       (group.*direct)[i] += irradiance[i];
-      group.unshot[i] += irradiance[i] * Vec3d(patch.total_reflectance());
+      reflect(group, std::int32_t(i), irradiance[i]);
       group.emitted += patch.covered_area() * channel_sum(irradiance[i]);
     }
   };
   for (const Emitter& emitter : explicit_emitters(scene_))
     if (emitter.light >= 0)
-      add(groups_[scene_.lights[emitter.light].light_group], &Group::direct, external.of_light(emitter, rays_));
+      add(groups_[scene_.lights[emitter.light].light_group], &RefinedGroup::direct, external.of_light(emitter, rays_));
   if (scene_.environment)
-    add(groups_[scene_.environment->light_group], &Group::gathered, external.of_environment(rays_, progress));
+    add(groups_[scene_.environment->light_group], &RefinedGroup::gathered, external.of_environment(rays_, progress));
 }
 
 void Refinement::shoot_emitters(Progress& progress) {
@@ -173,27 +170,27 @@ void Refinement::shoot_emitters(Progress& progress) {
   std::vector<int> shots_of_patch(power_.size());
   for (std::size_t i = 0; i < power_.size(); ++i) {
     const Patch& patch = scene_.patches[i];
-    const Group* group = emitting_group(patch);
+    const RefinedGroup* group = emitting_group(patch);
     if (!group) continue;
     const double share =
         patch.covered_area() * channel_sum(Vec3d(patch.emission)) / (group->emitted * double(groups_.size()));
     shots_of_patch[i] = int(std::ceil(by_rays_ ? rays_for(share) / kMaxShotRays : std::min(share * points, 64.0)));
     for (int k = 0; k < shots_of_patch[i]; ++k) shots.push_back(make_shot(std::int32_t(i), share / shots_of_patch[i]));
   }
-  std::vector<std::vector<Vec3d> Group::*> receives(power_.size(), &Group::gathered);
+  std::vector<std::vector<Vec3d> RefinedGroup::*> receives(power_.size(), &RefinedGroup::gathered);
   for (const Emitter& emitter : explicit_emitters(scene_))
-    std::fill_n(receives.begin() + emitter.first_patch, emitter.patches, &Group::direct);
+    std::fill_n(receives.begin() + emitter.first_patch, emitter.patches, &RefinedGroup::direct);
   for (const Emitter& emitter : further_emitters(scene_))
-    std::fill_n(receives.begin() + emitter.first_patch, emitter.patches, &Group::sampled);
+    std::fill_n(receives.begin() + emitter.first_patch, emitter.patches, &RefinedGroup::sampled);
   shoot(shots, [&](const Shot& shot, std::span<const FormFactor> row) {
     const Patch& patch = scene_.patches[shot.patch];
-    Group& group = *emitting_group(patch);
+    RefinedGroup& group = *emitting_group(patch);
     distribute(group, group.*receives[shot.patch],
                Vec3d(patch.emission) * (patch.covered_area() / shots_of_patch[shot.patch]), row);
     progress.update(0.0, "direct light");
   });
   sum_unshot();
-  for (Group& group : groups_) group.source_norm = group.unshot_norm;
+  for (RefinedGroup& group : groups_) group.source_norm = group.unshot_norm;
 }
 
 void Refinement::shoot_reflections(Progress& progress) {
@@ -203,11 +200,11 @@ void Refinement::shoot_reflections(Progress& progress) {
     const bool overshoot = !by_rays_ && residual() > kOvershootResidual;
     shoot(brightest_shots(), [&](const Shot& shot, std::span<const FormFactor> row) {
       const Patch& patch = scene_.patches[shot.patch];
-      for (Group& group : groups_) {
+      for (RefinedGroup& group : groups_) {
         Vec3d& unshot = group.unshot[shot.patch];
         if (unshot == Vec3d(0.0)) continue;
         // At most the unshot light again, since the patches of a batch also light each other.
-        Vec3d overshot = overshoot ? Vec3d(patch.total_reflectance()) * group.ambient : Vec3d(0.0);
+        Vec3d overshot = overshoot ? vector(scattering_.albedo[shot.patch]) * group.ambient : Vec3d(0.0);
         for (int k = 0; k < 3; ++k) overshot[k] = std::clamp(overshot[k], 0.0, std::max(unshot[k], 0.0));
         const Vec3d shot_now = unshot + overshot;
         unshot = -overshot;
@@ -231,7 +228,7 @@ void Refinement::shoot_reflections(Progress& progress) {
 void Refinement::sum_unshot() {
   std::fill(power_.begin(), power_.end(), 0.0);
   const double hit_fraction = shot_flux_ > 0 ? received_flux_ / shot_flux_ : 0.0;
-  for (Group& group : groups_) {
+  for (RefinedGroup& group : groups_) {
     double square = 0;
     Vec3d sum(0.0);
     for (std::size_t i = 0; i < power_.size(); ++i) {
@@ -265,7 +262,7 @@ std::vector<Shot> Refinement::brightest_shots() {
 EnergyField Refinement::result() const {
   EnergyField energy;
   for (std::size_t g = 0; g < groups_.size(); ++g) {
-    const Group& from = groups_[g];
+    const RefinedGroup& from = groups_[g];
     auto& to = energy.groups.emplace_back();
     to.name = scene_.light_groups[g];
     const bool gathers = std::ranges::any_of(from.gathered, [](const Vec3d& v) { return v != Vec3d(0.0); });

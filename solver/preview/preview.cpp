@@ -10,6 +10,7 @@
 #include "pipeline/frames/light_settings.h"
 #include "pipeline/model/error.h"
 #include "pipeline/optics/sampling/random.h"
+#include "solver/form_factors/row_scattering.h"
 #include "solver/hemicube/hemicube.h"
 #include "solver/preview/false_color.h"
 
@@ -151,8 +152,12 @@ Image draw_preview(const Job& job, const PatchSet& scene, const PreviewOptions& 
       irradiance(read_energy(job.energy_file(), scene), light_settings(job, scene, 1), scene.patches.size());
   if (options.kind == "radiosity") {
     const float gain = float(std::exp2(job.trace.picture.exposure) / kPi);
+    const SpectrumField scattered =
+        row_scattering(scene, false).exitance(SpectrumField(received.begin(), received.end()));
     return downsample(paint(ids, width, false, [&](std::uint32_t i) {
-      const Color radiance = (scene.patches[i].emission + scene.patches[i].total_reflectance() * received[i]) * gain;
+      const Spectrum& s = scattered[i];
+      const Color radiance =
+          (scene.patches[i].emission + Color(Vec3f(float(s.c[0]), float(s.c[1]), float(s.c[2])))) * gain;
       return Color(encode_srgb(radiance.x), encode_srgb(radiance.y), encode_srgb(radiance.z));
     }));
   }

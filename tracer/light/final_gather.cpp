@@ -144,15 +144,24 @@ void FinalGather::add_surface(const SurfaceHit& hit, const Vec3f& direction, con
                               Gathered& gathered) const {
   SolvedSurfaces::Colors colors = surfaces_.colors(hit);
   const Primitive& primitive = scene_.primitives[hit.primitive];
+  Color passing(1.0f);  // through the coat
   if (scene_.materials[primitive.material].coat.exists()) {
     const SpecularProperties specular = specular_properties_at(scene_, hit.primitive, hit.u, hit.v);
     const float cosine = -(direction ^ point_at(primitive, hit.u, hit.v).normal);
-    colors.reflectance *= Color(1.0f) - coats_.at(primitive.material, specular, cosine);
+    passing -= coats_.at(primitive.material, specular, cosine);
+    colors.reflectance *= passing;
   }
   const DisplayLookup::Blend blend = surfaces_.blend(hit, colors.patch);
   const bool emits = ray.mirrored || !sampled_[colors.patch];
   const auto reflected = [&](std::size_t mix) {
-    return ray.throughput * colors.reflectance * surfaces_.total_irradiance(hit, blend, mix);
+    Color light = ray.throughput * colors.reflectance * surfaces_.total_irradiance(hit, blend, mix);
+    if (is_translucent(scene_, primitive)) {
+      const SurfaceHit behind = surfaces_.behind(hit);
+      const SolvedSurfaces::Colors passed = surfaces_.passed_colors(behind);
+      light += ray.throughput * passing * passed.reflectance *
+               surfaces_.total_irradiance(behind, surfaces_.blend(behind, passed.patch), mix);
+    }
+    return light;
   };
   if (emits) (ray.mirrored ? gathered.indirect : gathered.direct) += ray.throughput * surfaces_.emission(colors);
   gathered.indirect += reflected(0);

@@ -18,19 +18,6 @@ namespace {
 
 constexpr float kRoulette = 0.02f;  // throughput of a faint path below which it goes on by chance
 
-std::int32_t combined_hash(std::int32_t surfaces, std::int32_t next) {
-  return std::int32_t(std::uint32_t(hash64(std::uint64_t(std::uint32_t(surfaces)) << 32 | std::uint32_t(next))));
-}
-
-/// Seven levels for each channel. The points of a pixel on one surface share light, and those of a blurred pixel lie
-/// far apart: so that light is not mixed with the reflectance at other places, only points of similar reflectance share
-/// it.
-std::int32_t brightness_levels(const Color& reflected) {
-  std::int32_t levels = 0;
-  for (int k = 0; k < 3; ++k) levels = 8 * levels + int(6.5f * std::sqrt(std::clamp(reflected[k], 0.0f, 1.0f)));
-  return levels;
-}
-
 }  // namespace
 
 PathTracer::PathTracer(const PatchSet& scene, const RayScene& ray_scene, const Outlines& outlines,
@@ -127,38 +114,24 @@ bool PathTracer::shade(RayPacket& packet, int lane, Path& path, const CameraRays
     albedo = coats_.at(material, specular, -(direction ^ normal));
     if (specular.has_coat()) colors.reflectance *= Color(1.0f) - albedo;
   }
+  float alpha = 1.0f;
   if (is_passable && scene_.primitives[hit.primitive].mask >= 0) {
-    const float alpha = alpha_at(scene_, hit.primitive, hit.u, hit.v);
+    alpha = alpha_at(scene_, hit.primitive, hit.u, hit.v);
     colors.reflectance *= alpha;
     colors.emission *= alpha;
   }
   if (path.pdf > 0)
     colors.emission *= glossy_lights_->hit_weight(sums.glossy_rays->vertices[lane], direction, path.pdf, colors.patch);
-  const DisplayLookup::Blend blend = surfaces_.blend(hit, colors.patch);
-  const bool looked_up = path.faint && direct_;
-  const auto radiance = [&](std::size_t mix) {
-    const Color irradiance =
-        looked_up ? surfaces_.total_irradiance(hit, blend, mix) : surfaces_.irradiance(hit, blend, mix);
-    return path.throughput * (surfaces_.emission(colors, mix) + colors.reflectance * irradiance) / float(kPi);
-  };
-  const Color contribution =
-      gather_ && !looked_up ? path.throughput * surfaces_.emission(colors) / float(kPi) : radiance(0);
-  sums.pixels[path.pixel] += contribution;
-  if (layers) add_layers(hit, colors, blend, path, *layers);
-  const std::int32_t surface = outlines_.surface(hit.primitive);
-  features.light += mixes_.unscaled == 0 && (!gather_ || looked_up) ? contribution : radiance(mixes_.unscaled);
-  if (!path.faint) {
-    features.surface = combined_hash(features.surface, surface);
-    features.reflectance += path.throughput * colors.reflectance;
-  }
-  const Vec3d ray_origin = point.position + Vec3d(point.normal) * double(ray_scene_.offset(hit.primitive));
-  if (direct_ && !looked_up && max_component(colors.reflectance) > 0) {
-    const Color reflected = path.throughput * colors.reflectance;
-    sums.points.push_back(
-        {path.pixel, camera.has_lens() ? combined_hash(surface, brightness_levels(reflected)) : surface, hit.primitive,
-         path.kind(), ray_origin, normal, reflected / float(kPi), normal == smooth ? Vec3f(0.0f) : smooth});
-    if (gather_) sums.gather.push_back({sums.points.back(), point.normal, path.sample, std::uint32_t(path.bounces)});
-    if (!normals_.is_flat(hit.primitive)) lift_point(hit, lane, sums);
+  const Vec3d offset = Vec3d(point.normal) * double(ray_scene_.offset(hit.primitive));
+  const Vec3d ray_origin = point.position + offset;
+  if (!path.faint) features.surface = combined_hash(features.surface, outlines_.surface(hit.primitive));
+  add_diffuse_light({hit, colors, ray_origin, normal, smooth, point.normal}, lane, camera, path, sums);
+  if (is_translucent(scene_, scene_.primitives[hit.primitive])) {
+    const SurfaceHit behind = surfaces_.behind(hit);
+    SolvedSurfaces::Colors passed = surfaces_.passed_colors(behind);
+    passed.reflectance *= (Color(1.0f) - albedo) * alpha;
+    add_diffuse_light({behind, passed, point.position - offset, -smooth, -smooth, -point.normal}, lane, camera, path,
+                      sums);
   }
   if (is_passable) return pass(hit, point, lane, path, packet, sums);
   if (specular.is_black() || !survives(specular, albedo, path, sums) ||
@@ -224,47 +197,6 @@ bool PathTracer::scatter(const SpecularProperties& specular, const Vec3d& origin
   // By a smooth normal the reflection may point below the facet.
   if ((direction ^ geometric_normal) < 0) direction -= geometric_normal * (2.0f * (direction ^ geometric_normal));
   return true;
-}
-
-/// Prepares the last shading point to be moved.
-void PathTracer::lift_point(const SurfaceHit& hit, int lane, PathSums& sums) const {
-  const Vec3d& from = sums.points.back().position;
-  const Vec3d to = normals_.on_smooth_surface(hit.primitive, hit.u, hit.v, from);
-  const auto distance = float((to - from).length());
-  if (distance <= ray_scene_.offset(hit.primitive)) return;
-  LiftedPoints& lifted = sums.lifted ? *sums.lifted : sums.lifted.emplace();
-  lifted.pending = true;
-  lifted.points[lane] = sums.points.size() - 1;
-  lifted.positions[lane] = to;
-  lifted.packet.set_shadow(lane, ray_scene_.to_local(from), Vec3f(to - from) / distance, distance);
-}
-
-void PathTracer::move_lifted_points(PathSums& sums) const {
-  LiftedPoints& lifted = *sums.lifted;
-  const std::uint32_t blocked = ray_scene_.occluded(lifted.packet);
-  for (int lane = 0; lane < RayPacket::kSize; ++lane) {
-    if (lifted.packet.valid[lane] == 0) continue;
-    lifted.packet.valid[lane] = 0;
-    if (!(blocked >> lane & 1u)) sums.points[lifted.points[lane]].position = lifted.positions[lane];
-  }
-  lifted.pending = false;
-}
-
-void PathTracer::add_layers(const SurfaceHit& hit, const SolvedSurfaces::Colors& colors,
-                            const DisplayLookup::Blend& blend, const Path& path, LayerSums& layers) const {
-  const Color factor = path.throughput / float(kPi);
-  const Color reflected = factor * colors.reflectance;
-  if (layers.has_light()) layers.add_emission(path.pixel, path.mirrored, factor * surfaces_.emission(colors));
-  if (layers.has_light() && !gather_) {
-    const Color irradiance = surfaces_.irradiance(hit, blend), direct = surfaces_.direct_part(hit, irradiance);
-    layers.add_direct(path.pixel, path.mirrored, reflected * direct);
-    layers.add_indirect(path.pixel, path.mirrored, reflected * (irradiance - direct));
-  }
-  for (std::size_t g = 0; g < layers.group_count(); ++g) {
-    const std::size_t mix = mixes_.first_group + g;
-    layers.add_to_group(g, path.pixel, factor * surfaces_.emission(colors, mix));
-    if (!gather_) layers.add_to_group(g, path.pixel, reflected * surfaces_.irradiance(hit, blend, mix));
-  }
 }
 
 /// Computed from (u,v), since the error of the ray's end point grows with the length of the ray.

@@ -37,6 +37,14 @@ class PathTracer {
   /// Adds the light of a lane's hit and sets its next ray; false when the path ends.
   bool shade(RayPacket& packet, int lane, Path& path, const CameraRays& camera, PathSums& sums) const;
   void add_sky(const Vec3f& direction, Path& path, PathSums& sums) const;
+  /// A side of a surface that sends out diffusely what falls on it.
+  struct DiffuseSide {
+    SurfaceHit hit;
+    SolvedSurfaces::Colors colors;
+    Vec3d position;              ///< Offset from the surface.
+    Vec3f normal, smooth, flat;  ///< For the light; before valid_for_viewer(); geometric.
+  };
+  void add_diffuse_light(const DiffuseSide& side, int lane, const CameraRays& camera, Path& path, PathSums& sums) const;
   void add_layers(const SurfaceHit& hit, const SolvedSurfaces::Colors& colors, const DisplayLookup::Blend& blend,
                   const Path& path, LayerSums& layers) const;
   bool survives(const SpecularProperties& specular, const Color& albedo, Path& path, const PathSums& sums) const;

@@ -4,8 +4,14 @@
 #include <limits>
 
 #include "pipeline/model/math.h"
+#include "pipeline/optics/sampling/random.h"
 
 namespace patchlight {
+
+/// One number for a sequence of surfaces, with the `next` one.
+inline std::int32_t combined_hash(std::int32_t surfaces, std::int32_t next) {
+  return std::int32_t(std::uint32_t(hash64(std::uint64_t(std::uint32_t(surfaces)) << 32 | std::uint32_t(next))));
+}
 
 /// Features of one camera path, by which the paths of a pixel are compared.
 struct PathFeatures {

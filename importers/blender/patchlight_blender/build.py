@@ -9,7 +9,8 @@ PRIVATE = "patchlight_"
 """Custom properties that tell `complete` what to change in the file. They are not written."""
 
 
-OWN = ("KHR_materials_specular", "KHR_materials_ior", "KHR_materials_volume")
+OWN = ("KHR_materials_specular", "KHR_materials_ior", "KHR_materials_volume",
+       "KHR_materials_diffuse_transmission")
 """Extensions of materials that are written here, since Blender's exporter gives plain diffuse surfaces a reflection."""
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from . import nodes
 from .values import is_constant
 
-DIFFUSE = {"BSDF_DIFFUSE", "BSDF_VELVET", "BSDF_TOON", "SUBSURFACE_SCATTERING", "BSDF_TRANSLUCENT", "BSDF_HAIR",
+DIFFUSE = {"BSDF_DIFFUSE", "BSDF_VELVET", "BSDF_TOON", "SUBSURFACE_SCATTERING", "BSDF_HAIR",
            "BSDF_HAIR_PRINCIPLED"}
 GLOSSY = {"BSDF_GLOSSY", "BSDF_ANISOTROPIC"}
 GLASS = {"BSDF_GLASS", "BSDF_REFRACTION"}
@@ -31,7 +31,8 @@ class Surface:
     """Values as `Values` has them. `kind` is 'surface', 'transparent' (nothing to see) or 'holdout'.
 
     `specular` is the weight of the dielectric reflection, 0 for a surface that has none, and `f0` its reflectance at
-    normal incidence. `absorption` is that of the volume inside, 1/m.
+    normal incidence. `translucence` is the colour of the light that leaves the other side diffusely, as `base` is that
+    of what is reflected. `absorption` is that of the volume inside, 1/m.
     """
     kind: str = "surface"
     base: object = dataclasses.field(default_factory=lambda: np.zeros(3))
@@ -40,6 +41,7 @@ class Surface:
     specular: float = 0.0
     f0: np.ndarray = dataclasses.field(default_factory=lambda: np.zeros(3))
     transmission: object = dataclasses.field(default_factory=lambda: np.zeros(3))
+    translucence: object = dataclasses.field(default_factory=lambda: np.zeros(3))
     emission: object = dataclasses.field(default_factory=lambda: np.zeros(3))
     alpha: object = dataclasses.field(default_factory=lambda: np.ones(3))
     ior: float = 1.5
@@ -86,9 +88,9 @@ class Reducer:
         if kind in DIFFUSE:
             if kind in UNLIKE:
                 self.warn(f"its {UNLIKE[kind]} shader '{node.name}' becomes diffuse")
-            if kind == "BSDF_TRANSLUCENT":
-                self.warn(f"the light that passes its Translucent shader '{node.name}' is reflected instead")
             return Surface(base=get("Color"), normal=_normal(node))
+        if kind == "BSDF_TRANSLUCENT":
+            return Surface(translucence=get("Color"), normal=_normal(node))
         if kind in GLOSSY:
             roughness = scalar(0) if node.distribution == "SHARP" else get("Roughness")
             return Surface(base=get("Color"), metallic=scalar(1), roughness=roughness, normal=_normal(node))
@@ -217,6 +219,8 @@ class Reducer:
             base=base, metallic=metallic, roughness=weighted("roughness", shine if sum(shine) else amounts),
             specular=min(float(coat), 1.0), f0=sum(c * p[2].f0 for c, p in zip(coats, parts)) / (sum(coats) or 1.0),
             transmission=weighted("transmission", amounts),
+            translucence=values.add(values.multiply(a.translucence, weight_a),
+                                    values.multiply(b.translucence, weight_b)),
             emission=values.add(values.multiply(a.emission, weight_a), values.multiply(b.emission, weight_b)),
             alpha=values.mix(a.alpha, b.alpha, scalar(min(share[1], 1.0))), ior=max(parts, key=lambda p: p[0])[2].ior,
             clearcoat=a.clearcoat if amounts[0] >= amounts[1] else b.clearcoat, normal=a.normal or b.normal)

@@ -20,14 +20,21 @@ class Shader:
         self.principled = self.tree.nodes.new("ShaderNodeBsdfPrincipled")
         output = self.tree.nodes.new("ShaderNodeOutputMaterial")
         self.tree.links.new(self.principled.outputs[0], output.inputs["Surface"])
-        self.uv = {}
+        self.uv, self.extensions = {}, {}
         self.number("Emission Strength", 0)
         self.dielectric(0, 1, None)
+
+    def translucence(self, part, color):
+        """Lets the part `part` of the light that is not reflected by the coat pass, times a colour."""
+        self.extensions["KHR_materials_diffuse_transmission"] = {
+            "diffuseTransmissionFactor": float(part), "diffuseTransmissionColorFactor": [float(c) for c in color]}
 
     def dielectric(self, weight, f0, ior, thickness=0, absorption=None):
         """Sets the dielectric reflection: its weight and its reflectance at normal incidence. `ior` is that of glass,
         else None; `thickness` that of the body below the surface, and `absorption` its absorption, 1/m."""
-        found = {}
+        found = self.extensions
+        for name in ("KHR_materials_specular", "KHR_materials_ior", "KHR_materials_volume"):
+            found.pop(name, None)
         color = np.broadcast_to(f0 / ((ior - 1) / (ior + 1)) ** 2 if ior and ior > 1 else f0 / 0.04, 3)
         specular = {} if weight >= 1 else {"specularFactor": float(weight)}
         if weight > 0 and not np.allclose(color, 1, atol=1e-5):
@@ -41,7 +48,9 @@ class Shader:
             if absorption is not None and np.any(absorption > 0):
                 volume["attenuationDistance"] = float(1 / absorption.max())
                 volume["attenuationColor"] = [float(part) for part in np.exp(-absorption / absorption.max())]
-        self.material["patchlight_extensions"] = json.dumps(found)
+
+    def finish(self):
+        self.material["patchlight_extensions"] = json.dumps(self.extensions)
 
     def number(self, socket, value):
         nodes.entry(self.principled, socket).default_value = float(value)

@@ -1,4 +1,6 @@
 """Writes a reduced material as a shader, and bakes what glTF cannot hold."""
+import dataclasses
+
 import bpy
 import numpy as np
 
@@ -25,6 +27,7 @@ class Writer:
     def write(self, surface, two_sided, opaque, transmission, thickness):
         item = self.item
         shader = self.shader = Shader(item.name, two_sided)
+        surface = self._translucent(surface)
         base = textures.split(item.values, surface.base, item.warn)
         alpha = textures.split(item.values, surface.alpha, item.warn)
         colors = self._base(surface, base, alpha, opaque)
@@ -36,6 +39,7 @@ class Writer:
         shader.number("Clearcoat Roughness", surface.clearcoat[1])
         self._emission(surface.emission)
         self._normal(surface.normal)
+        shader.finish()
         material = shader.material
         if item.original:
             for name in item.original.keys():
@@ -146,6 +150,20 @@ class Writer:
             mean = float(np.clip(self._mean(value)[0], 0, 1))
             self.item.warn(f"its {name.lower()} varies by other nodes than an image: the mean {mean:.2g} is taken")
             self.shader.number(name, mean)
+
+    def _translucent(self, surface):
+        """Writes the translucence of a surface; returns the surface with the base colour of what does not pass."""
+        if is_constant(surface.translucence) and not np.any(surface.translucence):
+            return surface
+        if not is_constant(surface.translucence):
+            self.item.warn("the colour of the light that passes it varies: its mean is taken")
+        color = np.clip(self._mean(surface.translucence), 0, 1)
+        part = float(color.max())
+        if part <= 0:
+            return surface
+        self.shader.translucence(part, color / part)
+        rest = self.item.values.multiply(surface.base, np.full(3, 1 / max(1 - part, 1e-6)))
+        return dataclasses.replace(surface, base=rest if part < 1 else np.zeros(3))
 
     def _dielectric(self, surface, transmission, thickness):
         """The reflection of a surface that is no metal, and what is inside if it is glass."""

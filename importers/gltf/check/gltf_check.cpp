@@ -35,6 +35,7 @@ constexpr std::array kSupportedExtensions{"KHR_materials_emissive_strength",
                                           kBasisu,
                                           "KHR_materials_transmission",
                                           "KHR_materials_volume",
+                                          "KHR_materials_diffuse_transmission",
                                           "KHR_materials_variants",
                                           "EXT_mesh_gpu_instancing",
                                           "KHR_lights_punctual",
@@ -130,6 +131,15 @@ void check_materials(GltfLists& gltf) {
         check_texture_info(gltf, *glass, "transmissionTexture", place);
         if (glass->contains("transmissionTexture"))
           gltf.ignored.insert("textures of KHR_materials_transmission are replaced by their means");
+      }
+      if (const Json* passing = find_object(*extensions, "KHR_materials_diffuse_transmission", place)) {
+        check_number(*passing, "diffuseTransmissionFactor", place);
+        check_numbers(*passing, "diffuseTransmissionColorFactor", 3, place);
+        for (const char* key : {"diffuseTransmissionTexture", "diffuseTransmissionColorTexture"}) {
+          check_texture_info(gltf, *passing, key, place);
+          if (passing->contains(key))
+            gltf.ignored.insert("textures of KHR_materials_diffuse_transmission are replaced by their means");
+        }
       }
       if (const Json* volume = find_object(*extensions, "KHR_materials_volume", place)) {
         check_number(*volume, "thicknessFactor", place);

@@ -103,6 +103,12 @@ Json reduced_material(const Json& material) {
       if (const Json* info = find_member(*glass, "transmissionTexture"))
         reduced["transmissionTexture"] = selected(*info, {"index"});
     }
+    if (const Json* passing = find_member(*extensions, "KHR_materials_diffuse_transmission")) {
+      Json& reduced = result["extensions"]["KHR_materials_diffuse_transmission"] =
+          selected(*passing, {"diffuseTransmissionFactor", "diffuseTransmissionColorFactor"});
+      for (const char* key : {"diffuseTransmissionTexture", "diffuseTransmissionColorTexture"})
+        if (const Json* info = find_member(*passing, key)) reduced[key] = selected(*info, {"index"});
+    }
     if (const Json* volume = find_member(*extensions, "KHR_materials_volume"))
       result["extensions"]["KHR_materials_volume"] =
           selected(*volume, {"thicknessFactor", "attenuationDistance", "attenuationColor"});

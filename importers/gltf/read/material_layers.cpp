@@ -23,6 +23,14 @@ double number(const tinygltf::Value& in, const char* key, double absent) {
   return in.Has(key) ? in.Get(key).GetNumberAsDouble() : absent;
 }
 
+/// Mean of a texture of an extension; ones without it.
+Vec3d texture_mean(const tinygltf::Value& in, const char* key, TextureEncoding encoding, SceneTextures& textures) {
+  if (!in.Has(key)) return Vec3d(1.0);
+  tinygltf::TextureInfo info;
+  info.index = in.Get(key).Get("index").GetNumberAsInt();
+  return textures.mean(info, encoding);
+}
+
 }  // namespace
 
 void refuse_material(const GltfModel& model, const std::string& material, const std::string& what,
@@ -64,11 +72,7 @@ Transmission read_transmission(const tinygltf::Material& source, SceneTextures& 
   double part = number(glass, "transmissionFactor", 0.0);
   if (!(part >= 0 && part <= 1))
     refuse_material(textures.model(), name, fmt::format("its transmission factor is {}", part), "in [0, 1]");
-  if (part > 0 && used && glass.Has("transmissionTexture")) {
-    tinygltf::TextureInfo info;
-    info.index = glass.Get("transmissionTexture").Get("index").GetNumberAsInt();
-    part *= textures.mean(info, TextureEncoding::linear).x;
-  }
+  if (part > 0 && used) part *= texture_mean(glass, "transmissionTexture", TextureEncoding::linear, textures).x;
   if (!(part > 0)) return result;
   result.part = static_cast<float>(part);
   const double ior = number(extension(source, "KHR_materials_ior"), "ior", kDefaultIor);
@@ -83,6 +87,29 @@ Transmission read_transmission(const tinygltf::Material& source, SceneTextures& 
       refuse_material(textures.model(), name, fmt::format("its attenuation colour is {}", passed), "in [0, 1]");
     result.absorption[k] = static_cast<float>(-std::log(std::max(passed, kLeastPassed)) / distance);
   }
+  return result;
+}
+
+DiffuseTransmission read_diffuse_transmission(const tinygltf::Material& source, SceneTextures& textures, bool used,
+                                              const std::string& name) {
+  DiffuseTransmission result;
+  const tinygltf::Value passing = extension(source, "KHR_materials_diffuse_transmission");
+  double part = number(passing, "diffuseTransmissionFactor", 0.0);
+  if (!(part >= 0 && part <= 1))
+    refuse_material(textures.model(), name, fmt::format("its diffuse transmission factor is {}", part), "in [0, 1]");
+  Vec3d color(1.0);
+  for (int k = 0; k < 3 && passing.Has("diffuseTransmissionColorFactor"); ++k) {
+    color[k] = passing.Get("diffuseTransmissionColorFactor").Get(k).GetNumberAsDouble();
+    if (!(color[k] >= 0 && color[k] <= 1))
+      refuse_material(textures.model(), name, fmt::format("its diffuse transmission colour is {}", color[k]),
+                      "in [0, 1]");
+  }
+  if (part > 0 && used) {
+    part *= texture_mean(passing, "diffuseTransmissionTexture", TextureEncoding::alpha, textures).x;
+    color *= texture_mean(passing, "diffuseTransmissionColorTexture", TextureEncoding::srgb, textures);
+  }
+  result.part = static_cast<float>(part);
+  result.color = Color(color);
   return result;
 }
 

@@ -19,4 +19,13 @@ Coat read_coat(const tinygltf::Material& source, const GltfModel& model, const s
 Transmission read_transmission(const tinygltf::Material& source, SceneTextures& textures, bool used,
                                const std::string& name);
 
+/// The part of the light below the coat that leaves the other side diffusely, by `KHR_materials_diffuse_transmission`.
+/// Its textures count by their means. Parameters and errors: as of read_transmission().
+struct DiffuseTransmission {
+  float part = 0.0f;
+  Color color{1.0f};
+};
+DiffuseTransmission read_diffuse_transmission(const tinygltf::Material& source, SceneTextures& textures, bool used,
+                                              const std::string& name);
+
 }  // namespace patchlight

@@ -88,8 +88,11 @@ SurfaceMaterial read_material(const tinygltf::Material& source, bool used, Scene
   material.transmission = read_transmission(source, textures, used, material.name);
   material.transmission.part *= static_cast<float>(1.0 - metallic);
   material.transmission.tint = color(factor);
-  material.reflectance *= 1.0f - material.transmission.part;
-  material.tint *= 1.0f - material.transmission.part;
+  const DiffuseTransmission diffuse = read_diffuse_transmission(source, textures, used, material.name);
+  material.translucence = diffuse.color * diffuse.part * static_cast<float>(1.0 - metallic);
+  for (Color* const color : {&material.reflectance, &material.tint, &material.translucence})
+    *color *= 1.0f - material.transmission.part;
+  for (Color* const color : {&material.reflectance, &material.tint}) *color *= 1.0f - diffuse.part;
   material.metal = color(factor * metallic_factor);
   material.specular = color(base * metallic);
   material.roughness = static_cast<float>(pbr.roughnessFactor * metallic_roughness.y);
@@ -162,12 +165,14 @@ void apply_override(const MaterialOverride& change, const char* section, Surface
     if (material.mask < 0) material.mapping = {};
     material.reflectance_overridden = true;
     material.transmission = {};
+    material.translucence = Color(0.0f);
   }
   if (change.mirror) {
     material.specular = *change.mirror;
     material.roughness = 0.0f;
     material.coat = {};
     material.transmission = {};
+    material.translucence = Color(0.0f);
   }
   if (change.specular || change.ior) {
     Coat& coat = material.coat;

@@ -152,6 +152,9 @@ PatchFault patch_fault(const PatchSet& scene, const Patch& patch) {
     return {"a normal that is not a unit vector", "/patches/normal"};
   if (!(patch.area > 0 && std::isfinite(patch.area))) return {"an area that is not positive", "/patches/area"};
   if (!within(patch.reflectance, 0.0f, 0.99999f)) return {"a value outside [0, 1)", "/patches/reflectance"};
+  const Color& passed = scene.materials[scene.primitives[patch.primitive].material].translucence;
+  if (!within(patch.reflectance + passed, 0.0f, 1.00001f))
+    return {"more than 1 with what passes", "/materials/translucence"};
   if (!within(patch.transmittance, 0.0f, 1.0f)) return {"a value outside [0, 1]", "/patches/coat_transmittance"};
   if (!within(patch.emission, 0.0f, 3e38f)) return {"a negative or non-finite value", "/patches/emission"};
   if (!(patch.coverage > 0 && patch.coverage <= 1)) return {"a value outside (0, 1]", "/patches/coverage"};

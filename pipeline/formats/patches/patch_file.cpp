@@ -170,6 +170,7 @@ void write_patches(const std::filesystem::path& file, PatchSet& scene) {
   write_materials(writer, scene.materials);
   write_coat_datasets(writer, scene);
   write_transmissions(writer, scene.materials);
+  write_translucences(writer, scene.materials);
   write_camera_datasets(writer, scene);
   write_sources(writer, scene.sources);
   writer.strings("/light_groups/name", scene.light_groups);
@@ -202,6 +203,7 @@ void write_patches(const std::filesystem::path& file, PatchSet& scene) {
                       "/primitives/normals",
                       "/primitives/patch_area",
                       "/primitives/light_group",
+                      "/materials/translucence",
                       "/primitives/intangible",
                       "/light_groups/",
                       "/lights/kind",
@@ -268,6 +270,7 @@ PatchSet read_patches(const std::filesystem::path& file) {
   read_materials(reader, scene.materials);
   read_coat_datasets(reader, scene);
   read_transmissions(reader, scene.materials);
+  read_translucences(reader, scene.materials);
   read_camera_datasets(reader, scene);
   scene.light_groups = reader.strings("/light_groups/name", -1);
   read_light_datasets(reader, scene);

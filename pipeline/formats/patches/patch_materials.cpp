@@ -48,6 +48,18 @@ void read_transmissions(const H5Reader& reader, std::vector<Material>& materials
   });
 }
 
+void write_translucences(H5Writer& writer, const std::vector<Material>& materials) {
+  using M = const Material&;
+  if (std::ranges::none_of(materials, [](M m) { return m.translucence != Color(0.0f); })) return;
+  write_rows<float>(writer, "/materials/translucence", materials, 3, [](M m, auto* r) { put3(r, m.translucence); });
+}
+
+void read_translucences(const H5Reader& reader, std::vector<Material>& materials) {
+  if (!reader.has("/materials/translucence")) return;
+  read_rows<float>(reader, "/materials/translucence", materials, 3,
+                   [](Material& m, auto* r) { m.translucence = get3<Color>(r); });
+}
+
 bool is_valid(const Material& material) {
   const auto in_unit = [](float x) { return x >= 0.0f && x <= 1.0f; };
   const auto each = [](const Color& color, auto test) { return test(color.x) && test(color.y) && test(color.z); };
@@ -59,8 +71,9 @@ bool is_valid(const Material& material) {
                                 each(material.emission_tint, [](float x) { return x >= 0.0f && x <= 3e38f; });
   const bool is_coat_valid = each(coat.normal, in_unit) && in_unit(coat.grazing) && in_unit(coat.metallic) &&
                              (coat.ior == 0.0f || (coat.ior >= 1.0f && coat.ior <= 100.0f));
-  return is_surface_valid && is_coat_valid && in_unit(glass.part) && each(glass.tint, in_unit) && glass.ior >= 1.0f &&
-         glass.ior <= 100.0f && each(glass.absorption, [](float x) { return x >= 0.0f && std::isfinite(x); });
+  return is_surface_valid && each(material.translucence, in_unit) && is_coat_valid && in_unit(glass.part) &&
+         each(glass.tint, in_unit) && glass.ior >= 1.0f && glass.ior <= 100.0f &&
+         each(glass.absorption, [](float x) { return x >= 0.0f && std::isfinite(x); });
 }
 
 }  // namespace patchlight

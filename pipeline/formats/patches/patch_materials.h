@@ -14,6 +14,10 @@ void read_coat_datasets(const H5Reader& reader, PatchSet& scene);
 void write_transmissions(H5Writer& writer, const std::vector<Material>& materials);
 void read_transmissions(const H5Reader& reader, std::vector<Material>& materials);
 
+/// Writes the translucences of materials, if there are any.
+void write_translucences(H5Writer& writer, const std::vector<Material>& materials);
+void read_translucences(const H5Reader& reader, std::vector<Material>& materials);
+
 /// Whether all values are in their ranges.
 bool is_valid(const Material& material);
 

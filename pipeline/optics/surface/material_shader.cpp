@@ -43,7 +43,8 @@ std::vector<MaterialShader> compile_shaders(const PatchSet& scene) {
 
 Color max_diffuse_reflectance(const Material& material) {
   Color highest;
-  for (int k = 0; k < 3; ++k) highest[k] = std::clamp(1.0f - material.specular[k], 0.0f, kMaxReflectance);
+  for (int k = 0; k < 3; ++k)
+    highest[k] = std::clamp(1.0f - material.specular[k] - material.translucence[k], 0.0f, kMaxReflectance);
   return highest;
 }
 

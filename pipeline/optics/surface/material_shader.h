@@ -33,7 +33,7 @@ std::vector<MaterialShader> compile_shaders(const PatchSet& scene);
 
 constexpr float kMaxReflectance = 0.99999f;
 
-/// Upper limit of the diffuse reflectance: what the specular reflectance leaves.
+/// Upper limit of the diffuse reflectance: what the specular reflectance and the translucence leave.
 Color max_diffuse_reflectance(const Material& material);
 
 constexpr float kMaxEmission = 3e38f;  // W/m2

@@ -182,5 +182,34 @@ TEST(CoatsOfMaterials, OutOfRangeAreRefused) {
          "attenuation colour");
 }
 
+TEST(TranslucenceOfMaterials, SharesTheLightWithTheDiffusePart) {
+  const Json cloth = {{"KHR_materials_diffuse_transmission",
+                       {{"diffuseTransmissionFactor", 0.25}, {"diffuseTransmissionColorFactor", {1.0, 0.5, 0.0}}}}};
+  Imported half = imported(cloth, {}, 0.5);
+  expect_color(half.material().translucence, {0.125, 0.0625, 0.0});
+  ASSERT_EQ(half.scene.primitives.size(), 2u) << "light passes to the other side, which is there";
+  EXPECT_EQ(half.scene.primitives[0].back, 1);
+  const float plain = imported(kNone, {}, 0.5).scene.patches[0].reflectance.x;
+  EXPECT_FLOAT_EQ(half.scene.patches[0].reflectance.x, 0.75f * plain);
+
+  const std::filesystem::path file = half.importer.folder / "patches.h5";
+  write_patches(file, half.scene);
+  EXPECT_EQ(read_patches(file).materials.at(0).translucence, half.material().translucence);
+
+  MaterialOverride wall{"paint"};
+  wall.reflectance = Color(0.9f);
+  expect_color(imported(cloth, {wall}).material().translucence, {0, 0, 0});
+}
+
+TEST(TranslucenceOfMaterials, IsRefusedBeyondOne) {
+  const auto cloth = [](const char* key, const Json& value) {
+    return Json{{"KHR_materials_diffuse_transmission", {{key, value}}}};
+  };
+  EXPECT_ERROR(imported(cloth("diffuseTransmissionFactor", 1.5)), ExitCode::bad_data,
+               "its diffuse transmission factor is 1.5");
+  EXPECT_ERROR(imported(cloth("diffuseTransmissionColorFactor", {0.5, 2.0, 0.5})), ExitCode::bad_data,
+               "its diffuse transmission colour is 2");
+}
+
 }  // namespace
 }  // namespace patchlight::test

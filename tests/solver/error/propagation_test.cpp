@@ -13,12 +13,12 @@ struct FacingSquares {
   TransportRows transport;
   FormFactorRows rows;
   std::vector<double> areas{1, 1};
-  SpectrumField reflectance;
+  Scattering scattering;
 
   explicit FacingSquares(double rho)
       : transport{{0, 1, 2, 3, 4}, {1, 1, 0, 0}, {}, {1, 1, 1, 1}, {}, {}, 2, {}, {}, {}},
         rows(transport),
-        reflectance(2, Spectrum(rho)) {
+        scattering{SpectrumField(2, Spectrum(rho))} {
     builder.quad({{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}, 1, 1, {float(rho), 1.0f});
     builder.quad({{{0, 0, 1}, {0, 1, 1}, {1, 1, 1}, {1, 0, 1}}}, 1, 1, {float(rho)});
   }
@@ -26,7 +26,7 @@ struct FacingSquares {
 
 TEST(ErrorPropagation, SolvesForWhatReachesOtherPatches) {
   const FacingSquares squares(0.5);
-  const ErrorPropagation propagation(squares.rows, squares.reflectance, squares.areas);
+  const ErrorPropagation propagation(squares.rows, squares.scattering, squares.areas);
   const SpectrumField p = propagation.propagate({Spectrum(1.0), Spectrum(0.0)});
   EXPECT_NEAR(p[0].c[0], 1.0 / 3, 0.02);  // p0 = p1 / 2, p1 = (1 + p0) / 2
   EXPECT_NEAR(p[1].c[0], 2.0 / 3, 0.02);
@@ -34,7 +34,7 @@ TEST(ErrorPropagation, SolvesForWhatReachesOtherPatches) {
 
 TEST(ErrorPropagation, SolvesSafelyWhereTheSystemAmplifies) {
   const FacingSquares squares(0.999);
-  const ErrorPropagation propagation(squares.rows, squares.reflectance, squares.areas);
+  const ErrorPropagation propagation(squares.rows, squares.scattering, squares.areas);
   const SpectrumField p = propagation.propagate_safely({Spectrum(1.0), Spectrum(0.9)}, 0.0);
   for (const Spectrum& at : p) EXPECT_NEAR(at.c[1], 0.95 * 999, 0.1 * 999);
   EXPECT_EQ(propagation.norm(propagation.propagate_safely(SpectrumField(2), 0.0)), 0);
@@ -45,7 +45,7 @@ TEST(EnergyBalance, IsThePowerThatIsMissing) {
   FacingSquares scene(0.5);
   const SpectrumField exact{Spectrum(2.0 / 3), Spectrum(4.0 / 3)}, lacking{Spectrum(1.0 / 3), Spectrum(4.0 / 3)};
   const auto balance = [&](const SpectrumField& irradiance) {
-    return EnergyBalance(scene.builder.get(), squares.rows, squares.areas, squares.reflectance, SpectrumField(2),
+    return EnergyBalance(scene.builder.get(), squares.rows, squares.areas, squares.scattering, SpectrumField(2),
                          irradiance);
   };
   EXPECT_NEAR(balance(exact).error(), 0, 1e-12);

@@ -59,7 +59,7 @@ LinearSolve solve(const FormFactorRows& rows, const SpectrumField& reflectance, 
   const std::vector<double> areas(kPatches, 0.5);
   std::vector<SpectrumField> fields{x};
   const auto solves =
-      solve_irradiance(rows, reflectance, areas, {source}, tolerance, max_iterations, fields, [](double) {});
+      solve_irradiance(rows, {reflectance}, areas, {source}, tolerance, max_iterations, fields, [](double) {});
   x = fields[0];
   return solves[0];
 }
@@ -121,7 +121,7 @@ TEST(LinearSystem, SourcesTogetherAreSolvedAsAlone) {
       for (int i = 0; i < 7 * k; ++i) source[i] = Spectrum();  // for different numbers of iterations
       together.emplace_back(kPatches);
     }
-    const auto solves = solve_irradiance(rows, reflectance, areas, sources, tolerance, 100, together, [](double) {});
+    const auto solves = solve_irradiance(rows, {reflectance}, areas, sources, tolerance, 100, together, [](double) {});
     for (std::size_t k = 0; k < sources.size(); ++k) {
       SpectrumField alone(kPatches);
       const LinearSolve solve_alone = solve(rows, reflectance, sources[k], alone, tolerance, 100);

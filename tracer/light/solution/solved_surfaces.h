@@ -42,6 +42,14 @@ class SolvedSurfaces {
     if (varying_[hit.primitive]) evaluate_colors(hit, colors);
     return colors;
   }
+  /// The other side of a translucent surface at a hit, and its colours there: what passes counts as its reflectance.
+  SurfaceHit behind(const SurfaceHit& hit) const {
+    return {scene_.primitives[hit.primitive].back, true, 1.0f - hit.u, hit.v, hit.t};
+  }
+  Colors passed_colors(const SurfaceHit& behind) const {
+    const Material& material = scene_.materials[scene_.primitives[behind.primitive].material];
+    return {lookup_.patch(behind.primitive, behind.u, behind.v), -1, material.translucence, Color(0.0f)};
+  }
   /// Radiant exitance under one of the mixes, W/m2.
   Color emission(const Colors& colors, std::size_t mix = 0) const {
     return colors.group < 0 ? Color(0.0f) : colors.emission * mixes_.all[mix][colors.group];
