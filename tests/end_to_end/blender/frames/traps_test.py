@@ -127,6 +127,16 @@ class Traps(ExportTest):
         lamp.location, lamp.visible_camera = (0.3, 0.2, 2.5), False
         self.assert_frame_is_that_of_cycles(0.03, 512)
 
+    def test_cloth_passes_light_to_its_other_side(self):
+        self.add_floor()
+        m = Shaders("cloth")
+        there = m.add("BsdfDiffuse", Color=(0.8, 0.6, 0.3, 1)), m.add("BsdfTranslucent", Color=(0.9, 0.5, 0.2, 1))
+        cloth = m.show(m.add("MixShader", _0=0.4, _1=there[0].outputs[0], _2=there[1].outputs[0]))
+        self.add_square("cloth", cloth, size=1.5, location=(0, 0, 1))
+        lamp = self.add_lamp("panel", "AREA", 80, size=0.5)
+        lamp.location, lamp.visible_camera = (0.3, 0.2, 2.5), False
+        self.assert_frame_is_that_of_cycles(0.03, 512)
+
     def test_black_frames_say_what_to_do(self):
         self.add_floor()
         self.add_lamp("hidden", "AREA", 50).hide_render = True
