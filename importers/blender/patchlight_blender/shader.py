@@ -28,6 +28,7 @@ class Shader:
         """Lets the part `part` of the light that is not reflected by the coat pass, times a colour."""
         self.extensions["KHR_materials_diffuse_transmission"] = {
             "diffuseTransmissionFactor": float(part), "diffuseTransmissionColorFactor": [float(c) for c in color]}
+        self._keep_extensions()
 
     def dielectric(self, weight, f0, ior, thickness=0, absorption=None):
         """Sets the dielectric reflection: its weight and its reflectance at normal incidence. `ior` is that of glass,
@@ -48,8 +49,9 @@ class Shader:
             if absorption is not None and np.any(absorption > 0):
                 volume["attenuationDistance"] = float(1 / absorption.max())
                 volume["attenuationColor"] = [float(part) for part in np.exp(-absorption / absorption.max())]
+        self._keep_extensions()
 
-    def finish(self):
+    def _keep_extensions(self):
         self.material["patchlight_extensions"] = json.dumps(self.extensions)
 
     def number(self, socket, value):

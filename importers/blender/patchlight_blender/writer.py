@@ -39,7 +39,6 @@ class Writer:
         shader.number("Clearcoat Roughness", surface.clearcoat[1])
         self._emission(surface.emission)
         self._normal(surface.normal)
-        shader.finish()
         material = shader.material
         if item.original:
             for name in item.original.keys():

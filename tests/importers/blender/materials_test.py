@@ -18,12 +18,21 @@ class Materials(MaterialTest):
         self.assertFalse([line for line in exported.warnings if "material" in line])
 
     def test_single_shaders(self):
-        for kind, color, metallic in (("BsdfDiffuse", 0.5, 0), ("BsdfGlossy", 0.5, 1), ("BsdfTranslucent", 0.5, 0)):
+        for kind, color, metallic in (("BsdfDiffuse", 0.5, 0), ("BsdfGlossy", 0.5, 1)):
             with self.subTest(kind):
                 self.setUp()
                 m = Shaders(kind)
                 found = self.of(m.show(m.add(kind, Color=(color, color, color, 1))))[1]
                 self.assert_base(found, (color,) * 3, metallic)
+
+    def test_translucent_shaders_pass_light_diffusely(self):
+        m = Shaders("cloth")
+        a, b = m.add("BsdfDiffuse", Color=RED), m.add("BsdfTranslucent", Color=(0.5, 1, 0.5, 1))
+        found = self.of(m.show(m.add("MixShader", _0=0.25, _1=a.outputs[0], _2=b.outputs[0])))[1]
+        self.assert_base(found, (1, 0, 0), 0)
+        passing = found["extensions"]["KHR_materials_diffuse_transmission"]
+        self.assertAlmostEqual(passing["diffuseTransmissionFactor"], 0.25, 5)
+        np.testing.assert_allclose(passing["diffuseTransmissionColorFactor"], (0.5, 1, 0.5), atol=1e-6)
 
     def test_a_mix_is_the_mean_of_its_shaders(self):
         m = Shaders("mix")
