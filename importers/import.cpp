@@ -99,7 +99,8 @@ std::vector<Material> stored_materials(const std::vector<SurfaceMaterial>& mater
   for (const SurfaceMaterial& material : materials)
     result.push_back({material.name, material.specular, material.roughness, material.tint, material.alpha,
                       material.alpha_cutoff, material.metal, material.roughness_factor, material.emission_tint,
-                      material.coat, material.transmission, material.normal_scale, material.translucence});
+                      material.coat, material.transmission, material.normal_scale, material.translucence,
+                      material.clear_coat});
   return result;
 }
 
@@ -130,7 +131,7 @@ std::string summary(const GltfScene& scene, const PrimitiveList& list, const Pat
   int mirrors = 0, coats = 0;
   for (std::size_t i = 0; i < used.size(); ++i) {
     if (used[i] && scene.materials[i].specular != Color(0.0f)) ++mirrors;
-    if (used[i] && scene.materials[i].coat.exists()) ++coats;
+    if (used[i] && (scene.materials[i].coat.exists() || scene.materials[i].clear_coat.exists())) ++coats;
   }
   const auto moving = std::count_if(set.cameras.begin(), set.cameras.end(),
                                     [](const Camera& camera) { return !camera.motion.empty(); });

@@ -32,6 +32,7 @@ struct SurfaceMaterial {
   Coat coat{};
   Transmission transmission{};
   Color translucence{0.0f};  ///< As Material has it.
+  ClearCoat clear_coat{};
   Color emission{0.0f};      ///< Radiant exitance, W/m2.
   bool double_sided = false;
   std::int32_t texture = -1;           ///< Base colour texture, among the scene's; -1: none.

@@ -192,10 +192,9 @@ void average_coats(PatchSet& scene) {
   const CoatAlbedos coats(scene);
   if (!coats.any()) return;
   for (Patch& patch : scene.patches) {
-    const std::int32_t material = scene.primitives[patch.primitive].material;
-    if (!scene.materials[material].coat.exists()) continue;
+    if (!scene.materials[scene.primitives[patch.primitive].material].is_coated()) continue;
     const auto passed = [&](std::int32_t p, double u, double v) {
-      return Vec3d(Color(1.0f) - coats.mean(material, specular_properties_at(scene, p, u, v)));
+      return Vec3d(Color(1.0f) - coats.mean(specular_properties_at(scene, p, u, v)));
     };
     patch.transmittance = has_varying_coat(scene, patch.primitive) ? PatchMean(scene, patch)(passed)
                                                                    : Color(passed(patch.primitive, 0.5, 0.5));

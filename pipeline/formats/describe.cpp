@@ -43,9 +43,13 @@ std::string describe_materials(const PatchSet& scene) {
     if (scene.materials[i].coat.exists())
       text += fmt::format(", coat {} of roughness {:.2g}", triple(Vec3d(scene.materials[i].coat.normal)),
                           scene.materials[i].roughness);
+    if (const ClearCoat& clear = scene.materials[i].clear_coat; clear.exists())
+      text += fmt::format(", clear coat on {:.2g} of it, of roughness {:.2g}", clear.part, clear.roughness);
     if (const Transmission& glass = scene.materials[i].transmission; glass.exists())
       text += fmt::format(", {} that lets {:.2g} of the light pass, {}", glass.solid ? "body" : "sheet", glass.part,
                           triple(Vec3d(glass.tint)));
+    if (const Color& passed = scene.materials[i].translucence; passed != Color(0.0f))
+      text += fmt::format(", {} leaves the other side", triple(Vec3d(passed)));
     if (total.power != Vec3d(0.0)) text += fmt::format(", emits {} W", triple(total.power));
     text += "\n";
   }

@@ -70,6 +70,14 @@ struct Coat {
   bool exists() const { return normal != Color(0.0f); }
 };
 
+/// A clear coat of index 1.5 over all else, as glTF defines it (`KHR_materials_clearcoat`).
+struct ClearCoat {
+  float part = 0.0f;  ///< Of the surface that it covers, in [0,1]. 0: none.
+  float roughness = 0.0f;
+
+  bool exists() const { return part > 0; }
+};
+
 /// What a material lets through below its coat, as glTF defines it (`KHR_materials_transmission`, `_volume`).
 struct Transmission {
   float part = 0.0f;   ///< Of the light that passes the coat, in [0,1]; the diffuse part has the rest. 0: all of it.
@@ -98,6 +106,9 @@ struct Material {
   float normal_scale = 1.0f;  ///< Of the x and y of normal textures.
   /// Part of the light below the coat that leaves the other side diffusely, each in [0,1]. 0: none.
   Color translucence{0.0f};
+  ClearCoat clear_coat{};
+
+  bool is_coated() const { return coat.exists() || clear_coat.exists(); }
 };
 
 /// Texture coordinates at corners 0 to 3 of a primitive, bilinear between them; shaders see them as (u,v).
@@ -198,7 +209,7 @@ inline bool is_colored(const PatchSet& scene, std::int32_t i) {
 
 /// Whether a material reflects other than diffusely.
 inline bool is_specular(const Material& material) {
-  return material.specular != Color(0.0f) || material.coat.exists();
+  return material.specular != Color(0.0f) || material.is_coated();
 }
 
 /// Whether a part of the light that falls on a primitive leaves its other side diffusely.
@@ -214,7 +225,7 @@ inline bool lets_light_pass(const PatchSet& scene, const Primitive& primitive) {
 
 /// Whether any material has a coat.
 inline bool has_coats(const std::vector<Material>& materials) {
-  return std::any_of(materials.begin(), materials.end(), [](const Material& m) { return m.coat.exists(); });
+  return std::any_of(materials.begin(), materials.end(), [](const Material& m) { return m.is_coated(); });
 }
 
 /// Whether textures or vertex colours vary the specular reflectance of primitive `i`.

@@ -33,7 +33,7 @@ CoatLight::CoatLight(const PatchSet& scene, const LightRows& lights) : scene_(sc
 
 bool CoatLight::is_without(std::size_t patch) const {
   const Material& material = scene_.materials[scene_.primitives[scene_.patches[patch].primitive].material];
-  return !material.coat.exists() || material.specular != Color(0.0f);
+  return !material.is_coated() || material.specular != Color(0.0f);
 }
 
 Spectrum CoatLight::factor(const Emitter& emitter, std::size_t patch) const {
@@ -58,7 +58,7 @@ Spectrum CoatLight::factor_at(std::size_t patch, double cosine) const {
   const auto u = 0.5 * (double(receiver.u0) + double(receiver.u1)),
              v = 0.5 * (double(receiver.v0) + double(receiver.v1));
   const SpecularProperties specular = specular_properties_at(scene_, receiver.primitive, u, v);
-  return for_rows(patch, coats_.at(scene_.primitives[receiver.primitive].material, specular, float(cosine)));
+  return for_rows(patch, coats_.at(specular, float(cosine)));
 }
 
 Spectrum CoatLight::mean_factor(std::size_t patch) const {

@@ -8,7 +8,7 @@ namespace patchlight {
 /// on.
 inline bool passes_by_chance(const PatchSet& scene, const Primitive& primitive) {
   const Material& material = scene.materials[primitive.material];
-  return (material.coat.exists() || material.transmission.exists()) && material.specular == Color(0.0f) &&
+  return (material.is_coated() || material.transmission.exists()) && material.specular == Color(0.0f) &&
          primitive.light_group < 0;
 }
 

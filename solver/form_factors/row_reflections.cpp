@@ -6,7 +6,7 @@
 
 namespace patchlight {
 
-/// Whether a coat reflects the ray that hits it, as a facet that the ray meets by chance does: then the ray starts
+/// Whether coats reflect the ray that hits them, as a facet that the ray meets by chance does: then the ray starts
 /// again with a weight of 1, or with that of a tint. Else, `passed` is its weight at the diffuse part.
 bool RayRows::reflects_at_coat(const SurfaceHit& hit, std::uint64_t random, int lane, RayPacket& packet,
                                Color& throughput, Color& passed) const {
@@ -14,6 +14,12 @@ bool RayRows::reflects_at_coat(const SurfaceHit& hit, std::uint64_t random, int 
   Vec3f direction = packet.direction(lane);
   const Vec2f at(uniform01(random), uniform01(hash64(random)));
   const SpecularProperties specular = specular_properties_at(scene_, hit.primitive, hit.u, hit.v);
+  const auto start_again = [&] {
+    packet.set(lane, ray_scene_.to_local(point.position) + point.normal * ray_scene_.offset(hit.primitive), direction);
+    return true;
+  };
+  passed = Color(1.0f);
+  if (reflects_at_clear_coat(specular, point.normal, random, direction)) return start_again();
   Color reflected(1.0f);
   if (!reflect(specular, point.normal, at, direction, reflected)) reflected = Color(0.0f);
   const float chance = max_component(reflected);
@@ -22,8 +28,7 @@ bool RayRows::reflects_at_coat(const SurfaceHit& hit, std::uint64_t random, int 
     return false;
   }
   for (int k = 0; k < 3; ++k) throughput[k] *= reflected[k] == chance ? 1.0f : reflected[k] / chance;
-  packet.set(lane, ray_scene_.to_local(point.position) + point.normal * ray_scene_.offset(hit.primitive), direction);
-  return true;
+  return start_again();
 }
 
 void RayRows::trace_reflections(SampleSet& set, int first, RayPacket& packet, Reflections& reflections) const {

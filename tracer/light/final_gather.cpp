@@ -145,10 +145,10 @@ void FinalGather::add_surface(const SurfaceHit& hit, const Vec3f& direction, con
   SolvedSurfaces::Colors colors = surfaces_.colors(hit);
   const Primitive& primitive = scene_.primitives[hit.primitive];
   Color passing(1.0f);  // through the coat
-  if (scene_.materials[primitive.material].coat.exists()) {
+  if (scene_.materials[primitive.material].is_coated()) {
     const SpecularProperties specular = specular_properties_at(scene_, hit.primitive, hit.u, hit.v);
     const float cosine = -(direction ^ point_at(primitive, hit.u, hit.v).normal);
-    passing -= coats_.at(primitive.material, specular, cosine);
+    passing -= coats_.at(specular, cosine);
     colors.reflectance *= passing;
   }
   const DisplayLookup::Blend blend = surfaces_.blend(hit, colors.patch);

@@ -14,8 +14,43 @@ namespace patchlight {
 namespace {
 
 constexpr std::uint64_t kStream = 0x676c617373;  // of random numbers, apart from those of reflections
+constexpr std::uint64_t kCoatStream = 0x636c656172;
 
 }  // namespace
+
+void PathTracer::add_part(const SurfaceHit& hit, const Vec3d& position, const Vec3f& facing, const Vec3f& normal,
+                          const Vec3f& in, const Color& reflectance, const Path& path, PathSums& sums) const {
+  PathSums::Part part{path, ray_scene_.to_local(position) + facing * ray_scene_.offset(hit.primitive),
+                      in - normal * (2.0f * (in ^ normal))};
+  part.path.throughput *= reflectance;
+  part.path.faint = max_component(part.path.throughput) < kFaint;
+  part.path.is_part = part.path.mirrored = true;
+  ++part.path.bounces;
+  sums.parts.push_back(part);
+}
+
+bool PathTracer::reflects_at_clear_coat(const SurfaceHit& hit, const SurfacePoint& point,
+                                        const SpecularProperties& specular, const Vec3f& normal, const Vec3f& in,
+                                        Path& path, PathSums& sums) const {
+  const float cosine = std::min(-(in ^ normal), 1.0f);
+  const SpecularProperties layer = specular.clear_layer(), below = specular.below();
+  const float albedo = coats_.at(layer, cosine).x;
+  if (path.bounces == 0 && !path.is_part && layer.roughness < kMirrorRoughness) {
+    add_part(hit, point.position, point.normal, normal, in, layer.reflectance(cosine), path, sums);
+    path.throughput *= 1.0f - albedo;
+    return false;
+  }
+  const float passed = (1.0f - albedo) * max_component(below.metal + coats_.at(below, cosine));
+  const float chance = albedo / (albedo + passed);
+  const std::uint64_t seed =
+      hash64(hash64(sums.window->pixel_id(path.pixel)) ^ (kCoatStream + std::uint64_t(path.bounces)));
+  if (pixel_sample(shuffled(path.sample, std::uint32_t(hash64(seed))), seed).x < chance) {
+    path.throughput /= chance;
+    return true;
+  }
+  path.throughput *= (1.0f - albedo) / (1.0f - chance);
+  return false;
+}
 
 bool PathTracer::pass(const SurfaceHit& hit, const SurfacePoint& point, int lane, Path& path, RayPacket& packet,
                       PathSums& sums) const {
@@ -31,8 +66,8 @@ bool PathTracer::pass(const SurfaceHit& hit, const SurfacePoint& point, int lane
 
   const SpecularProperties specular = specular_properties_at(scene_, hit.primitive, hit.u, hit.v);
   const float cosine = std::min(-(in ^ normal), 1.0f);
-  const Color reflectance = inside ? glass_reflectance(specular, glass, cosine, true)
-                                   : coats_.at(primitive.material, specular, cosine) + specular.metal;
+  const Color reflectance =
+      inside ? glass_reflectance(specular, glass, cosine, true) : coats_.at(specular, cosine) + specular.metal;
   Color through = glass.tint * glass.part;
   if (is_colored(scene_, hit.primitive)) through *= base_color(scene_, hit.primitive, hit.u, hit.v);
   const float alpha = primitive.mask >= 0 ? std::min(alpha_at(scene_, hit.primitive, hit.u, hit.v), 1.0f) : 1.0f;
@@ -42,13 +77,7 @@ bool PathTracer::pass(const SurfaceHit& hit, const SurfacePoint& point, int lane
   const bool is_split =
       path.bounces <= 1 && !path.is_part && specular.roughness < kMirrorRoughness && reflected > 0 && open + passed > 0;
   if (is_split) {
-    PathSums::Part part{path, ray_scene_.to_local(point.position) + facing * ray_scene_.offset(hit.primitive),
-                        in + normal * (2.0f * cosine)};
-    part.path.throughput *= reflectance * alpha;
-    part.path.faint = max_component(part.path.throughput) < kFaint;
-    part.path.is_part = part.path.mirrored = true;
-    ++part.path.bounces;
-    sums.parts.push_back(part);
+    add_part(hit, point.position, facing, normal, in, reflectance * alpha, path, sums);
   }
   const float reflected_here = is_split ? 0.0f : reflected, all = open + reflected_here + passed;
   if (!(all > 0) || ++path.bounces >= kMaxBounces) return false;

@@ -111,8 +111,8 @@ bool PathTracer::shade(RayPacket& packet, int lane, Path& path, const CameraRays
   Color albedo(0.0f);  // of the coat
   if (is_specular(scene_.materials[material])) {
     specular = specular_properties_at(scene_, hit.primitive, hit.u, hit.v);
-    albedo = coats_.at(material, specular, -(direction ^ normal));
-    if (specular.has_coat()) colors.reflectance *= Color(1.0f) - albedo;
+    albedo = coats_.at(specular, -(direction ^ normal));
+    if (scene_.materials[material].is_coated()) colors.reflectance *= Color(1.0f) - albedo;
   }
   float alpha = 1.0f;
   if (is_passable && scene_.primitives[hit.primitive].mask >= 0) {
@@ -134,8 +134,15 @@ bool PathTracer::shade(RayPacket& packet, int lane, Path& path, const CameraRays
                       sums);
   }
   if (is_passable) return pass(hit, point, lane, path, packet, sums);
-  if (specular.is_black() || !survives(specular, albedo, path, sums) ||
-      !scatter(specular, ray_origin, normal, point.normal, lane, path, direction, sums) ||
+  if (specular.is_black() || !survives(specular, albedo, path, sums)) return false;
+  Vec3f reflecting = normal;
+  if (specular.clear_coat.exists()) {
+    const Vec3f of_coat = valid_for_viewer(of_mesh, point.normal, -direction);
+    const bool by_coat = reflects_at_clear_coat(hit, point, specular, of_coat, direction, path, sums);
+    if (by_coat) reflecting = of_coat;
+    specular = by_coat ? specular.clear_layer() : specular.below();
+  }
+  if (specular.is_black() || !scatter(specular, ray_origin, reflecting, point.normal, lane, path, direction, sums) ||
       max_component(path.throughput) < kMinThroughput || ++path.bounces >= kMaxBounces)
     return false;
   packet.set(lane, ray_scene_.to_local(ray_origin), direction);

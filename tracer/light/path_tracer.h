@@ -51,6 +51,14 @@ class PathTracer {
   /// Reflects `direction`; false if nothing is reflected. `origin`: of the next ray.
   bool scatter(const SpecularProperties& specular, const Vec3d& origin, const Vec3f& smooth_normal,
                const Vec3f& geometric_normal, int lane, Path& path, Vec3f& direction, PathSums& sums) const;
+  /// Whether a clear coat reflects a path, by chance; a smooth one on the first surface reflects a part of it besides.
+  /// `normal`: of the coat. Multiplies the throughput by what is not reflected.
+  bool reflects_at_clear_coat(const SurfaceHit& hit, const SurfacePoint& point, const SpecularProperties& specular,
+                              const Vec3f& normal, const Vec3f& in, Path& path, PathSums& sums) const;
+  /// Adds the part of a path that a smooth surface reflects, to be traced besides it. `facing`: geometric normal on the
+  /// path's side.
+  void add_part(const SurfaceHit& hit, const Vec3d& position, const Vec3f& facing, const Vec3f& normal, const Vec3f& in,
+                const Color& reflectance, const Path& path, PathSums& sums) const;
   /// Chooses whether a path goes on through a surface that lets light pass, or is reflected; false if it ends.
   bool pass(const SurfaceHit& hit, const SurfacePoint& point, int lane, Path& path, RayPacket& packet,
             PathSums& sums) const;

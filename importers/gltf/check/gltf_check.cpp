@@ -36,6 +36,7 @@ constexpr std::array kSupportedExtensions{"KHR_materials_emissive_strength",
                                           "KHR_materials_transmission",
                                           "KHR_materials_volume",
                                           "KHR_materials_diffuse_transmission",
+                                          "KHR_materials_clearcoat",
                                           "KHR_materials_variants",
                                           "EXT_mesh_gpu_instancing",
                                           "KHR_lights_punctual",
@@ -131,6 +132,18 @@ void check_materials(GltfLists& gltf) {
         check_texture_info(gltf, *glass, "transmissionTexture", place);
         if (glass->contains("transmissionTexture"))
           gltf.ignored.insert("textures of KHR_materials_transmission are replaced by their means");
+      }
+      if (const Json* coat = find_object(*extensions, "KHR_materials_clearcoat", place)) {
+        for (const char* key : {"clearcoatFactor", "clearcoatRoughnessFactor"}) check_number(*coat, key, place);
+        for (const char* key : {"clearcoatTexture", "clearcoatRoughnessTexture"}) {
+          check_texture_info(gltf, *coat, key, place);
+          if (coat->contains(key))
+            gltf.ignored.insert("textures of KHR_materials_clearcoat are replaced by their means");
+        }
+        if (coat->contains("clearcoatNormalTexture"))
+          gltf.ignored.insert("normal textures of KHR_materials_clearcoat are ignored: clear coats are smooth");
+        if (extensions->contains("KHR_materials_transmission"))
+          gltf.ignored.insert("clear coats over glass are ignored: it reflects by its own coat");
       }
       if (const Json* passing = find_object(*extensions, "KHR_materials_diffuse_transmission", place)) {
         check_number(*passing, "diffuseTransmissionFactor", place);

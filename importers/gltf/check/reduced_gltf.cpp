@@ -109,6 +109,12 @@ Json reduced_material(const Json& material) {
       for (const char* key : {"diffuseTransmissionTexture", "diffuseTransmissionColorTexture"})
         if (const Json* info = find_member(*passing, key)) reduced[key] = selected(*info, {"index"});
     }
+    if (const Json* coat = find_member(*extensions, "KHR_materials_clearcoat")) {
+      Json& reduced = result["extensions"]["KHR_materials_clearcoat"] =
+          selected(*coat, {"clearcoatFactor", "clearcoatRoughnessFactor"});
+      for (const char* key : {"clearcoatTexture", "clearcoatRoughnessTexture"})
+        if (const Json* info = find_member(*coat, key)) reduced[key] = selected(*info, {"index"});
+    }
     if (const Json* volume = find_member(*extensions, "KHR_materials_volume"))
       result["extensions"]["KHR_materials_volume"] =
           selected(*volume, {"thicknessFactor", "attenuationDistance", "attenuationColor"});

@@ -65,6 +65,21 @@ Coat read_coat(const tinygltf::Material& source, const GltfModel& model, const s
   return coat;
 }
 
+ClearCoat read_clear_coat(const tinygltf::Material& source, SceneTextures& textures, bool used,
+                          const std::string& name) {
+  const tinygltf::Value coat = extension(source, "KHR_materials_clearcoat");
+  double part = number(coat, "clearcoatFactor", 0.0), roughness = number(coat, "clearcoatRoughnessFactor", 0.0);
+  if (!(part >= 0 && part <= 1))
+    refuse_material(textures.model(), name, fmt::format("its clear coat factor is {}", part), "in [0, 1]");
+  if (!(roughness >= 0 && roughness <= 1))
+    refuse_material(textures.model(), name, fmt::format("its clear coat roughness is {}", roughness), "in [0, 1]");
+  if (part > 0 && used) {
+    part *= texture_mean(coat, "clearcoatTexture", TextureEncoding::linear, textures).x;
+    roughness *= texture_mean(coat, "clearcoatRoughnessTexture", TextureEncoding::linear, textures).y;
+  }
+  return {static_cast<float>(part), static_cast<float>(roughness)};
+}
+
 Transmission read_transmission(const tinygltf::Material& source, SceneTextures& textures, bool used,
                                const std::string& name) {
   Transmission result;

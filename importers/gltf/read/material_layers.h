@@ -14,6 +14,11 @@ namespace patchlight {
 /// Throws: Error (bad_data) for values out of range.
 Coat read_coat(const tinygltf::Material& source, const GltfModel& model, const std::string& name);
 
+/// The clear coat over a material, by `KHR_materials_clearcoat`. Its textures count by their means. `used`: they are
+/// read. Throws: Error (bad_data) for values out of range, and as SceneTextures::mean does.
+ClearCoat read_clear_coat(const tinygltf::Material& source, SceneTextures& textures, bool used,
+                          const std::string& name);
+
 /// What a material lets pass, by `KHR_materials_transmission` and `_volume`, without its tint. `used`: the mean of the
 /// texture counts. Throws: Error (bad_data) for values out of range, and as SceneTextures::mean does.
 Transmission read_transmission(const tinygltf::Material& source, SceneTextures& textures, bool used,

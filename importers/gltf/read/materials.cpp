@@ -99,6 +99,8 @@ SurfaceMaterial read_material(const tinygltf::Material& source, bool used, Scene
   const bool all_metal = metallic_factor == 1.0 && metallic_roughness_texture < 0;
   if (!unlit && !all_metal) material.coat = read_coat(source, textures.model(), material.name);
   material.coat.metallic = static_cast<float>(metallic_factor);
+  if (!unlit && !material.transmission.exists())
+    material.clear_coat = read_clear_coat(source, textures, used, material.name);
   if (metallic_factor > 0.0 || material.coat.exists()) material.metallic_roughness_texture = metallic_roughness_texture;
   material.metallic_roughness_mapping = mapping_of(pbr.metallicRoughnessTexture);
   material.mean_metallic = static_cast<float>(metallic_roughness.z);
@@ -171,6 +173,7 @@ void apply_override(const MaterialOverride& change, const char* section, Surface
     material.specular = *change.mirror;
     material.roughness = 0.0f;
     material.coat = {};
+    material.clear_coat = {};
     material.transmission = {};
     material.translucence = Color(0.0f);
   }
@@ -262,7 +265,10 @@ std::vector<SurfaceMaterial> read_materials(GltfModel& model, const std::vector<
   if (used.back()) materials.push_back(default_material());
   apply_overrides(job, materials, progress);
   if (!job.import.dielectric_coat)
-    for (SurfaceMaterial& material : materials) material.coat = {};
+    for (SurfaceMaterial& material : materials) {
+      material.coat = {};
+      material.clear_coat = {};
+    }
   for (SurfaceMaterial& material : materials) check_values(model, material, progress);
   return materials;
 }

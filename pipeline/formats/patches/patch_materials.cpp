@@ -10,6 +10,11 @@ namespace patchlight {
 void write_coat_datasets(H5Writer& writer, const PatchSet& scene) {
   using M = const Material&;
   if (!has_coats(scene.materials)) return;
+  if (std::ranges::any_of(scene.materials, [](M m) { return m.clear_coat.exists(); }))
+    write_rows<float>(writer, "/materials/clear_coat", scene.materials, 2, [](M m, auto* r) {
+      r[0] = m.clear_coat.part;
+      r[1] = m.clear_coat.roughness;
+    });
   write_rows<float>(writer, "/materials/coat", scene.materials, 6, [](M m, auto* r) {
     put3(r, m.coat.normal);
     r[3] = m.coat.grazing;
@@ -25,6 +30,10 @@ void read_coat_datasets(const H5Reader& reader, PatchSet& scene) {
   read_rows<float>(reader, "/materials/coat", scene.materials, 6, [](Material& m, auto* r) {
     m.coat = {get3<Color>(r), r[3], r[4], r[5]};
   });
+  if (reader.has("/materials/clear_coat"))
+    read_rows<float>(reader, "/materials/clear_coat", scene.materials, 2, [](Material& m, auto* r) {
+      m.clear_coat = {r[0], r[1]};
+    });
   read_rows<float>(reader, "/patches/coat_transmittance", scene.patches, 3,
                    [](Patch& p, auto* r) { p.transmittance = get3<Color>(r); });
 }
@@ -71,8 +80,9 @@ bool is_valid(const Material& material) {
                                 each(material.emission_tint, [](float x) { return x >= 0.0f && x <= 3e38f; });
   const bool is_coat_valid = each(coat.normal, in_unit) && in_unit(coat.grazing) && in_unit(coat.metallic) &&
                              (coat.ior == 0.0f || (coat.ior >= 1.0f && coat.ior <= 100.0f));
-  return is_surface_valid && each(material.translucence, in_unit) && is_coat_valid && in_unit(glass.part) &&
-         each(glass.tint, in_unit) && glass.ior >= 1.0f && glass.ior <= 100.0f &&
+  return is_surface_valid && each(material.translucence, in_unit) && in_unit(material.clear_coat.part) &&
+         in_unit(material.clear_coat.roughness) && is_coat_valid && in_unit(glass.part) && each(glass.tint, in_unit) &&
+         glass.ior >= 1.0f && glass.ior <= 100.0f &&
          each(glass.absorption, [](float x) { return x >= 0.0f && std::isfinite(x); });
 }
 

@@ -240,6 +240,8 @@ std::string metallic_roughness_key(const PatchSet& scene) {
       for (const Color& color : {glass.tint, glass.absorption})
         for (int k = 0; k < 3; ++k) hasher.add(double(color[k]));
     }
+    if (m.clear_coat.exists())
+      hasher.add("clear coat").add(double(m.clear_coat.part)).add(double(m.clear_coat.roughness));
     if (!m.coat.exists()) continue;
     for (int k = 0; k < 3; ++k) hasher.add(double(m.coat.normal[k]));
     for (const float value : {m.coat.grazing, m.coat.ior, m.coat.metallic}) hasher.add(double(value));

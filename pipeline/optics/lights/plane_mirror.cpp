@@ -17,7 +17,8 @@ bool is_plane_mirror(const PatchSet& scene, std::int32_t i) {
   const Primitive& p = scene.primitives[i];
   const Material& material = scene.materials[p.material];
   if (p.shape != Primitive::Shape::quad || p.mask >= 0 || has_varying_metal(scene, i)) return false;
-  if (material.specular == Color(0.0f) || material.roughness >= kMirrorRoughness) return false;
+  if (material.specular == Color(0.0f) || material.roughness >= kMirrorRoughness || material.clear_coat.exists())
+    return false;
   constexpr double kFlat = 1e-6;  // largest distance of corners from their plane, relative to the size
   const auto& c = p.corners;
   return std::abs((c[1] - c[0]) ^ normal_of(c)) <= kFlat * (c[2] - c[0]).length();

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <set>
 
 #include "pipeline/optics/sampling/random.h"
 #include "pipeline/optics/surface/mirror.h"
@@ -78,15 +78,17 @@ struct CoatAlbedos::Table {
 };
 
 CoatAlbedos::CoatAlbedos(const PatchSet& scene) {
-  std::map<float, std::shared_ptr<const Table>> by_ior;
-  for (std::size_t i = 0; i < scene.materials.size(); ++i) {
-    const Coat& coat = scene.materials[i].coat;
-    if (!coat.exists()) continue;
-    table_of_.resize(scene.materials.size());
-    auto& table = by_ior[coat.ior];
-    if (!table) table = std::make_shared<const Table>(coat.ior);
-    table_of_[i] = table;
+  std::set<float> indices;
+  for (const Material& material : scene.materials) {
+    if (material.coat.exists()) indices.insert(material.coat.ior);
+    if (material.clear_coat.exists())
+      indices.insert(SpecularProperties{.clear_coat = material.clear_coat}.clear_layer().coat_ior);
   }
+  for (const float ior : indices) tables_.push_back(std::make_shared<const Table>(ior));
+}
+
+const CoatAlbedos::Table& CoatAlbedos::table(float ior) const {
+  return **std::find_if(tables_.begin(), tables_.end(), [&](const auto& table) { return table->ior == ior; });
 }
 
 template <class AtNode>
@@ -100,16 +102,30 @@ Color CoatAlbedos::albedo(const SpecularProperties& specular, const Pair& mirror
   return specular.coat * pair[0] + (Color(specular.coat_grazing) - specular.coat) * pair[1];
 }
 
-Color CoatAlbedos::at(std::int32_t material, const SpecularProperties& specular, float cosine) const {
+Color CoatAlbedos::of_coat(const SpecularProperties& specular, float cosine) const {
   if (!specular.has_coat()) return Color(0.0f);
-  const Table& table = *table_of_[material];
-  return albedo(specular, {1.0f, fresnel_rise(table.ior, cosine)}, [&](int r) { return table.along(r, cosine); });
+  const Table& from = table(specular.coat_ior);
+  return albedo(specular, {1.0f, fresnel_rise(from.ior, cosine)}, [&](int r) { return from.along(r, cosine); });
 }
 
-Color CoatAlbedos::mean(std::int32_t material, const SpecularProperties& specular) const {
+Color CoatAlbedos::mean_of_coat(const SpecularProperties& specular) const {
   if (!specular.has_coat()) return Color(0.0f);
-  const Table& table = *table_of_[material];
-  return albedo(specular, {1.0f, table.mirror_mean}, [&](int r) { return table.means[r]; });
+  const Table& from = table(specular.coat_ior);
+  return albedo(specular, {1.0f, from.mirror_mean}, [&](int r) { return from.means[r]; });
+}
+
+Color CoatAlbedos::at(const SpecularProperties& specular, float cosine) const {
+  const Color coat = of_coat(specular, cosine);
+  if (!specular.clear_coat.exists()) return coat;
+  const Color clear = of_coat(specular.clear_layer(), cosine);
+  return clear + (Color(1.0f) - clear) * coat;
+}
+
+Color CoatAlbedos::mean(const SpecularProperties& specular) const {
+  const Color coat = mean_of_coat(specular);
+  if (!specular.clear_coat.exists()) return coat;
+  const Color clear = mean_of_coat(specular.clear_layer());
+  return clear + (Color(1.0f) - clear) * coat;
 }
 
 }  // namespace patchlight

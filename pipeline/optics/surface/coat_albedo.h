@@ -17,14 +17,14 @@ class CoatAlbedos {
   explicit CoatAlbedos(const PatchSet& scene);
 
   /// Whether the scene has coats.
-  bool any() const { return !table_of_.empty(); }
+  bool any() const { return !tables_.empty(); }
 
-  /// Reflected part of light at an angle of this cosine to the normal. `material`: of the scene's; `specular`: at a
-  /// point of it.
-  Color at(std::int32_t material, const SpecularProperties& specular, float cosine) const;
+  /// Part of light at an angle of this cosine to the normal that the coats reflect, the clear coat included.
+  /// `specular`: at a point of the scene.
+  Color at(const SpecularProperties& specular, float cosine) const;
 
   /// Its mean over all directions, weighted by the cosine.
-  Color mean(std::int32_t material, const SpecularProperties& specular) const;
+  Color mean(const SpecularProperties& specular) const;
 
  private:
   struct Table;
@@ -35,7 +35,11 @@ class CoatAlbedos {
   template <class AtNode>
   static Color albedo(const SpecularProperties& specular, const Pair& mirror, AtNode at_node);
 
-  std::vector<std::shared_ptr<const Table>> table_of_;  ///< [materials]; null: no coat. Empty: none at all.
+  const Table& table(float ior) const;
+  Color of_coat(const SpecularProperties& specular, float cosine) const;
+  Color mean_of_coat(const SpecularProperties& specular) const;
+
+  std::vector<std::shared_ptr<const Table>> tables_;  ///< One for each index of refraction.
 };
 
 }  // namespace patchlight

@@ -12,10 +12,22 @@ Color SpecularProperties::reflectance(float cosine) const {
   return metal + coat + (Color(coat_grazing) - coat) * fresnel_rise(coat_ior, cosine);
 }
 
+SpecularProperties SpecularProperties::clear_layer() const {
+  constexpr float kIor = 1.5f, kNormal = 0.04f;
+  return {Color(0.0f), clear_coat.roughness, Color(kNormal * clear_coat.part), clear_coat.part, kIor};
+}
+
+SpecularProperties SpecularProperties::below() const {
+  SpecularProperties result = *this;
+  result.clear_coat = {};
+  return result;
+}
+
 SpecularProperties specular_properties_at(const PatchSet& scene, std::int32_t i, double u, double v) {
   const Primitive& primitive = scene.primitives[i];
   const Material& material = scene.materials[primitive.material];
   SpecularProperties result{material.specular, material.roughness};
+  result.clear_coat = material.clear_coat;
   float metalness = material.coat.metallic;
   const bool varies = has_varying_metal(scene, i);
   if (varies) result.metal = material.metal * base_color(scene, i, u, v);

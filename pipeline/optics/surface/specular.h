@@ -16,11 +16,15 @@ struct SpecularProperties {
   Color coat{0.0f};  ///< Reflectance of the coat at normal incidence; 0: no coat.
   float coat_grazing = 0.0f;
   float coat_ior = 0.0f;
+  ClearCoat clear_coat{};  ///< Over both.
 
   bool has_coat() const { return coat != Color(0.0f); }
-  bool is_black() const { return metal == Color(0.0f) && !has_coat(); }
+  bool is_black() const { return metal == Color(0.0f) && !has_coat() && !clear_coat.exists(); }
   /// Reflectance of metal and coat, for the cosine of the angle to a mirroring facet.
   Color reflectance(float cosine) const;
+  /// The clear coat alone, as a coat; and what is below it.
+  SpecularProperties clear_layer() const;
+  SpecularProperties below() const;
 };
 
 /// Specular reflection at (u,v) of primitive `i`: the material's, varied by textures and vertex colours.

@@ -182,6 +182,28 @@ TEST(CoatsOfMaterials, OutOfRangeAreRefused) {
          "attenuation colour");
 }
 
+Json clear(double part, double roughness) {
+  return {{"KHR_materials_clearcoat", {{"clearcoatFactor", part}, {"clearcoatRoughnessFactor", roughness}}}};
+}
+
+TEST(ClearCoatsOfMaterials, AreReadAndKept) {
+  Imported paint = imported(clear(0.5, 0.25), {}, 1);
+  EXPECT_FLOAT_EQ(paint.material().clear_coat.part, 0.5f);
+  EXPECT_FLOAT_EQ(paint.material().clear_coat.roughness, 0.25f);
+  EXPECT_FALSE(paint.coat().exists()) << "all metal";
+  EXPECT_LT(paint.scene.patches[0].transmittance.x, 0.96f);
+  const std::filesystem::path file = paint.importer.folder / "patches.h5";
+  write_patches(file, paint.scene);
+  EXPECT_FLOAT_EQ(read_patches(file).materials.at(0).clear_coat.part, 0.5f);
+
+  MaterialOverride mirror{"paint"};
+  mirror.mirror = Color(0.5f);
+  EXPECT_FALSE(imported(clear(1, 0), {mirror}).material().clear_coat.exists());
+  EXPECT_FALSE(imported(clear(1, 0), {}, 0, false).material().clear_coat.exists()) << "import.dielectric_coat: false";
+  EXPECT_ERROR(imported(clear(1.5, 0)), ExitCode::bad_data, "its clear coat factor is 1.5");
+  EXPECT_ERROR(imported(clear(1, -1)), ExitCode::bad_data, "its clear coat roughness is -1");
+}
+
 TEST(TranslucenceOfMaterials, SharesTheLightWithTheDiffusePart) {
   const Json cloth = {{"KHR_materials_diffuse_transmission",
                        {{"diffuseTransmissionFactor", 0.25}, {"diffuseTransmissionColorFactor", {1.0, 0.5, 0.0}}}}};

@@ -64,7 +64,7 @@ TEST(CoatAlbedos, AreThoseOfTheirFacets) {
       for (const float roughness : {0.35f, 0.57f, 1.0f})
         for (const float cosine : {0.97f, 0.6f, 0.3f, 0.12f}) {
           const SpecularProperties specular = properties(scene.materials[1].coat, roughness);
-          EXPECT_NEAR(albedos.at(1, specular, cosine).y, integrated_albedo(specular, double(cosine)), 0.003)
+          EXPECT_NEAR(albedos.at(specular, cosine).y, integrated_albedo(specular, double(cosine)), 0.003)
               << ior << ' ' << roughness << ' ' << cosine;
         }
     }
@@ -79,11 +79,11 @@ TEST(CoatAlbedos, OfMirrorsAreFresnels) {
   double mean = 0;
   for (int k = 0; k < 1000; ++k) {
     const double cosine = (k + 0.5) / 1000;
-    EXPECT_NEAR(albedos.at(0, specular, float(cosine)).x, fresnel(1.5, cosine), 1e-4);
+    EXPECT_NEAR(albedos.at(specular, float(cosine)).x, fresnel(1.5, cosine), 1e-4);
     mean += 2 * cosine * fresnel(1.5, cosine) / 1000;
   }
   EXPECT_NEAR(mean, 0.0918, 1e-4) << "of an index of 1.5, as known";
-  EXPECT_NEAR(albedos.mean(0, specular).x, mean, 2e-4);
+  EXPECT_NEAR(albedos.mean(specular).x, mean, 2e-4);
 }
 
 TEST(CoatAlbedos, AreReflectedOnAverage) {
@@ -101,7 +101,7 @@ TEST(CoatAlbedos, AreReflectedOnAverage) {
       if (reflect(specular, {0, 0, 1}, {(float(k) + 0.5f) / kRays, radical_inverse(k)}, direction, throughput))
         sum += double(throughput.x);
     }
-    EXPECT_NEAR(sum / kRays, albedos.at(0, specular, 0.6f).x, 0.002) << roughness;
+    EXPECT_NEAR(sum / kRays, albedos.at(specular, 0.6f).x, 0.002) << roughness;
   }
 }
 

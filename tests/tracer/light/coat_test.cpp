@@ -42,15 +42,45 @@ TEST(Coats, InAWhiteSkyReturnTheirAlbedoAndWhatPassesThem) {
       for (const float reflectance : {0.0f, 0.5f, 0.99999f}) {
         const Solved solved = wall_in_the_sky(reflectance, roughness, cosine);
         const CoatAlbedos albedos(solved.scene);
-        const double albedo = double(albedos.at(1, specular_properties_at(solved.scene, 0, 0.5, 0.5), float(cosine)).y);
+        const double albedo = double(albedos.at(specular_properties_at(solved.scene, 0, 0.5, 0.5), float(cosine)).y);
         const double expected = albedo + double(reflectance) * (1 - albedo);
         EXPECT_NEAR(mean_of(solved.render()), expected, 0.005 * std::max(expected, 0.2))
             << roughness << ' ' << cosine << ' ' << reflectance;
       }
 }
 
+TEST(ClearCoats, InAWhiteSkyReturnTheirAlbedoAndWhatIsBelow) {
+  constexpr float kMetal = 0.3f, kDiffuse = 0.5f;
+  for (const float roughness : {0.0f, 0.3f})
+    for (const float of_metal : {0.0f, kMetal})
+      for (const double cosine : {0.95, 0.25}) {
+        Solved solved = wall_in_the_sky(kDiffuse, 0.0f, cosine);
+        solved.scene.materials[1].clear_coat = {0.8f, roughness};
+        solved.scene.materials[1].specular = Color(of_metal);
+        const CoatAlbedos albedos(solved.scene);
+        const SpecularProperties at = specular_properties_at(solved.scene, 0, 0.5, 0.5);
+        const double clear = double(albedos.at(at.clear_layer(), float(cosine)).y);
+        const double both = double(albedos.at(at, float(cosine)).y);
+        const double expected = both + double(kDiffuse) * (1 - both) + double(of_metal) * (1 - clear);
+        EXPECT_NEAR(mean_of(solved.render()), expected, 0.005 * expected)
+            << roughness << ' ' << of_metal << ' ' << cosine;
+      }
+}
+
+TEST(ClearCoats, ReflectLampsSharplyOverRoughMetal) {
+  PatchScene builder;  // a lamp behind the camera, in a smooth clear coat before it
+  builder.get().materials.push_back({"paint", Color(0.0f), 1.0f});
+  builder.get().materials.back().clear_coat = {1.0f, 0.0f};
+  builder.quad({{{-9, -9, -1}, {9, -9, -1}, {9, 9, -1}, {-9, 9, -1}}}, 1, 1, {0.0f, 0.0f, 0, 1});
+  builder.quad({{{-9, -9, 1}, {-9, 9, 1}, {9, 9, 1}, {9, -9, 1}}}, 1, 1, {0.0f, 3.0f});
+  Solved solved(builder);
+  solved.camera.vertical = 1e-3;
+  EXPECT_NEAR(mean_of(solved.render()), 0.04 * 3 / kPi, 1e-5);
+}
+
 TEST(Coats, LayersAddUp) {
   Solved solved = wall_in_the_sky(0.5f, 0.3f, 0.4);
+  solved.scene.materials[1].clear_coat = {0.5f, 0.0f};
   solved.job.trace.layers = {"direct", "indirect", "specular", "emission"};
   const Image image = solved.render();
   double specular = 0;

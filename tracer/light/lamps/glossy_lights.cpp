@@ -22,7 +22,9 @@ GlossyLights::GlossyLights(const PatchSet& scene, const ExplicitLights& lights, 
 bool GlossyLights::is_needed(const PatchSet& scene) {
   return std::any_of(scene.primitives.begin(), scene.primitives.end(), [&](const Primitive& p) {
     const Material& material = scene.materials[p.material];
-    return is_specular(material) && (material.roughness >= kMirrorRoughness || p.metallic_roughness_texture >= 0);
+    return is_specular(material) &&
+           (material.roughness >= kMirrorRoughness || material.clear_coat.roughness >= kMirrorRoughness ||
+            p.metallic_roughness_texture >= 0);
   });
 }
 
