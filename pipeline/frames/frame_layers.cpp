@@ -13,7 +13,8 @@ namespace {
 
 constexpr std::size_t kMaxGroupNameBytes = 240;  // a channel name has at most 255 bytes
 
-constexpr std::array<std::string_view, 4> kLightPathLayers{"direct", "indirect", "specular", "emission"};
+constexpr std::array<std::string_view, 7> kLightPathLayers{"direct", "indirect",     "specular", "metal",
+                                                           "coat",   "transmission", "emission"};
 
 }  // namespace
 

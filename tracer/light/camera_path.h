@@ -19,7 +19,7 @@ struct CameraPath {
   bool central = false;           ///< A ray through the centres of pixel and lens, for layers alone.
   Color throughput{1.0f};
   int bounces = 0;  ///< Specular reflections, and surfaces passed through.
-  bool mirrored = false;
+  SeenBy seen_by = SeenBy::itself;
   bool scattered = false;  ///< By rough metals or coats.
   bool faint = false;      ///< A coat reflected so little that what it meets is looked up in the solution.
   bool is_part = false;    ///< The reflection by the first glass that a path met, traced besides it.
@@ -27,9 +27,11 @@ struct CameraPath {
   GlassEntry entry{};
   PathFeatures features{};
 
-  ShadingPoint::PathKind kind() const {
-    using Kind = ShadingPoint::PathKind;
-    return scattered ? Kind::scattered : mirrored ? Kind::mirrored : Kind::direct;
+  /// Whether all that the path met so far let it pass straight.
+  bool is_direct() const { return seen_by == SeenBy::itself; }
+  /// The first surface that turns the path decides.
+  void turn(SeenBy by) {
+    if (is_direct()) seen_by = by;
   }
 };
 

@@ -76,13 +76,12 @@ void FinalGather::add(std::span<const GatherPoint> points, const TileWindow& win
   for (std::uint32_t i = 0; i < points.size(); ++i) {
     if (gathered[i].rays == 0) continue;
     const ShadingPoint& point = points[i].shading;
-    const bool mirrored = point.path_kind != ShadingPoint::PathKind::direct;
     const Color weight = point.weight / float(gathered[i].rays);
     pixels[point.pixel] += weight * (gathered[i].direct + gathered[i].indirect);
     if (!layers) continue;
     if (layers->has_light()) {
-      layers->add_direct(point.pixel, mirrored, weight * gathered[i].direct);
-      layers->add_indirect(point.pixel, mirrored, weight * gathered[i].indirect);
+      layers->add_direct(point.pixel, point.seen_by, weight * gathered[i].direct);
+      layers->add_indirect(point.pixel, point.seen_by, weight * gathered[i].indirect);
     }
     for (std::size_t g = 0; g < layers->group_count(); ++g)
       layers->add_to_group(g, point.pixel, weight * gathered[i].by_group[g]);

@@ -30,7 +30,7 @@ void PassedLamps::add(const RayPacket& packet, std::array<CameraPath, RayPacket:
       }
       active = true;
       CameraPath& path = paths[lane];
-      if (hit.front && !(path.kind() == ShadingPoint::PathKind::direct && is_unseen(scene_, hit.primitive)))
+      if (hit.front && !(path.is_direct() && is_unseen(scene_, hit.primitive)))
         add_emission(hit, rays.direction(lane), lane, path, sums);
       auto& ray = rays.rays.ray;
       ray.tnear[lane] = hit.t + lamps_.offset(hit.primitive);
@@ -49,7 +49,7 @@ void PassedLamps::add_emission(const SurfaceHit& hit, const Vec3f& direction, in
   sums.pixels[path.pixel] += radiance(0);
   path.features.light += radiance(mixes_.unscaled);
   if (!sums.layers) return;
-  if (sums.layers->has_light()) sums.layers->add_emission(path.pixel, path.mirrored, radiance(0));
+  if (sums.layers->has_light()) sums.layers->add_emission(path.pixel, path.seen_by, radiance(0));
   for (std::size_t g = 0; g < sums.layers->group_count(); ++g)
     sums.layers->add_to_group(g, path.pixel, radiance(mixes_.first_group + g));
 }

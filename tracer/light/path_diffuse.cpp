@@ -33,33 +33,38 @@ void PathTracer::add_diffuse_light(const DiffuseSide& side, int lane, const Came
   const Color contribution =
       gather_ && !looked_up ? path.throughput * surfaces_.emission(colors) / float(kPi) : radiance(0);
   sums.pixels[path.pixel] += contribution;
-  if (sums.layers) add_layers(hit, colors, blend, path, *sums.layers);
+  if (sums.layers) add_layers(hit, colors, blend, looked_up, path, *sums.layers);
   path.features.light += mixes_.unscaled == 0 && (!gather_ || looked_up) ? contribution : radiance(mixes_.unscaled);
   const Color reflected = path.throughput * colors.reflectance;
   if (!path.faint) path.features.reflectance += reflected;
   if (!direct_ || looked_up || !(max_component(colors.reflectance) > 0)) return;
   const std::int32_t surface = outlines_.surface(hit.primitive);
   sums.points.push_back({path.pixel, camera.has_lens() ? combined_hash(surface, brightness_levels(reflected)) : surface,
-                         hit.primitive, path.kind(), position, normal, reflected / float(kPi),
+                         hit.primitive, path.seen_by, path.scattered, position, normal, reflected / float(kPi),
                          normal == smooth ? Vec3f(0.0f) : smooth});
   if (gather_) sums.gather.push_back({sums.points.back(), flat, path.sample, std::uint32_t(path.bounces)});
   if (!normals_.is_flat(hit.primitive)) lift_point(hit, lane, sums);
 }
 
 void PathTracer::add_layers(const SurfaceHit& hit, const SolvedSurfaces::Colors& colors,
-                            const DisplayLookup::Blend& blend, const Path& path, LayerSums& layers) const {
+                            const DisplayLookup::Blend& blend, bool looked_up, const Path& path,
+                            LayerSums& layers) const {
   const Color factor = path.throughput / float(kPi);
   const Color reflected = factor * colors.reflectance;
-  if (layers.has_light()) layers.add_emission(path.pixel, path.mirrored, factor * surfaces_.emission(colors));
-  if (layers.has_light() && !gather_) {
-    const Color irradiance = surfaces_.irradiance(hit, blend), direct = surfaces_.direct_part(hit, irradiance);
-    layers.add_direct(path.pixel, path.mirrored, reflected * direct);
-    layers.add_indirect(path.pixel, path.mirrored, reflected * (irradiance - direct));
+  const bool has_irradiance = looked_up || !gather_;
+  const auto total = [&](std::size_t mix) { return surfaces_.total_irradiance(hit, blend, mix); };
+  if (layers.has_light()) layers.add_emission(path.pixel, path.seen_by, factor * surfaces_.emission(colors));
+  if (layers.has_light() && has_irradiance) {
+    const Color irradiance = surfaces_.irradiance(hit, blend), gathered = surfaces_.direct_part(hit, irradiance);
+    const Color direct = looked_up ? gathered + (total(0) - irradiance) : gathered;
+    layers.add_direct(path.pixel, path.seen_by, reflected * direct);
+    layers.add_indirect(path.pixel, path.seen_by, reflected * (irradiance - gathered));
   }
   for (std::size_t g = 0; g < layers.group_count(); ++g) {
     const std::size_t mix = mixes_.first_group + g;
     layers.add_to_group(g, path.pixel, factor * surfaces_.emission(colors, mix));
-    if (!gather_) layers.add_to_group(g, path.pixel, reflected * surfaces_.irradiance(hit, blend, mix));
+    if (has_irradiance)
+      layers.add_to_group(g, path.pixel, reflected * (looked_up ? total(mix) : surfaces_.irradiance(hit, blend, mix)));
   }
 }
 

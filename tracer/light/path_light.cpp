@@ -34,7 +34,7 @@ void PathTracer::add_glossy_light(std::array<Path, RayPacket::kSize>& paths, Pat
     const Color light = unscaled * mixes_.all[0][sample.group];
     sums.pixels[pixel] += light;
     if (!sums.layers) continue;
-    if (sums.layers->has_light()) sums.layers->add_emission(pixel, true, light);
+    if (sums.layers->has_light()) sums.layers->add_emission(pixel, paths[lane].seen_by, light);
     if (sums.layers->has_groups()) sums.layers->add_to_group(std::size_t(sample.group), pixel, unscaled);
   }
   rays.pending = false;

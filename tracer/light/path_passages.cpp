@@ -24,7 +24,8 @@ void PathTracer::add_part(const SurfaceHit& hit, const Vec3d& position, const Ve
                       in - normal * (2.0f * (in ^ normal))};
   part.path.throughput *= reflectance;
   part.path.faint = max_component(part.path.throughput) < kFaint;
-  part.path.is_part = part.path.mirrored = true;
+  part.path.is_part = true;
+  part.path.turn(SeenBy::coat);
   ++part.path.bounces;
   sums.parts.push_back(part);
 }
@@ -105,7 +106,7 @@ bool PathTracer::pass(const SurfaceHit& hit, const SurfacePoint& point, int lane
   const GlassWays ways = glass_ways(specular, glass, normal, inside, at, in);
   const bool is_reflected = choice < open + reflected_here;
   const bool is_straight = !is_reflected && !glass.solid && specular.roughness < kMirrorRoughness;
-  path.mirrored = path.mirrored || !is_straight;
+  if (!is_straight) path.turn(SeenBy::glass);
   if (is_reflected) {
     path.pdf = 0;  // shadow rays go straight: no MIS
     path.throughput *= ways.reflected * (alpha * all / reflected);

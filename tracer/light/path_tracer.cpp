@@ -86,11 +86,11 @@ bool PathTracer::shade(RayPacket& packet, int lane, Path& path, const CameraRays
   }
   const SurfacePoint point = surface_point(hit);
   Vec3f direction = packet.direction(lane);
-  const bool is_passed = path.kind() == ShadingPoint::PathKind::direct && is_unseen(scene_, hit.primitive);
+  const bool is_passed = path.is_direct() && is_unseen(scene_, hit.primitive);
   if (is_passed || (!hit.front && config_.cull_backfaces)) {
     path.pdf = 0;  // shadow rays do not pass back faces: no MIS
     packet.set(lane, ray_scene_.to_local(point.position) + direction * ray_scene_.offset(hit.primitive), direction);
-    if (!path.mirrored) camera.set_end(packet, lane, point.position, direction);
+    if (path.is_direct()) camera.set_end(packet, lane, point.position, direction);
     return ++path.bounces < kMaxBounces;
   }
   if (std::isinf(features.depth)) features.depth = float(camera.depth(point.position));
@@ -161,7 +161,7 @@ void PathTracer::add_sky(const Vec3f& direction, Path& path, PathSums& sums) con
   sums.pixels[path.pixel] += contribution;
   path.features.light += unscaled;
   if (!sums.layers) return;
-  if (sums.layers->has_light()) sums.layers->add_emission(path.pixel, path.mirrored, contribution);
+  if (sums.layers->has_light()) sums.layers->add_emission(path.pixel, path.seen_by, contribution);
   if (sums.layers->has_groups()) sums.layers->add_to_group(group, path.pixel, unscaled);
 }
 
@@ -185,7 +185,7 @@ bool PathTracer::survives(const SpecularProperties& specular, const Color& albed
 
 bool PathTracer::scatter(const SpecularProperties& specular, const Vec3d& origin, const Vec3f& smooth_normal,
                          const Vec3f& geometric_normal, int lane, Path& path, Vec3f& direction, PathSums& sums) const {
-  path.mirrored = true;
+  path.turn(max_component(specular.metal) >= max_component(specular.coat) ? SeenBy::metal : SeenBy::coat);
   path.pdf = 0;
   Vec2f at(0.0f);
   const Vec3f in = direction;

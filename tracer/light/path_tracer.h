@@ -46,7 +46,7 @@ class PathTracer {
   };
   void add_diffuse_light(const DiffuseSide& side, int lane, const CameraRays& camera, Path& path, PathSums& sums) const;
   void add_layers(const SurfaceHit& hit, const SolvedSurfaces::Colors& colors, const DisplayLookup::Blend& blend,
-                  const Path& path, LayerSums& layers) const;
+                  bool looked_up, const Path& path, LayerSums& layers) const;
   bool survives(const SpecularProperties& specular, const Color& albedo, Path& path, const PathSums& sums) const;
   /// Reflects `direction`; false if nothing is reflected. `origin`: of the next ray.
   bool scatter(const SpecularProperties& specular, const Vec3d& origin, const Vec3f& smooth_normal,

@@ -15,8 +15,8 @@ bool asks_for_any(const TraceConfig& config, std::initializer_list<std::string_v
 }  // namespace
 
 LayerSums::LayerSums(const TraceConfig& config, const PatchSet& scene, std::size_t pixels) : config_(config) {
-  if (asks_for_any(config, {"direct", "indirect", "specular", "emission"}))
-    for (auto* sums : {&emission_, &direct_, &indirect_, &specular_}) sums->assign(pixels, Color(0.0f));
+  if (asks_for_any(config, {"direct", "indirect", "specular", "metal", "coat", "transmission", "emission"}))
+    for (auto* sums : {&emission_, &direct_, &indirect_, &metal_, &coat_, &glass_}) sums->assign(pixels, Color(0.0f));
   if (asks_for_any(config, {"albedo", "normal", "depth", "position", "patch"})) {
     for (auto* sums : {&albedo_, &normal_}) sums->assign(pixels, Color(0.0f));
     nearest_.resize(pixels);
@@ -45,13 +45,17 @@ std::vector<ImageLayer> LayerSums::blank(const TraceConfig& config, const PatchS
 
 void LayerSums::resolve(std::uint32_t pixel, int samples, std::size_t at, std::vector<ImageLayer>& layers) const {
   auto layer = layers.begin();
-  const auto resolve_mean = [&](const std::vector<Color>& sums) {
-    std::get<std::vector<Color>>((layer++)->values)[at] = sums[pixel] / float(samples);
+  const auto resolve_color = [&](const Color& sum) {
+    std::get<std::vector<Color>>((layer++)->values)[at] = sum / float(samples);
   };
+  const auto resolve_mean = [&](const std::vector<Color>& sums) { resolve_color(sums[pixel]); };
   for (const std::string& name : config_.layers) {
     if (name == "direct") resolve_mean(direct_);
     if (name == "indirect") resolve_mean(indirect_);
-    if (name == "specular") resolve_mean(specular_);
+    if (name == "specular") resolve_color(metal_[pixel] + coat_[pixel] + glass_[pixel]);
+    if (name == "metal") resolve_mean(metal_);
+    if (name == "coat") resolve_mean(coat_);
+    if (name == "transmission") resolve_mean(glass_);
     if (name == "emission") resolve_mean(emission_);
     if (name == "albedo") resolve_mean(albedo_);
     if (name == "normal") resolve_mean(normal_);

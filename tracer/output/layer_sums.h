@@ -4,14 +4,15 @@
 #include "pipeline/image/image_file.h"
 #include "pipeline/job/job.h"
 #include "pipeline/model/patch_set.h"
+#include "tracer/output/seen_by.h"
 
 namespace patchlight {
 
 /// Sums over the samples of some pixels, for the layers that a job asks for.
 ///
 /// Light belongs to the layer of the first surface: `specular` holds all light that reaches the camera by specular
-/// reflection. Light groups are stored at the scene's own strength, so the sum of all groups, each times its setting,
-/// is the frame under these settings.
+/// reflection and by glass that turns it, `metal`, `coat` and `transmission` its parts. Light groups are stored at the
+/// scene's own strength, so the sum of all groups, each times its setting, is the frame under these settings.
 class LayerSums {
  public:
   LayerSums(const TraceConfig& config, const PatchSet& scene, std::size_t pixels);
@@ -21,9 +22,9 @@ class LayerSums {
   bool has_groups() const { return !by_group_.empty(); }  ///< Light by light group is asked for.
   std::size_t group_count() const { return by_group_.size(); }
 
-  void add_emission(std::uint32_t pixel, bool mirrored, const Color& c) { add(emission_, pixel, mirrored, c); }
-  void add_direct(std::uint32_t pixel, bool mirrored, const Color& c) { add(direct_, pixel, mirrored, c); }
-  void add_indirect(std::uint32_t pixel, bool mirrored, const Color& c) { add(indirect_, pixel, mirrored, c); }
+  void add_emission(std::uint32_t pixel, SeenBy by, const Color& c) { add(emission_, pixel, by, c); }
+  void add_direct(std::uint32_t pixel, SeenBy by, const Color& c) { add(direct_, pixel, by, c); }
+  void add_indirect(std::uint32_t pixel, SeenBy by, const Color& c) { add(indirect_, pixel, by, c); }
   void add_to_group(std::size_t group, std::uint32_t pixel, const Color& c) { by_group_[group][pixel] += c; }
 
   /// First surface that a sample hits; the defaults stand for a miss.
@@ -47,12 +48,12 @@ class LayerSums {
   void resolve(std::uint32_t pixel, int samples, std::size_t at, std::vector<ImageLayer>& layers) const;
 
  private:
-  void add(std::vector<Color>& sums, std::uint32_t pixel, bool mirrored, const Color& light) {
-    (mirrored ? specular_ : sums)[pixel] += light;
+  void add(std::vector<Color>& sums, std::uint32_t pixel, SeenBy by, const Color& light) {
+    (by == SeenBy::itself ? sums : by == SeenBy::metal ? metal_ : by == SeenBy::coat ? coat_ : glass_)[pixel] += light;
   }
 
   const TraceConfig& config_;
-  std::vector<Color> emission_, direct_, indirect_, specular_;  ///< W/m2/sr.
+  std::vector<Color> emission_, direct_, indirect_, metal_, coat_, glass_;  ///< W/m2/sr.
   std::vector<Color> albedo_, normal_;
   struct Nearest {
     float distance2 = std::numeric_limits<float>::infinity();

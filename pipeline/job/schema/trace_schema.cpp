@@ -52,8 +52,9 @@ JobKey resolution_key(std::optional<std::array<int, 2>>& size) {
 }
 
 JobKey layers_key(std::vector<std::string>& layers) {
-  const std::vector<std::string> known{"direct", "indirect", "specular", "emission", "albedo",
-                                       "normal", "depth",    "position", "patch",    "light_groups"};
+  const std::vector<std::string> known{"direct",       "indirect", "specular",    "metal",  "coat",
+                                       "transmission", "emission", "albedo",      "normal", "depth",
+                                       "position",     "patch",    "light_groups"};
   return {"trace.layers", fmt::format("additional layers of the EXR: {}", fmt::join(known, ", ")),
           [&layers, known](const Node& n) {
             if (n.IsMap()) throw std::string("expected a list of layers");

@@ -45,7 +45,7 @@ struct Ground {
     for (int k = 0; k < kPerPixel; ++k)
       for (std::uint32_t pixel = 0; pixel < kWidth; ++pixel)
         points.push_back(
-            {pixel, 1, 1, {}, Vec3d(x(int(pixel), k), 1e-6, 0.1), Vec3f(0, 1, 0), Color(1.0f / kPerPixel)});
+            {pixel, 1, 1, {}, false, Vec3d(x(int(pixel), k), 1e-6, 0.1), Vec3f(0, 1, 0), Color(1.0f / kPerPixel)});
     return light_of(builder.get(), setting, points, kWidth, x0);
   }
 
@@ -129,8 +129,14 @@ TEST(TileLight, BehindASlitIsWhatComesThroughIt) {
       std::vector<ShadingPoint> points;
       for (int pixel = 0; pixel < kSide * kSide; ++pixel)
         for (int k = 0; k < kPoints; ++k)
-          points.push_back(
-              {std::uint32_t(pixel), 1, 1, {}, Vec3d(x(pixel), 1e-6, z(pixel)), Vec3f(0, 1, 0), Color(1.0f / kPoints)});
+          points.push_back({std::uint32_t(pixel),
+                            1,
+                            1,
+                            {},
+                            false,
+                            Vec3d(x(pixel), 1e-6, z(pixel)),
+                            Vec3f(0, 1, 0),
+                            Color(1.0f / kPoints)});
       TileLight light(lights, further, {tile * kSide, 0, kSide, kSide}, kPerPixel);
       std::vector<Color> pixels(kSide * kSide, Color(0.0f));
       light.probe(points, std::vector<std::uint8_t>(kSide * kSide, 1));
@@ -261,8 +267,8 @@ TEST(TileLight, ALampDoesNotLightItself) {
   PatchScene builder;
   builder.quad({{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}, 2, 2, {0.5f, 3.0f});
   builder.sphere({0, 0, 5}, 1, 4, 8, {0.5f, 3.0f});
-  const std::vector<ShadingPoint> points{{0, 0, 0, {}, Vec3d(0.3, 0.4, 1e-5), Vec3f(0, 0, 1), Color(1.0f)},
-                                         {1, 1, 1, {}, Vec3d(0, 0, 6 + 1e-4), Vec3f(0, 0, 1), Color(1.0f)}};
+  const std::vector<ShadingPoint> points{{0, 0, 0, {}, false, Vec3d(0.3, 0.4, 1e-5), Vec3f(0, 0, 1), Color(1.0f)},
+                                         {1, 1, 1, {}, false, Vec3d(0, 0, 6 + 1e-4), Vec3f(0, 0, 1), Color(1.0f)}};
   const std::vector<Color> pixels = light_of(builder.get(), Color(1.0f), points, 2, 1);
   EXPECT_GT(pixels[0].y, 0) << "the sphere lights the square";
   EXPECT_EQ(pixels[1].y, 0) << "the square is hidden from the far side of the sphere";

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "tests/expect_error.h"
+#include "tests/glass_scene.h"
 #include "tests/tracer/solved_scene.h"
 #include "tracer/output/layer_sums.h"
 
@@ -15,10 +16,12 @@ namespace {
 using test::PatchScene;
 using test::Solved;
 
-const std::vector<std::string> kAllLayers{"direct", "indirect", "specular", "emission", "albedo",
-                                          "normal", "depth",    "position", "patch",    "light_groups"};
+const std::vector<std::string> kAllLayers{"direct",       "indirect", "specular",    "metal",  "coat",
+                                          "transmission", "emission", "albedo",      "normal", "depth",
+                                          "position",     "patch",    "light_groups"};
 
-/// A room with two lamps of two groups, a block that casts shadows, a ball of rough metal, and a partly specular wall.
+/// A room with two lamps of two groups, a block that casts shadows, balls of rough metal and of glass, a partly
+/// specular wall and a coated floor.
 Solved lit_room() {
   PatchScene builder;
   builder.get().light_groups = {"sun", "lamp"};
@@ -26,6 +29,11 @@ Solved lit_room() {
   builder.get().materials.push_back({"satin", Color(0.3f, 0.5f, 0.5f), 0.4f});
   builder.room(1, 3, {0.5f, 0.0f});
   builder.get().primitives[4].material = 1;  // in front of the camera
+  builder.get().materials.push_back({"varnish", Color(0.0f), 0.1f});
+  builder.get().materials.back().coat = {Color(0.04f), 1.0f, 1.5f};
+  builder.get().primitives[2].material = 3;  // the floor
+  const int glass = test::add_glass(builder.get(), true);
+  builder.sphere({-0.6, -0.6, 0.2}, 0.3, 4, 8, {0.0f, 0.0f, 0, glass});
   builder.quad({{{-0.6, 0.99, -0.4}, {0.0, 0.99, -0.4}, {0.0, 0.99, 0.2}, {-0.6, 0.99, 0.2}}}, 1, 1, {0.3f, 9.0f, 0});
   builder.quad({{{0.3, 0.9, -0.8}, {0.4, 0.9, -0.8}, {0.4, 0.9, -0.7}, {0.3, 0.9, -0.7}}}, 1, 1, {0.3f, 40.0f, 1});
   builder.quad({{{-0.4, 0, -0.5}, {-0.4, 0, 0.1}, {0.5, 0, 0.1}, {0.5, 0, -0.5}}}, 2, 2, {0.7f, 0.0f});
@@ -82,20 +90,21 @@ TEST(Layers, LightByTransportPathAddsUpToTheBeauty) {
   for (const char* quality : {"patches", "direct", "gather"}) {
     Solved solved = lit_room();
     solved.job.trace.quality = quality;
-    solved.job.trace.layers = {"direct", "indirect", "specular", "emission"};
+    solved.job.trace.layers = {"direct", "indirect", "specular", "emission", "metal", "coat", "transmission"};
     solved.job.lights["lamp"].scale = 0.3;
     const Image image = solved.render();
-    std::vector<double> largest(4, 0.0);
+    std::vector<double> largest(7, 0.0);
     for (std::size_t p = 0; p < image.pixels.size(); ++p) {
-      Color sum(0.0f);
-      for (std::size_t k = 0; k < 4; ++k) {
+      Color sum(0.0f), specular(0.0f);
+      for (std::size_t k = 0; k < 7; ++k) {
         const Color& part = std::get<std::vector<Color>>(image.layers[k].values)[p];
-        sum += part;
+        (k < 4 ? sum : specular) += part;
         largest[k] = std::max(largest[k], double(part.y));
       }
       expect_equal(sum, image.pixels[p], p);
+      expect_equal(specular, std::get<std::vector<Color>>(image.layers[2].values)[p], p);
     }
-    for (std::size_t k = 0; k < 4; ++k) EXPECT_GT(largest[k], 0.01) << quality << ": " << image.layers[k].name;
+    for (std::size_t k = 0; k < 7; ++k) EXPECT_GT(largest[k], 0.01) << quality << ": " << image.layers[k].name;
   }
 }
 
@@ -226,7 +235,7 @@ TEST(Layers, AreTheSameBitsForAnyNumberOfThreads) {
       images.push_back(solved.render());
     }
     EXPECT_EQ(images[0].pixels, images[1].pixels);
-    ASSERT_EQ(images[0].layers.size(), 11u);
+    ASSERT_EQ(images[0].layers.size(), kAllLayers.size() + 1);
     for (std::size_t k = 0; k < images[0].layers.size(); ++k)
       EXPECT_EQ(images[0].layers[k].values, images[1].layers[k].values) << quality << images[0].layers[k].name;
   }

@@ -2,6 +2,7 @@
 #include <vector>
 
 #include "pipeline/optics/lights/direct_light.h"
+#include "tracer/output/seen_by.h"
 
 namespace patchlight {
 
@@ -11,11 +12,9 @@ struct ShadingPoint {
   /// Surface id; primitives that meet smoothly share one. Through a lens: of the surface's points of this reflectance.
   std::int32_t surface = 0;
   std::int32_t primitive = 0;
-  /// How the camera sees the point: directly, by mirrors only, or by a rough metal as well. Scattered paths of one
-  /// pixel may end anywhere.
-  enum class PathKind : std::uint32_t { direct, mirrored, scattered };
-  PathKind path_kind = PathKind::direct;
-  Vec3d position{0.0};  ///< Origin of shadow rays, offset from the surface.
+  SeenBy seen_by = SeenBy::itself;
+  bool scattered = false;  ///< A rough surface is on the camera's path: those of one pixel may end anywhere.
+  Vec3d position{0.0};     ///< Origin of shadow rays, offset from the surface.
   Vec3f normal{0.0f};
   Color weight{0.0f};       ///< Radiance of the pixel for unit irradiance at the point, 1/sr.
   Vec3f before_turn{0.0f};  ///< The shading normal if `normal` was turned to be valid for the viewer; otherwise zero.

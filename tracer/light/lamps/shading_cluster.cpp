@@ -36,8 +36,8 @@ ShadingCluster::ShadingCluster(std::span<const ShadingPoint> cluster_points)
     normal += p.normal;
     flat = flat && p.normal == points[0].normal;
     weight += p.weight;
-    if (p.path_kind != ShadingPoint::PathKind::direct) mirrored += p.weight;
-    scattered = scattered || p.path_kind == ShadingPoint::PathKind::scattered;
+    weights[std::size_t(p.seen_by)] += p.weight;
+    scattered = scattered || p.scattered;
   }
   center /= double(points.size());
   if (flat)

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <span>
 #include <vector>
 
@@ -13,11 +14,11 @@ struct ShadingCluster {
   std::int32_t primitive = 0;  ///< Of the first point.
   std::span<const ShadingPoint> points;
   Vec3d center{0.0};
-  Vec3f normal{0.0f};      ///< Mean of the points'.
-  bool flat = true;        ///< The points' normals are the same.
-  double radius = 0.0;     ///< Around the centre, m.
-  Color weight{0.0f};      ///< Sum over the points.
-  Color mirrored{0.0f};    ///< Part of `weight` from points that the camera does not see directly.
+  Vec3f normal{0.0f};   ///< Mean of the points'.
+  bool flat = true;     ///< The points' normals are the same.
+  double radius = 0.0;  ///< Around the centre, m.
+  Color weight{0.0f};   ///< Sum over the points.
+  std::array<Color, 4> weights{Color(0.0f), Color(0.0f), Color(0.0f), Color(0.0f)};  ///< Of the points by SeenBy.
   bool scattered = false;  ///< Some points are seen by a rough metal.
 
   explicit ShadingCluster(std::span<const ShadingPoint> cluster_points);

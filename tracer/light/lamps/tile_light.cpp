@@ -174,8 +174,7 @@ bool TileLight::add_probed(const ShadingPoint& point, std::span<Color> pixels) c
   const std::int32_t s = clusters_.at(point.pixel, point.surface, point.normal);
   if (s < 0) return false;
   pixels[point.pixel] += irradiance_[s] * point.weight;
-  if (layers_ && layers_->has_light())
-    layers_->add_direct(point.pixel, point.path_kind != ShadingPoint::PathKind::direct, irradiance_[s] * point.weight);
+  if (layers_ && layers_->has_light()) layers_->add_direct(point.pixel, point.seen_by, irradiance_[s] * point.weight);
   for (std::size_t g = 0; g < irradiance_by_group_.size(); ++g)
     layers_->add_to_group(g, point.pixel, irradiance_by_group_[g][s] * point.weight);
   return true;
@@ -251,10 +250,9 @@ void TileLight::add(std::vector<ShadingPoint>& points, std::span<Color> pixels) 
 void TileLight::add_light(const ShadingCluster& cluster, std::size_t group, const Color& unscaled, const Color& scaled,
                           std::span<Color> pixels) const {
   pixels[cluster.pixel] += cluster.weight * scaled;
-  if (layers_ && layers_->has_light()) {
-    layers_->add_direct(cluster.pixel, false, (cluster.weight - cluster.mirrored) * scaled);
-    layers_->add_direct(cluster.pixel, true, cluster.mirrored * scaled);
-  }
+  if (layers_ && layers_->has_light())
+    for (std::size_t by = 0; by < cluster.weights.size(); ++by)
+      layers_->add_direct(cluster.pixel, SeenBy(by), cluster.weights[by] * scaled);
   if (by_group()) layers_->add_to_group(group, cluster.pixel, cluster.weight * unscaled);
 }
 
