@@ -13,7 +13,7 @@ namespace {
 constexpr int kImportVersion = 21;
 constexpr int kTransportKeyVersion = 44;
 constexpr int kSolveVersion = 44;
-constexpr int kTraceVersion = 25;
+constexpr int kTraceVersion = 26;
 
 void add_color(KeyHasher& hasher, const std::optional<Color>& color) {
   hasher.add(color.has_value());

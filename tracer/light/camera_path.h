@@ -20,10 +20,11 @@ struct CameraPath {
   Color throughput{1.0f};
   int bounces = 0;  ///< Specular reflections, and surfaces passed through.
   SeenBy seen_by = SeenBy::itself;
-  bool scattered = false;  ///< By rough metals or coats.
-  bool faint = false;      ///< A coat reflected so little that what it meets is looked up in the solution.
-  bool is_part = false;    ///< The reflection by the first glass that a path met, traced besides it.
-  float pdf = 0.0f;        ///< Of the present direction if a rough surface reflected it, per sr; otherwise 0.
+  bool scattered = false;    ///< By rough metals or coats.
+  bool faint = false;        ///< A coat reflected so little that what it meets is looked up in the solution.
+  bool is_part = false;      ///< The reflection by the first glass that a path met, traced besides it.
+  float pdf = 0.0f;          ///< Of the present direction if a rough surface reflected it, per sr; otherwise 0.
+  std::int32_t mirror = -1;  ///< That reflected it since, with virtual images of the lamps; -1: none.
   GlassEntry entry{};
   PathFeatures features{};
 

@@ -231,7 +231,7 @@ void Integrator::set_lights(const std::vector<Color>& settings) {
     lights_.emplace(scene_, ray_scene_, mixes_->all[0]);
     further_.emplace(scene_, ray_scene_, mixes_->all[0]);
   }
-  if (glossy) glossy_lights_.emplace(scene_, *lights_, *further_);
+  if (glossy) glossy_lights_.emplace(scene_, ray_scene_, *lights_, *further_);
   paths_.emplace(scene_, ray_scene_, outlines_, *surfaces_, *mixes_, glossy ? &*glossy_lights_ : nullptr, config_);
   if (config_.quality == "gather") gather_.emplace(scene_, ray_scene_, *surfaces_, *mixes_, config_.gather_rays);
 }

@@ -44,7 +44,8 @@ void PassedLamps::add_emission(const SurfaceHit& hit, const Vec3f& direction, in
                                PathSums& sums) const {
   SolvedSurfaces::Colors colors = surfaces_.colors(hit);
   if (path.pdf > 0)
-    colors.emission *= glossy_lights_->hit_weight(sums.glossy_rays->vertices[lane], direction, path.pdf, colors.patch);
+    colors.emission *=
+        glossy_lights_->hit_weight(sums.glossy_rays->vertices[lane], direction, path.pdf, colors.patch, path.mirror);
   const auto radiance = [&](std::size_t mix) { return path.throughput * surfaces_.emission(colors, mix) / float(kPi); };
   sums.pixels[path.pixel] += radiance(0);
   path.features.light += radiance(mixes_.unscaled);

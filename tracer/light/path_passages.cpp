@@ -101,7 +101,8 @@ bool PathTracer::pass(const SurfaceHit& hit, const SurfacePoint& point, int lane
     path.throughput *= alpha * all / reflected;
     const Vec3d origin = point.position + Vec3d(facing) * double(ray_scene_.offset(hit.primitive));
     Vec3f direction = in;
-    return scatter(specular, origin, normal, facing, lane, path, direction, sums) && go_on(facing, direction);
+    return scatter(specular, hit.primitive, origin, normal, facing, lane, path, direction, sums) &&
+           go_on(facing, direction);
   }
   const GlassWays ways = glass_ways(specular, glass, normal, inside, at, in);
   const bool is_reflected = choice < open + reflected_here;

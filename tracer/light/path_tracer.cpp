@@ -121,7 +121,8 @@ bool PathTracer::shade(RayPacket& packet, int lane, Path& path, const CameraRays
     colors.emission *= alpha;
   }
   if (path.pdf > 0)
-    colors.emission *= glossy_lights_->hit_weight(sums.glossy_rays->vertices[lane], direction, path.pdf, colors.patch);
+    colors.emission *=
+        glossy_lights_->hit_weight(sums.glossy_rays->vertices[lane], direction, path.pdf, colors.patch, path.mirror);
   const Vec3d offset = Vec3d(point.normal) * double(ray_scene_.offset(hit.primitive));
   const Vec3d ray_origin = point.position + offset;
   if (!path.faint) features.surface = combined_hash(features.surface, outlines_.surface(hit.primitive));
@@ -142,7 +143,8 @@ bool PathTracer::shade(RayPacket& packet, int lane, Path& path, const CameraRays
     if (by_coat) reflecting = of_coat;
     specular = by_coat ? specular.clear_layer() : specular.below();
   }
-  if (specular.is_black() || !scatter(specular, ray_origin, reflecting, point.normal, lane, path, direction, sums) ||
+  if (specular.is_black() ||
+      !scatter(specular, hit.primitive, ray_origin, reflecting, point.normal, lane, path, direction, sums) ||
       max_component(path.throughput) < kMinThroughput || ++path.bounces >= kMaxBounces)
     return false;
   packet.set(lane, ray_scene_.to_local(ray_origin), direction);
@@ -183,13 +185,17 @@ bool PathTracer::survives(const SpecularProperties& specular, const Color& albed
   return true;
 }
 
-bool PathTracer::scatter(const SpecularProperties& specular, const Vec3d& origin, const Vec3f& smooth_normal,
-                         const Vec3f& geometric_normal, int lane, Path& path, Vec3f& direction, PathSums& sums) const {
+bool PathTracer::scatter(const SpecularProperties& specular, std::int32_t primitive, const Vec3d& origin,
+                         const Vec3f& smooth_normal, const Vec3f& geometric_normal, int lane, Path& path,
+                         Vec3f& direction, PathSums& sums) const {
   path.turn(max_component(specular.metal) >= max_component(specular.coat) ? SeenBy::metal : SeenBy::coat);
-  path.pdf = 0;
   Vec2f at(0.0f);
   const Vec3f in = direction;
   const bool rough = specular.roughness >= kMirrorRoughness;
+  // Where a mirror shows images of lamps, what a rough surface sees in it is weighted as what it sees itself.
+  const bool shows_images = !rough && path.pdf > 0 && path.mirror < 0;
+  path.mirror = shows_images ? glossy_lights_->mirror(primitive) : -1;
+  if (path.mirror < 0) path.pdf = 0;
   if (rough) {
     GlossyShadowRays& rays = sums.glossy_rays ? *sums.glossy_rays : sums.glossy_rays.emplace();
     rays.vertices[lane] = {origin, smooth_normal, in, specular.roughness};

@@ -49,8 +49,9 @@ class PathTracer {
                   bool looked_up, const Path& path, LayerSums& layers) const;
   bool survives(const SpecularProperties& specular, const Color& albedo, Path& path, const PathSums& sums) const;
   /// Reflects `direction`; false if nothing is reflected. `origin`: of the next ray.
-  bool scatter(const SpecularProperties& specular, const Vec3d& origin, const Vec3f& smooth_normal,
-               const Vec3f& geometric_normal, int lane, Path& path, Vec3f& direction, PathSums& sums) const;
+  bool scatter(const SpecularProperties& specular, std::int32_t primitive, const Vec3d& origin,
+               const Vec3f& smooth_normal, const Vec3f& geometric_normal, int lane, Path& path, Vec3f& direction,
+               PathSums& sums) const;
   /// Whether a clear coat reflects a path, by chance; a smooth one on the first surface reflects a part of it besides.
   /// `normal`: of the coat. Multiplies the throughput by what is not reflected.
   bool reflects_at_clear_coat(const SurfaceHit& hit, const SurfacePoint& point, const SpecularProperties& specular,
@@ -64,6 +65,7 @@ class PathTracer {
             PathSums& sums) const;
   void sample_glossy_light(const SpecularProperties& specular, std::uint64_t seed, int lane, const Path& path,
                            GlossyShadowRays& rays) const;
+  std::uint32_t pass_shadow_rays(RayPacket& packet, std::span<Color> light) const;
   void add_glossy_light(std::array<Path, RayPacket::kSize>& paths, PathSums& sums) const;
   void lift_point(const SurfaceHit& hit, int lane, PathSums& sums) const;
   void move_lifted_points(PathSums& sums) const;

@@ -31,6 +31,9 @@ class PlaneMirror {
   /// Where a ray from `start` in a direction of unit length meets the front, if nothing else is in the way.
   std::optional<Crossing> crossing(const Vec3d& start, const Vec3f& direction) const;
 
+  /// Whether a point is in front.
+  bool is_before(const Vec3d& point) const { return height(point) > offset_; }
+
   /// Whether no point of a planar surface with these corners is in front.
   bool is_behind(std::span<const Vec3d> corners) const;
 

@@ -140,5 +140,51 @@ TEST(MetalReflection, MirrorsOnCurvedMeshesReflectSmoothly) {
   EXPECT_GT(image.pixels[63].x - image.pixels[0].x, 0.1);
 }
 
+/// A floor of rough metal beside a plane mirror, or beside what the mirror shows, under a lamp or a point light.
+Image beside_a_mirror(bool mirrored, bool point, float roughness) {
+  PatchScene builder;
+  PatchSet& scene = builder.get();
+  scene.materials.push_back({"satin", Color(0.02f), roughness});  // dark: it hardly shows itself
+  scene.materials.push_back({"mirror", Color(0.8f), 0.0f});
+  builder.quad({{{0, 0, 1}, {2, 0, 1}, {2, 0, -1}, {0, 0, -1}}}, 1, 1, {0.0f, 0.0f, 0, 1});
+  if (mirrored) builder.quad({{{0, 0, 20}, {0, 0, -20}, {0, 20, -20}, {0, 20, 20}}}, 1, 1, {0.0f, 0.0f, 0, 2});
+  const auto add_lamp = [&](double x, float strength) {
+    if (!point) {
+      builder.sphere({x, 1, 0}, 0.1, 4, 8, {0.0f, 10 * strength});
+      return;
+    }
+    Light light = test::light_at({x, 1, 0});
+    light.strength *= strength;
+    scene.lights.push_back(light);
+  };
+  add_lamp(1, 1.0f);
+  if (!mirrored) add_lamp(-1, 0.8f);
+  Solved solved(builder, 0.0f, 0.0f);
+  solved.camera.to_world.rotate(Vec3d(-0.7, 0.9, 0));
+  solved.camera.to_world[3][0] = 1.9;
+  solved.camera.to_world[3][1] = 0.8;
+  solved.camera.to_world[3][2] = 0.8;
+  solved.camera.vertical = 0.3;
+  solved.job.trace.samples = 256;
+  solved.job.trace.quality = "direct";
+  return solved.render();
+}
+
+TEST(RoughMetal, ShowsLampsThatAPlaneMirrorShowsIt) {
+  for (const bool point : {false, true})
+    for (const float roughness : {0.25f, 0.6f}) {
+      const Image with = beside_a_mirror(true, point, roughness), without = beside_a_mirror(false, point, roughness);
+      double sum = 0, expected = 0, largest = 0;
+      for (std::size_t p = 0; p < with.pixels.size(); ++p) {
+        sum += double(with.pixels[p].x);
+        expected += double(without.pixels[p].x);
+        largest = std::max(largest, double(with.pixels[p].x - without.pixels[p].x));
+      }
+      EXPECT_GT(expected, 0);
+      EXPECT_NEAR(sum / expected, 1, 0.01) << point << ' ' << roughness;
+      EXPECT_LT(largest, 0.1 * expected / double(with.pixels.size())) << "no bright dots";
+    }
+}
+
 }  // namespace
 }  // namespace patchlight
