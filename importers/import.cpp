@@ -10,6 +10,7 @@
 #include "importers/environment/environment.h"
 #include "importers/gltf/read/cameras.h"
 #include "importers/gltf/read/gltf_reader.h"
+#include "importers/mesh/hidden_backs.h"
 #include "importers/mesh/mesh_topology.h"
 #include "importers/patches/facet_clusters.h"
 #include "importers/patches/large_surfaces.h"
@@ -55,8 +56,26 @@ class OpenGlass {
   std::map<int, int> thin_;  ///< Materials, and those of sheets.
 };
 
+/// Marks the surfaces whose backs no light reaches if they are closed. Lamps keep theirs.
+void mark_empty_surfaces(GltfScene& scene) {
+  const auto has_back = [&](const Surface& surface) {
+    const SurfaceMaterial& material = scene.materials[surface.material];
+    return material.double_sided && material.translucence == Color(0.0f) && !material.transmission.exists() &&
+           surface.light_group < 0 && !surface.is_masked;
+  };
+  if (std::ranges::none_of(scene.surfaces, has_back)) return;
+  HiddenBacks backs;
+  for (const Surface& surface : scene.surfaces) backs.add(read_triangles(scene, surface));
+  std::vector<Vec3d> lights;
+  for (const Light& light : scene.lights)
+    if (light.kind != Light::Kind::sun) lights.push_back(light.position);
+  for (std::size_t i = 0; i < scene.surfaces.size(); ++i)
+    if (has_back(scene.surfaces[i])) scene.surfaces[i].is_empty_inside = backs.is_empty(i, lights);
+}
+
 PrimitiveList build_primitives(GltfScene& scene, const Job& job, Progress& progress) {
   PrimitiveList list;
+  mark_empty_surfaces(scene);
   OpenGlass open_glass(scene);
   for (std::size_t i = 0; i < scene.surfaces.size(); ++i) {
     Surface& surface = scene.surfaces[i];

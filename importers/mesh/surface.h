@@ -33,7 +33,7 @@ struct SurfaceMaterial {
   Transmission transmission{};
   Color translucence{0.0f};  ///< As Material has it.
   ClearCoat clear_coat{};
-  Color emission{0.0f};      ///< Radiant exitance, W/m2.
+  Color emission{0.0f};  ///< Radiant exitance, W/m2.
   bool double_sided = false;
   std::int32_t texture = -1;           ///< Base colour texture, among the scene's; -1: none.
   TextureMapping mapping;              ///< Of that texture and of the mask.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "importers/mesh/hidden_backs.h"
 #include "importers/mesh/mesh_topology.h"
 #include "importers/mesh/quad_recognition.h"
 #include "importers/mesh/sphere_recognition.h"
@@ -111,7 +112,7 @@ std::int32_t renumber_smooth_vertices(std::vector<Facet>& facets, std::size_t co
 
 /// Appends the spheres among a surface's components. Returns a mark for each triangle of these.
 std::vector<char> append_spheres(const Surface& surface, const SurfaceMaterial& material, const MeshTopology& topology,
-                                 PrimitiveList& list) {
+                                 bool two_sides, PrimitiveList& list) {
   std::vector<char> in_sphere(topology.triangles.size(), 0);
   if (surface.is_masked) return in_sphere;  // the mask's texture coordinates do not fit a sphere's (u,v)
   for (const MeshTopology::Component& component : topology.components) {
@@ -124,7 +125,7 @@ std::vector<char> append_spheres(const Surface& surface, const SurfaceMaterial& 
     primitive.shape = Primitive::Shape::sphere;
     primitive.sphere_center = sphere->center;
     primitive.sphere_radius = sphere->radius;
-    append(primitive, material.has_two_sides(), 0, list);
+    append(primitive, two_sides, 0, list);
     if (!topology.colors.empty()) {
       CornerColors colors;
       colors.fill(topology.colors[3 * static_cast<std::size_t>(component.triangles.front())]);
@@ -147,7 +148,8 @@ void append_primitives(const Surface& surface, const SurfaceMaterial& material, 
   list.degenerate_triangles += static_cast<std::int64_t>(topology.degenerate_triangles);
   list.added_triangles += static_cast<std::int64_t>(topology.added_triangles);
   list.invalid_normals += soup.invalid_normals + static_cast<std::int64_t>(topology.normals_behind);
-  std::vector<char> in_sphere = append_spheres(surface, material, topology, list);
+  const bool two_sides = material.has_two_sides() && !(surface.is_empty_inside && is_body(topology));
+  std::vector<char> in_sphere = append_spheres(surface, material, topology, two_sides, list);
   // Lamps and mirrors are sampled by their corners, and masks have their own texture coordinates.
   const bool as_regions = surface.light_group < 0 && material.specular == Color(0.0f) &&
                           material.metal == Color(0.0f) && !surface.is_masked;
@@ -173,7 +175,7 @@ void append_primitives(const Surface& surface, const SurfaceMaterial& material, 
     if (has_mapping(mappings.normal)) primitive.normal_texture = material.normal_texture;
     if (surface.is_masked && (has_mapping(0) || material.masked_by_vertices_only || material.has_uniform_mask))
       primitive.mask = material.mask;
-    append(primitive, material.has_two_sides(), smooth_count, list);
+    append(primitive, two_sides, smooth_count, list);
     const auto at_corners = [&](const auto& values) {
       const auto& s = facet.sources;
       return std::array{s[0](values), s[1](values), s[2](values), s[3](values)};
@@ -188,7 +190,7 @@ void append_primitives(const Surface& surface, const SurfaceMaterial& material, 
     append_normals(at_corners(topology.normals), list);
     ++(primitive.region ? list.regions : primitive.is_triangle() ? list.triangles : list.quads);
   }
-  list.smooth_vertices += material.has_two_sides() ? 2 * smooth_count : smooth_count;
+  list.smooth_vertices += two_sides ? 2 * smooth_count : smooth_count;
 }
 
 }  // namespace patchlight

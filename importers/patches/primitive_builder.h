@@ -43,7 +43,7 @@ struct PrimitiveList {
 std::array<std::size_t, 4> reversed_corners(const Primitive& front);
 
 /// Recognises spheres, planar regions and quads among a surface's triangles and appends its primitives. Each primitive
-/// of a double-sided material is followed by its back.
+/// of a double-sided material is followed by its back, unless no light reaches it.
 void append_primitives(const Surface& surface, const SurfaceMaterial& material, const TriangleSoup& soup,
                        PrimitiveList& list);
 
