@@ -14,9 +14,6 @@ bl_info = {
     "category": "Render",
 }
 
-VERSION = 1
-"""Version of the export. It changes whenever the same scene gives other files."""
-
 
 def register():
     from . import addon

@@ -11,6 +11,7 @@
 #include "importers/gltf/check/deform_check.h"
 #include "importers/gltf/check/gltf_lists.h"
 #include "importers/gltf/check/light_check.h"
+#include "importers/gltf/check/material_extensions.h"
 #include "importers/gltf/check/mesh_check.h"
 #include "importers/gltf/check/reduced_gltf.h"
 #include "importers/gltf/check/specular_glossiness_check.h"
@@ -21,10 +22,8 @@
 namespace patchlight {
 namespace {
 
-constexpr std::array kSupportedExtensions{"KHR_materials_emissive_strength",
-                                          "KHR_materials_specular",
-                                          "KHR_materials_ior",
-                                          "KHR_materials_unlit",
+/// Besides material_extensions().
+constexpr std::array kSupportedExtensions{"KHR_materials_unlit",
                                           kSpecularGlossiness,
                                           "KHR_mesh_quantization",
                                           "KHR_draco_mesh_compression",
@@ -33,10 +32,6 @@ constexpr std::array kSupportedExtensions{"KHR_materials_emissive_strength",
                                           "KHR_texture_transform",
                                           kWebp,
                                           kBasisu,
-                                          "KHR_materials_transmission",
-                                          "KHR_materials_volume",
-                                          "KHR_materials_diffuse_transmission",
-                                          "KHR_materials_clearcoat",
                                           "KHR_materials_variants",
                                           "EXT_mesh_gpu_instancing",
                                           "KHR_lights_punctual",
@@ -44,7 +39,8 @@ constexpr std::array kSupportedExtensions{"KHR_materials_emissive_strength",
                                           "KHR_node_visibility"};
 
 bool is_supported(const std::string& extension) {
-  return std::find(kSupportedExtensions.begin(), kSupportedExtensions.end(), extension) != kSupportedExtensions.end();
+  return std::find(kSupportedExtensions.begin(), kSupportedExtensions.end(), extension) != kSupportedExtensions.end() ||
+         std::ranges::any_of(material_extensions(), [&](const auto& known) { return known.name == extension; });
 }
 
 /// Refuses required extensions that are not supported, and warns of optional ones.
@@ -118,47 +114,12 @@ void check_materials(GltfLists& gltf) {
     }
     check_specular_glossiness(gltf, material, place);
     if (const Json* extensions = find_object(material, "extensions", place)) {
-      const Json* emission = find_object(*extensions, "KHR_materials_emissive_strength", place);
-      if (emission) check_number(*emission, "emissiveStrength", place);
-      if (const Json* ior = find_object(*extensions, "KHR_materials_ior", place)) check_number(*ior, "ior", place);
-      if (const Json* specular = find_object(*extensions, "KHR_materials_specular", place)) {
-        check_number(*specular, "specularFactor", place);
-        check_numbers(*specular, "specularColorFactor", 3, place);
-        if (specular->contains("specularTexture") || specular->contains("specularColorTexture"))
-          gltf.ignored.insert("textures of KHR_materials_specular are ignored: its factors apply everywhere");
-      }
-      if (const Json* glass = find_object(*extensions, "KHR_materials_transmission", place)) {
-        check_number(*glass, "transmissionFactor", place);
-        check_texture_info(gltf, *glass, "transmissionTexture", place);
-        if (glass->contains("transmissionTexture"))
-          gltf.ignored.insert("textures of KHR_materials_transmission are replaced by their means");
-      }
-      if (const Json* coat = find_object(*extensions, "KHR_materials_clearcoat", place)) {
-        for (const char* key : {"clearcoatFactor", "clearcoatRoughnessFactor"}) check_number(*coat, key, place);
-        for (const char* key : {"clearcoatTexture", "clearcoatRoughnessTexture"}) {
-          check_texture_info(gltf, *coat, key, place);
-          if (coat->contains(key))
-            gltf.ignored.insert("textures of KHR_materials_clearcoat are replaced by their means");
-        }
-        if (coat->contains("clearcoatNormalTexture"))
-          gltf.ignored.insert("normal textures of KHR_materials_clearcoat are ignored: clear coats are smooth");
-        if (extensions->contains("KHR_materials_transmission"))
-          gltf.ignored.insert("clear coats over glass are ignored: it reflects by its own coat");
-      }
-      if (const Json* passing = find_object(*extensions, "KHR_materials_diffuse_transmission", place)) {
-        check_number(*passing, "diffuseTransmissionFactor", place);
-        check_numbers(*passing, "diffuseTransmissionColorFactor", 3, place);
-        for (const char* key : {"diffuseTransmissionTexture", "diffuseTransmissionColorTexture"}) {
-          check_texture_info(gltf, *passing, key, place);
-          if (passing->contains(key))
-            gltf.ignored.insert("textures of KHR_materials_diffuse_transmission are replaced by their means");
-        }
-      }
-      if (const Json* volume = find_object(*extensions, "KHR_materials_volume", place)) {
-        check_number(*volume, "thicknessFactor", place);
-        check_number(*volume, "attenuationDistance", place);
-        check_numbers(*volume, "attenuationColor", 3, place);
-      }
+      check_material_extensions(gltf, *extensions, place);
+      const Json* coat = find_member(*extensions, "KHR_materials_clearcoat");
+      if (coat && coat->contains("clearcoatNormalTexture"))
+        gltf.ignored.insert("normal textures of KHR_materials_clearcoat are ignored: clear coats are smooth");
+      if (coat && extensions->contains("KHR_materials_transmission"))
+        gltf.ignored.insert("clear coats over glass are ignored: it reflects by its own coat");
       if (extensions->contains("KHR_materials_unlit"))
         gltf.ignored.insert("unlit materials are read as diffuse materials of their base colour");
     }

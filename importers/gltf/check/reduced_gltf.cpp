@@ -4,6 +4,7 @@
 
 #include <initializer_list>
 
+#include "importers/gltf/check/material_extensions.h"
 #include "importers/gltf/check/specular_glossiness_check.h"
 #include "importers/gltf/check/texture_check.h"
 
@@ -91,33 +92,7 @@ Json reduced_material(const Json& material) {
       reduced["specularGlossinessTexture"] = selected(*info, {"index"});
   }
   if (const Json* extensions = find_member(material, "extensions")) {
-    if (const Json* emission = find_member(*extensions, "KHR_materials_emissive_strength")) {
-      result["extensions"]["KHR_materials_emissive_strength"] = selected(*emission, {"emissiveStrength"});
-    }
-    if (const Json* ior = find_member(*extensions, "KHR_materials_ior"))
-      result["extensions"]["KHR_materials_ior"] = selected(*ior, {"ior"});
-    if (const Json* specular = find_member(*extensions, "KHR_materials_specular"))
-      result["extensions"]["KHR_materials_specular"] = selected(*specular, {"specularFactor", "specularColorFactor"});
-    if (const Json* glass = find_member(*extensions, "KHR_materials_transmission")) {
-      Json& reduced = result["extensions"]["KHR_materials_transmission"] = selected(*glass, {"transmissionFactor"});
-      if (const Json* info = find_member(*glass, "transmissionTexture"))
-        reduced["transmissionTexture"] = selected(*info, {"index"});
-    }
-    if (const Json* passing = find_member(*extensions, "KHR_materials_diffuse_transmission")) {
-      Json& reduced = result["extensions"]["KHR_materials_diffuse_transmission"] =
-          selected(*passing, {"diffuseTransmissionFactor", "diffuseTransmissionColorFactor"});
-      for (const char* key : {"diffuseTransmissionTexture", "diffuseTransmissionColorTexture"})
-        if (const Json* info = find_member(*passing, key)) reduced[key] = selected(*info, {"index"});
-    }
-    if (const Json* coat = find_member(*extensions, "KHR_materials_clearcoat")) {
-      Json& reduced = result["extensions"]["KHR_materials_clearcoat"] =
-          selected(*coat, {"clearcoatFactor", "clearcoatRoughnessFactor"});
-      for (const char* key : {"clearcoatTexture", "clearcoatRoughnessTexture"})
-        if (const Json* info = find_member(*coat, key)) reduced[key] = selected(*info, {"index"});
-    }
-    if (const Json* volume = find_member(*extensions, "KHR_materials_volume"))
-      result["extensions"]["KHR_materials_volume"] =
-          selected(*volume, {"thicknessFactor", "attenuationDistance", "attenuationColor"});
+    if (Json reduced = reduced_material_extensions(*extensions); !reduced.empty()) result["extensions"].update(reduced);
     if (find_member(*extensions, "KHR_materials_unlit")) result["extensions"]["KHR_materials_unlit"] = Json::object();
   }
   return result;

@@ -39,10 +39,11 @@ void refuse_material(const GltfModel& model, const std::string& material, const 
               fmt::format("it must be {}; correct the material or override it in the job's `materials`", range));
 }
 
-Coat read_coat(const tinygltf::Material& source, const GltfModel& model, const std::string& name) {
+Coat read_coat(const tinygltf::Material& source, SceneTextures& textures, bool used, const std::string& name) {
+  const GltfModel& model = textures.model();
   const tinygltf::Value specular = extension(source, "KHR_materials_specular");
   const double ior = number(extension(source, "KHR_materials_ior"), "ior", 1.5);
-  const double factor = number(specular, "specularFactor", 1.0);
+  double factor = number(specular, "specularFactor", 1.0);
   if (!(factor >= 0 && factor <= 1))
     refuse_material(model, name, fmt::format("its specular factor is {}", factor), "in [0, 1]");
   if (ior != 0 && !(ior >= 1 && ior <= kMaxIor))
@@ -57,6 +58,10 @@ Coat read_coat(const tinygltf::Material& source, const GltfModel& model, const s
   for (int k = 0; k < 3; ++k)
     if (!(tint[k] >= 0))
       refuse_material(model, name, fmt::format("its specular colour is {}", tint[k]), "not negative");
+  if (used) {
+    factor *= texture_mean(specular, "specularTexture", TextureEncoding::alpha, textures).x;
+    tint *= Color(texture_mean(specular, "specularColorTexture", TextureEncoding::srgb, textures));
+  }
   Coat coat;
   for (int k = 0; k < 3; ++k)
     coat.normal[k] = static_cast<float>(std::min(least * static_cast<double>(tint[k]), 1.0) * factor);

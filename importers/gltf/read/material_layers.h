@@ -10,9 +10,10 @@ namespace patchlight {
 [[noreturn]] void refuse_material(const GltfModel& model, const std::string& material, const std::string& what,
                                   const std::string& range);
 
-/// The dielectric layer over a material's diffuse part, by `KHR_materials_ior` and `KHR_materials_specular`.
-/// Throws: Error (bad_data) for values out of range.
-Coat read_coat(const tinygltf::Material& source, const GltfModel& model, const std::string& name);
+/// The dielectric layer over a material's diffuse part, by `KHR_materials_ior` and `KHR_materials_specular`, whose
+/// textures count by their means. `used`: they are read. Throws: Error (bad_data) for values out of range, and as
+/// SceneTextures::mean does.
+Coat read_coat(const tinygltf::Material& source, SceneTextures& textures, bool used, const std::string& name);
 
 /// The clear coat over a material, by `KHR_materials_clearcoat`. Its textures count by their means. `used`: they are
 /// read. Throws: Error (bad_data) for values out of range, and as SceneTextures::mean does.

@@ -97,7 +97,7 @@ SurfaceMaterial read_material(const tinygltf::Material& source, bool used, Scene
   material.specular = color(base * metallic);
   material.roughness = static_cast<float>(pbr.roughnessFactor * metallic_roughness.y);
   const bool all_metal = metallic_factor == 1.0 && metallic_roughness_texture < 0;
-  if (!unlit && !all_metal) material.coat = read_coat(source, textures.model(), material.name);
+  if (!unlit && !all_metal) material.coat = read_coat(source, textures, used, material.name);
   material.coat.metallic = static_cast<float>(metallic_factor);
   if (!unlit && !material.transmission.exists())
     material.clear_coat = read_clear_coat(source, textures, used, material.name);

@@ -186,6 +186,36 @@ Json clear(double part, double roughness) {
   return {{"KHR_materials_clearcoat", {{"clearcoatFactor", part}, {"clearcoatRoughnessFactor", roughness}}}};
 }
 
+/// All of an extension's numbers and colours are 1 and have textures.
+TEST(LayersOfMaterials, HaveTheMeansOfTheirTextures) {
+  Importer importer;
+  write_row(importer.folder / "half.png", {{255, 0, 0, 255}, {0, 255, 0, 0}});  // linear means 1/2, 1/2, 0, alpha 1/2
+  const Json texture{{"index", 0}};
+  const auto material = [&](const Json& extensions) {
+    GltfBuilder gltf = textured_square(
+        {{"name", "paint"}, {"pbrMetallicRoughness", {{"metallicFactor", 0}}}, {"extensions", extensions}},
+        {"half.png"});
+    return importer.import(gltf).materials.at(0);
+  };
+  const Material coated =
+      material({{"KHR_materials_specular", {{"specularTexture", texture}, {"specularColorTexture", texture}}},
+                {"KHR_materials_clearcoat",
+                 {{"clearcoatFactor", 1},
+                  {"clearcoatRoughnessFactor", 1},
+                  {"clearcoatTexture", texture},
+                  {"clearcoatRoughnessTexture", texture}}}});
+  EXPECT_NEAR(coated.coat.grazing, 0.5, 1e-6);
+  expect_color(coated.coat.normal, {0.01, 0.01, 0});
+  EXPECT_NEAR(coated.clear_coat.part, 0.5, 1e-6);
+  EXPECT_NEAR(coated.clear_coat.roughness, 0.5, 1e-6);
+  const Json passing{{"diffuseTransmissionFactor", 1},
+                     {"diffuseTransmissionTexture", texture},
+                     {"diffuseTransmissionColorTexture", texture}};
+  expect_color(material({{"KHR_materials_diffuse_transmission", passing}}).translucence, {0.25, 0.25, 0});
+  EXPECT_NE(importer.messages().find("textures of KHR_materials_clearcoat are replaced by their means"),
+            std::string::npos);
+}
+
 TEST(ClearCoatsOfMaterials, AreReadAndKept) {
   Imported paint = imported(clear(0.5, 0.25), {}, 1);
   EXPECT_FLOAT_EQ(paint.material().clear_coat.part, 0.5f);
