@@ -11,8 +11,8 @@ namespace {
 
 // Raised whenever a stage computes different results from the same inputs.
 constexpr int kImportVersion = 21;
-constexpr int kTransportKeyVersion = 44;
-constexpr int kSolveVersion = 44;
+constexpr int kTransportKeyVersion = 45;
+constexpr int kSolveVersion = 45;
 constexpr int kTraceVersion = 26;
 
 void add_color(KeyHasher& hasher, const std::optional<Color>& color) {

@@ -67,35 +67,47 @@ struct Photons::Way {
   bool has_landed = false;  ///< On the diffuse part of glass.
 };
 
+/// Sixteen photons on their ways.
+struct Photons::Flight {
+  RayPacket packet;
+  std::array<float, RayPacket::kSize> begun{};  ///< Flux at the start, over the emitter's exitance and area.
+  std::array<Color, RayPacket::kSize> left;     ///< Part of it that is left.
+  std::array<Way, RayPacket::kSize> ways{};
+
+  Color flux(int lane) const { return left[lane] * begun[lane]; }
+};
+
 /// Reflects or refracts a photon at metal or glass; false if it ends.
-bool Photons::go_on(const SurfaceHit& hit, std::uint64_t random, int lane, RayPacket& packet, Color& flux,
-                    Way& way) const {
+bool Photons::go_on(const SurfaceHit& hit, std::uint64_t random, int lane, Flight& flight) const {
+  RayPacket& packet = flight.packet;
+  Color& left = flight.left[lane];
+  Way& way = flight.ways[lane];
   if (!is_turning(scene_, hit.primitive)) {
     ++way.turns;
-    return continue_at_mirror(scene_, ray_scene_, hit, random, lane, packet, flux);
+    return continue_at_mirror(scene_, ray_scene_, hit, random, lane, packet, left);
   }
   const Vec3f normal = point_at(scene_.primitives[hit.primitive], hit.u, hit.v).normal;
   const float depth = hit.t * std::abs(packet.direction(lane) ^ normal);  // below the surface where it entered
-  const Passing passing = cross_by_chance(scene_, ray_scene_, hit, random, lane, packet, flux);
+  const Passing passing = cross_by_chance(scene_, ray_scene_, hit, random, lane, packet, left);
   way.has_landed = passing == Passing::lands && hit.front;
   const Material& glass = scene_.materials[scene_.primitives[hit.primitive].material];
   const bool enters = hit.front && glass.transmission.solid, rough = glass.roughness >= kMirrorRoughness;
   const bool turned = rough || (!enters && way.entry.primitive >= 0 && !is_plate(scene_, way.entry, normal, depth));
   if (passing == Passing::reflected || (passing == Passing::passed && turned)) ++way.turns;
   if (passing == Passing::passed) way.entry = enters ? GlassEntry{hit.primitive, normal} : GlassEntry{};
-  return goes_on(passing) && survives_roulette(hash64(random + 3), flux);
+  return goes_on(passing) && survives_roulette(hash64(random + 3), left);
 }
 
 /// Finds the next hits beyond surfaces that let light pass straight.
-void Photons::intersect(RayPacket& packet, std::span<Color> flux) const {
-  ray_scene_.intersect(packet, false);
-  if (ray_scene_.has_passable()) pass_straight(scene_, ray_scene_, packet, flux, false);
+void Photons::intersect(Flight& flight) const {
+  ray_scene_.intersect(flight.packet, false);
+  if (ray_scene_.has_passable()) pass_straight(scene_, ray_scene_, flight.packet, flight.left, false);
 }
 
 /// Starts sixteen photons of a batch and traces them to their first hit.
-void Photons::start(const PhotonSource& source, const Batch& batch, std::uint32_t first, RayPacket& packet,
-                    std::span<Color> flux) const {
-  packet.clear();
+void Photons::start(const PhotonSource& source, const Batch& batch, std::uint32_t first, Flight& flight) const {
+  flight.packet.clear();
+  flight.ways = {};
   for (int lane = 0; lane < RayPacket::kSize; ++lane) {
     const std::uint32_t k = first + std::uint32_t(lane);
     const Vec2f from = kronecker2(k, batch.random);
@@ -103,22 +115,23 @@ void Photons::start(const PhotonSource& source, const Batch& batch, std::uint32_
     const float y = shifted(radical_inverse(k), uniform01(hash64(batch.random + 2)));
     const PhotonSource::Start begin = source.start(targets_, batch.target, from, x, y);
     if (!(begin.weight > 0)) continue;
-    flux[lane] = Color(begin.weight);
-    packet.set(lane, begin.origin, begin.direction);
+    flight.begun[lane] = begin.weight;
+    flight.left[lane] = Color(1.0f);
+    flight.packet.set(lane, begin.origin, begin.direction);
   }
-  intersect(packet, flux);
+  intersect(flight);
 }
 
 /// Estimates with a few photons the power that the metals of a target reflect, as a form factor; of an imaged mirror,
 /// to other metals.
 float Photons::pilot_power(const PhotonSource& source, int target) const {
   const Batch batch{target, 0, 0, kPilots, kPilots, hash64(source.random ^ hash64(~std::uint64_t(target)))};
-  RayPacket packet;
-  std::array<Color, RayPacket::kSize> flux;
+  Flight flight;
+  RayPacket& packet = flight.packet;
   float power = 0;
-  const auto power_of = [&](int lane) { return std::max({flux[lane].x, flux[lane].y, flux[lane].z}) / float(kPilots); };
+  const auto power_of = [&](int lane) { return max_component(flight.flux(lane)) / float(kPilots); };
   for (std::uint32_t first = 0; first < kPilots; first += RayPacket::kSize) {
-    start(source, batch, first, packet, flux);
+    start(source, batch, first, flight);
     for (int lane = 0; lane < RayPacket::kSize; ++lane) {
       if (packet.valid[lane] == 0) continue;
       power += kUnoccludedPower * power_of(lane);
@@ -126,12 +139,11 @@ float Photons::pilot_power(const PhotonSource& source, int target) const {
       const SurfaceHit hit = ray_scene_.hit(packet, lane);
       if (!hit.front || targets_.target_of(hit.primitive) != target) continue;
       const std::uint64_t random = hash64(batch.random ^ hash64(std::uint64_t(first + lane) << 8));
-      Way way;
-      if (go_on(hit, random, lane, packet, flux[lane], way) && !targets_.is_imaged(target))
-        power += (way.turns > 0 ? 1.0f : kPassedPower) * power_of(lane);
+      if (go_on(hit, random, lane, flight) && !targets_.is_imaged(target))
+        power += (flight.ways[lane].turns > 0 ? 1.0f : kPassedPower) * power_of(lane);
     }
     if (!targets_.is_imaged(target)) continue;
-    intersect(packet, flux);
+    intersect(flight);
     for (int lane = 0; lane < RayPacket::kSize; ++lane) {
       if (packet.valid[lane] == 0) continue;
       const SurfaceHit hit = ray_scene_.hit(packet, lane);
@@ -164,11 +176,10 @@ std::vector<Photons::Batch> Photons::batches(const PhotonSource& source, std::in
 
 void Photons::trace(const PhotonSource& source, const Batch& batch, std::vector<Deposit>& deposits,
                     std::int64_t& cast) const {
-  RayPacket packet;
-  std::array<Color, RayPacket::kSize> flux;
+  Flight flight;
+  RayPacket& packet = flight.packet;
   for (std::uint32_t first = batch.first; first < batch.first + batch.count; first += RayPacket::kSize) {
-    start(source, batch, first, packet, flux);
-    std::array<Way, RayPacket::kSize> ways{};
+    start(source, batch, first, flight);
     for (int bounce = 0; bounce < kMaxMirrorBounces; ++bounce) {
       bool any_active = false;
       for (int lane = 0; lane < RayPacket::kSize; ++lane) {
@@ -178,22 +189,22 @@ void Photons::trace(const PhotonSource& source, const Batch& batch, std::vector<
         packet.valid[lane] = 0;
         const bool is_glass = hit.primitive >= 0 && is_turning(scene_, hit.primitive);
         if (!hit.front && !is_glass) continue;
-        Way& way = ways[lane];
+        const Way& way = flight.ways[lane];
         const auto deposit = [&] {
           if (way.turns > (targets_.is_imaged(batch.target) ? 1 : 0))
-            deposits.push_back({lookup_.patch(hit.primitive, hit.u, hit.v), flux[lane]});
+            deposits.push_back({lookup_.patch(hit.primitive, hit.u, hit.v), flight.flux(lane)});
         };
         if (!is_glass) deposit();
         const std::int32_t target = targets_.target_of(hit.primitive);
         if (bounce > 0 ? target < 0 : target != batch.target) continue;
         const std::uint64_t random = hash64(batch.random ^ hash64(std::uint64_t(first + lane) << 8 | bounce));
-        const bool active = go_on(hit, random, lane, packet, flux[lane], way);
+        const bool active = go_on(hit, random, lane, flight);
         if (way.has_landed) deposit();
         if (!active) packet.valid[lane] = 0;
         any_active = any_active || active;
       }
       if (!any_active) break;
-      intersect(packet, flux);
+      intersect(flight);
     }
   }
 }

@@ -37,10 +37,10 @@ class Photons {
   float pilot_power(const PhotonSource& source, int target) const;
   std::vector<Batch> batches(const PhotonSource& source, std::int64_t photons) const;
   struct Way;
-  void intersect(RayPacket& packet, std::span<Color> flux) const;
-  bool go_on(const SurfaceHit& hit, std::uint64_t random, int lane, RayPacket& packet, Color& flux, Way& way) const;
-  void start(const PhotonSource& source, const Batch& batch, std::uint32_t first, RayPacket& packet,
-             std::span<Color> flux) const;
+  struct Flight;
+  void intersect(Flight& flight) const;
+  bool go_on(const SurfaceHit& hit, std::uint64_t random, int lane, Flight& flight) const;
+  void start(const PhotonSource& source, const Batch& batch, std::uint32_t first, Flight& flight) const;
   void trace(const PhotonSource& source, const Batch& batch, std::vector<Deposit>& deposits, std::int64_t& cast) const;
 
   const PatchSet& scene_;
