@@ -49,6 +49,7 @@ std::vector<Scattering::Passage> face_passages(const PatchSet& scene, const Disp
     const Primitive& primitive = scene.primitives[parts[f].primitive];
     if (!is_translucent(scene, primitive)) continue;
     const auto [front, uv] = PatchSampler(scene.primitives, parts[f]).place(0.5f, 0.5f);
+    if (scene.primitives[front].back < 0) continue;
     const std::int32_t behind = elements.at(scene.primitives[front].back, 1.0f - float(uv.x), float(uv.y));
     const Color& translucence = scene.materials[primitive.material].translucence;
     passages.push_back({f, behind, seen_by_rows(scene, scene.patches[mesh.faces[f].patch], translucence, true)});

@@ -19,7 +19,7 @@ std::map<std::int32_t, double> patches_behind(const PatchSet& scene, const Patch
     const auto at =
         sampler.place((float(k % kAcross) + 0.5f) / float(kAcross), (float(k / kAcross) + 0.5f) / float(kAcross));
     const std::int32_t behind = scene.primitives[at.primitive].back;
-    parts[lookup.patch(behind, 1.0f - float(at.uv.x), float(at.uv.y))] += 1.0 / (kAcross * kAcross);
+    if (behind >= 0) parts[lookup.patch(behind, 1.0f - float(at.uv.x), float(at.uv.y))] += 1.0 / (kAcross * kAcross);
   }
   return parts;
 }
