@@ -13,7 +13,7 @@ namespace {
 constexpr int kImportVersion = 21;
 constexpr int kTransportKeyVersion = 45;
 constexpr int kSolveVersion = 45;
-constexpr int kTraceVersion = 26;
+constexpr int kTraceVersion = 27;
 
 void add_color(KeyHasher& hasher, const std::optional<Color>& color) {
   hasher.add(color.has_value());

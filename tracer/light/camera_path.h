@@ -22,12 +22,15 @@ struct CameraPath {
   SeenBy seen_by = SeenBy::itself;
   bool scattered = false;    ///< By rough metals or coats.
   bool faint = false;        ///< A coat reflected so little that what it meets is looked up in the solution.
-  bool is_part = false;      ///< The reflection by the first glass that a path met, traced besides it.
+  bool is_part = false;      ///< A reflection by the first surface, traced besides the path that met it.
+  float parts = 1.0f;        ///< Number of parts into which the first surface split what it reflects.
   float pdf = 0.0f;          ///< Of the present direction if a rough surface reflected it, per sr; otherwise 0.
   std::int32_t mirror = -1;  ///< That reflected it since, with virtual images of the lamps; -1: none.
   GlassEntry entry{};
   PathFeatures features{};
 
+  /// The part of the light of all parts together that it carries on.
+  Color whole_throughput() const { return throughput * parts; }
   /// Whether all that the path met so far let it pass straight.
   bool is_direct() const { return seen_by == SeenBy::itself; }
   /// The first surface that turns the path decides.
@@ -66,10 +69,12 @@ struct PathSums {
   std::vector<PixelDetail> details{};  ///< [pixels]; empty: not asked for.
   LayerSums* layers = nullptr;         ///< Null: not asked for.
   const TileWindow* window = nullptr;  ///< Of the pixels.
-  /// The reflection by the first glass that a path met.
+  std::uint32_t first_samples = 0;     ///< That each pixel takes at least.
+  /// A reflection by the first surface that a path met.
   struct Part {
     CameraPath path;
-    Vec3f origin, direction;  ///< In the local frame of the RayScene.
+    Vec3f origin, direction;        ///< In the local frame of the RayScene.
+    GlossyLights::Vertex vertex{};  ///< Where a rough surface reflected it.
   };
   std::vector<Part> parts{};                      ///< Yet to be traced.
   std::optional<GlossyShadowRays> glossy_rays{};  ///< Once a path has hit a rough metal or coat.

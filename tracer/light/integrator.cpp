@@ -51,6 +51,7 @@ class Integrator::Tile {
     sums_.pixels.assign(pixels, Color(0.0f));
     if (!integrator_.counts_.uniform()) sums_.details.resize(pixels);
     sums_.window = &window_;
+    sums_.first_samples = std::uint32_t(integrator_.counts_.initial);
     if (!image.layers.empty()) sums_.layers = &layers_.emplace(integrator_.config_, integrator_.scene_, pixels);
   }
 

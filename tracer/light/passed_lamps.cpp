@@ -48,7 +48,7 @@ void PassedLamps::add_emission(const SurfaceHit& hit, const Vec3f& direction, in
         glossy_lights_->hit_weight(sums.glossy_rays->vertices[lane], direction, path.pdf, colors.patch, path.mirror);
   const auto radiance = [&](std::size_t mix) { return path.throughput * surfaces_.emission(colors, mix) / float(kPi); };
   sums.pixels[path.pixel] += radiance(0);
-  path.features.light += radiance(mixes_.unscaled);
+  path.features.light += radiance(mixes_.unscaled) * path.parts;
   if (!sums.layers) return;
   if (sums.layers->has_light()) sums.layers->add_emission(path.pixel, path.seen_by, radiance(0));
   for (std::size_t g = 0; g < sums.layers->group_count(); ++g)

@@ -34,7 +34,8 @@ void PathTracer::add_diffuse_light(const DiffuseSide& side, int lane, const Came
       gather_ && !looked_up ? path.throughput * surfaces_.emission(colors) / float(kPi) : radiance(0);
   sums.pixels[path.pixel] += contribution;
   if (sums.layers) add_layers(hit, colors, blend, looked_up, path, *sums.layers);
-  path.features.light += mixes_.unscaled == 0 && (!gather_ || looked_up) ? contribution : radiance(mixes_.unscaled);
+  const bool is_same = mixes_.unscaled == 0 && (!gather_ || looked_up);
+  path.features.light += (is_same ? contribution : radiance(mixes_.unscaled)) * path.parts;
   const Color reflected = path.throughput * colors.reflectance;
   if (!path.faint) path.features.reflectance += reflected;
   if (!direct_ || looked_up || !(max_component(colors.reflectance) > 0)) return;

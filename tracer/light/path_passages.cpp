@@ -23,8 +23,9 @@ void PathTracer::add_part(const SurfaceHit& hit, const Vec3d& position, const Ve
   PathSums::Part part{path, ray_scene_.to_local(position) + facing * ray_scene_.offset(hit.primitive),
                       in - normal * (2.0f * (in ^ normal))};
   part.path.throughput *= reflectance;
-  part.path.faint = max_component(part.path.throughput) < kFaint;
+  part.path.faint = max_component(part.path.whole_throughput()) < kFaint;
   part.path.is_part = true;
+  part.path.pdf = 0;
   part.path.turn(SeenBy::coat);
   ++part.path.bounces;
   sums.parts.push_back(part);
@@ -90,14 +91,15 @@ bool PathTracer::pass(const SurfaceHit& hit, const SurfacePoint& point, int lane
   const auto go_on = [&](const Vec3f& side, const Vec3f& direction) {
     const Vec3d origin = point.position + Vec3d(side) * double(ray_scene_.offset(hit.primitive));
     packet.set(lane, ray_scene_.to_local(origin), direction);
-    return max_component(path.throughput) >= kMinThroughput;
+    return max_component(path.whole_throughput()) >= kMinThroughput;
   };
   if (choice < open) {
     path.throughput *= all;
     return go_on(-facing, in);
   }
   if (choice < open + reflected_here && !inside) {
-    if (!path.faint) path.faint = specular.metal == Color(0.0f) && max_component(path.throughput) * reflected < kFaint;
+    if (!path.faint)
+      path.faint = specular.metal == Color(0.0f) && max_component(path.whole_throughput()) * reflected < kFaint;
     path.throughput *= alpha * all / reflected;
     const Vec3d origin = point.position + Vec3d(facing) * double(ray_scene_.offset(hit.primitive));
     Vec3f direction = in;

@@ -16,6 +16,7 @@ namespace patchlight {
 
 namespace {
 
+constexpr std::uint32_t kCoatParts = 4;
 constexpr float kRoulette = 0.02f;  // throughput of a faint path below which it goes on by chance
 
 }  // namespace
@@ -44,6 +45,7 @@ void PathTracer::trace(RayPacket& packet, std::array<Path, RayPacket::kSize>& pa
     for (int lane = 0; lane < RayPacket::kSize && !sums.parts.empty(); ++lane) {
       paths[lane] = sums.parts.back().path;
       packet.set(lane, sums.parts.back().origin, sums.parts.back().direction);
+      if (paths[lane].pdf > 0) sums.glossy_rays->vertices[lane] = sums.parts.back().vertex;
       sums.parts.pop_back();
     }
     trace_to_ends(packet, paths, camera, sums);
@@ -145,7 +147,7 @@ bool PathTracer::shade(RayPacket& packet, int lane, Path& path, const CameraRays
   }
   if (specular.is_black() ||
       !scatter(specular, hit.primitive, ray_origin, reflecting, point.normal, lane, path, direction, sums) ||
-      max_component(path.throughput) < kMinThroughput || ++path.bounces >= kMaxBounces)
+      max_component(path.whole_throughput()) < kMinThroughput || ++path.bounces >= kMaxBounces)
     return false;
   packet.set(lane, ray_scene_.to_local(ray_origin), direction);
   return true;
@@ -161,7 +163,7 @@ void PathTracer::add_sky(const Vec3f& direction, Path& path, PathSums& sums) con
   const auto group = std::size_t(sky.light_group);
   const Color contribution = unscaled * mixes_.all[0][group];
   sums.pixels[path.pixel] += contribution;
-  path.features.light += unscaled;
+  path.features.light += unscaled * path.parts;
   if (!sums.layers) return;
   if (sums.layers->has_light()) sums.layers->add_emission(path.pixel, path.seen_by, contribution);
   if (sums.layers->has_groups()) sums.layers->add_to_group(group, path.pixel, unscaled);
@@ -171,7 +173,7 @@ void PathTracer::add_sky(const Vec3f& direction, Path& path, PathSums& sums) con
 /// which it stays.
 bool PathTracer::survives(const SpecularProperties& specular, const Color& albedo, Path& path,
                           const PathSums& sums) const {
-  const float reflected = max_component(path.throughput * (specular.metal + albedo));
+  const float reflected = max_component(path.whole_throughput() * (specular.metal + albedo));
   if (!path.faint) {
     path.faint = specular.metal == Color(0.0f) && reflected < kFaint;
     return true;
@@ -189,27 +191,50 @@ bool PathTracer::scatter(const SpecularProperties& specular, std::int32_t primit
                          const Vec3f& smooth_normal, const Vec3f& geometric_normal, int lane, Path& path,
                          Vec3f& direction, PathSums& sums) const {
   path.turn(max_component(specular.metal) >= max_component(specular.coat) ? SeenBy::metal : SeenBy::coat);
-  Vec2f at(0.0f);
-  const Vec3f in = direction;
   const bool rough = specular.roughness >= kMirrorRoughness;
   // Where a mirror shows images of lamps, what a rough surface sees in it is weighted as what it sees itself.
   const bool shows_images = !rough && path.pdf > 0 && path.mirror < 0;
   path.mirror = shows_images ? glossy_lights_->mirror(primitive) : -1;
   if (path.mirror < 0) path.pdf = 0;
-  if (rough) {
-    GlossyShadowRays& rays = sums.glossy_rays ? *sums.glossy_rays : sums.glossy_rays.emplace();
-    rays.vertices[lane] = {origin, smooth_normal, in, specular.roughness};
-    const std::uint64_t seed = hash64(~hash64(sums.window->pixel_id(path.pixel)) + std::uint64_t(path.bounces));
-    at = pixel_sample(shuffled(path.sample, std::uint32_t(hash64(seed))), seed);
-    sample_glossy_light(specular, hash64(~seed), lane, path, rays);
+  const auto above = [&](const Vec3f& out) {  // by a smooth normal the reflection may point below the facet
+    const float height = out ^ geometric_normal;
+    return height < 0 ? out - geometric_normal * (2.0f * height) : out;
+  };
+  if (!rough) {
+    reflect(specular, smooth_normal, Vec2f(0.0f), direction, path.throughput);
+    direction = above(direction);
+    return true;
   }
-  path.scattered = path.scattered || rough;
-  path.features.scattered = path.features.scattered || (rough && !path.faint);
-  if (!reflect(specular, smooth_normal, at, direction, path.throughput)) return false;
-  if (rough) path.pdf = specular_lobe(specular.roughness, smooth_normal, in, direction).density;
-  // By a smooth normal the reflection may point below the facet.
-  if ((direction ^ geometric_normal) < 0) direction -= geometric_normal * (2.0f * (direction ^ geometric_normal));
-  return true;
+  path.scattered = true;
+  path.features.scattered = path.features.scattered || !path.faint;
+  GlossyShadowRays& rays = sums.glossy_rays ? *sums.glossy_rays : sums.glossy_rays.emplace();
+  rays.vertices[lane] = {origin, smooth_normal, direction, specular.roughness};
+  const std::uint64_t seed = hash64(~hash64(sums.window->pixel_id(path.pixel)) + std::uint64_t(path.bounces));
+  sample_glossy_light(specular, hash64(~seed), lane, path, rays);
+  // What a rough coat on the first surface shows is blurred and faint: the few first samples suffice for the rest of
+  // the pixel, but not for a bright window in it.
+  const bool by_coat = path.faint && path.bounces == 0 && !path.is_part;
+  const bool is_split = by_coat && path.sample < sums.first_samples;
+  const std::uint32_t parts = is_split ? kCoatParts : 1;
+  const std::uint32_t first = is_split  ? kCoatParts * path.sample
+                              : by_coat ? path.sample + (kCoatParts - 1) * sums.first_samples
+                                        : path.sample;
+  path.throughput /= float(parts);
+  path.parts *= float(parts);
+  const auto part_of = [&](std::uint32_t k, Path& part, Vec3f& out) {
+    const Vec2f at = pixel_sample(shuffled(first + k, std::uint32_t(hash64(seed))), seed);
+    if (!reflect(specular, smooth_normal, at, out, part.throughput)) return false;
+    part.pdf = specular_lobe(specular.roughness, smooth_normal, rays.vertices[lane].direction, out).density;
+    out = above(out);
+    return true;
+  };
+  for (std::uint32_t k = 1; k < parts; ++k) {
+    PathSums::Part part{path, ray_scene_.to_local(origin), direction, rays.vertices[lane]};
+    part.path.is_part = true;
+    ++part.path.bounces;
+    if (part_of(k, part.path, part.direction)) sums.parts.push_back(part);
+  }
+  return part_of(0, path, direction);
 }
 
 /// Computed from (u,v), since the error of the ray's end point grows with the length of the ray.

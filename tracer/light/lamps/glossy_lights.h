@@ -21,9 +21,9 @@ class GlossyLights {
 
   /// Path vertex on a rough metal or coat.
   struct Vertex {
-    Vec3d position;  ///< Offset from the surface.
-    Vec3f normal;
-    Vec3f direction;  ///< Of the incoming path, towards the surface.
+    Vec3d position{0.0};  ///< Offset from the surface.
+    Vec3f normal{0.0f};
+    Vec3f direction{0.0f};  ///< Of the incoming path, towards the surface.
     float roughness = 0.0f;
   };
 
