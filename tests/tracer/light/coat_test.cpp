@@ -78,6 +78,23 @@ TEST(ClearCoats, ReflectLampsSharplyOverRoughMetal) {
   EXPECT_NEAR(mean_of(solved.render()), 0.04 * 3 / kPi, 1e-5);
 }
 
+/// Few samples of a rough coat are enough under a sky that is bright in few places.
+TEST(Coats, ThatAreRoughShowBrightPlacesWithoutDots) {
+  Solved solved = wall_in_the_sky(0.5f, 0.8f, 0.8);
+  Environment& sky = *solved.scene.environment;
+  sky.width = 16;
+  sky.height = 8;
+  sky.texels.assign(128, Color(0.1f));
+  for (int k = 16; k < 48; k += 4) sky.texels[k] = Color(40.0f);
+  solved.energy.groups[0].direct[0] = Color(0.0f);
+  solved.job.trace.samples = 4;
+  const Image image = solved.render();
+  const double mean = mean_of(image);
+  double squares = 0;
+  for (const Color& pixel : image.pixels) squares += std::pow(double(pixel.y) - mean, 2) / double(image.pixels.size());
+  EXPECT_LT(std::sqrt(squares), mean / 2);
+}
+
 TEST(Coats, LayersAddUp) {
   Solved solved = wall_in_the_sky(0.5f, 0.3f, 0.4);
   solved.scene.materials[1].clear_coat = {0.5f, 0.0f};
