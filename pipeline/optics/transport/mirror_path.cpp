@@ -37,11 +37,8 @@ bool continue_at_mirror(const PatchSet& scene, const RayScene& ray_scene, const 
   Vec3f direction = packet.direction(lane);
   const Vec2f at(uniform01(random), uniform01(hash64(random)));
   const SpecularProperties specular = specular_properties_at(scene, hit.primitive, hit.u, hit.v);
-  if (reflects_at_clear_coat(specular, point.normal, random, direction)) {
-    packet.set(lane, ray_scene.to_local(point.position) + point.normal * ray_scene.offset(hit.primitive), direction);
-    return true;
-  }
-  if (!reflect(specular, point.normal, at, direction, throughput) || !survives_roulette(random, throughput))
+  if (!reflects_at_clear_coat(specular, point.normal, random, direction) &&
+      (!reflect(specular, point.normal, at, direction, throughput) || !survives_roulette(random, throughput)))
     return false;
   packet.set(lane, ray_scene.to_local(point.position) + point.normal * ray_scene.offset(hit.primitive), direction);
   return true;
