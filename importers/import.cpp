@@ -6,12 +6,13 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 
 #include "importers/environment/environment.h"
 #include "importers/gltf/read/cameras.h"
 #include "importers/gltf/read/gltf_reader.h"
-#include "importers/mesh/hidden_backs.h"
 #include "importers/mesh/mesh_topology.h"
+#include "importers/mesh/surface_boxes.h"
 #include "importers/patches/facet_clusters.h"
 #include "importers/patches/large_surfaces.h"
 #include "importers/patches/patch_areas.h"
@@ -56,32 +57,43 @@ class OpenGlass {
   std::map<int, int> thin_;  ///< Materials, and those of sheets.
 };
 
-/// Marks the surfaces whose backs no light reaches if they are closed. Lamps keep theirs.
-void mark_empty_surfaces(GltfScene& scene) {
-  const auto has_back = [&](const Surface& surface) {
-    const SurfaceMaterial& material = scene.materials[surface.material];
-    return material.double_sided && material.translucence == Color(0.0f) && !material.transmission.exists() &&
-           surface.light_group < 0 && !surface.is_masked;
-  };
-  if (std::ranges::none_of(scene.surfaces, has_back)) return;
-  HiddenBacks backs;
-  for (const Surface& surface : scene.surfaces) backs.add(read_triangles(scene, surface));
-  std::vector<Vec3d> lights;
-  for (const Light& light : scene.lights)
-    if (light.kind != Light::Kind::sun) lights.push_back(light.position);
-  for (std::size_t i = 0; i < scene.surfaces.size(); ++i)
-    if (has_back(scene.surfaces[i])) scene.surfaces[i].is_empty_inside = backs.is_empty(i, lights);
-}
+/// Tells of which surfaces no light reaches the back, if they are closed. Reads the scene's triangles once it is asked.
+class DarkInsides {
+ public:
+  explicit DarkInsides(const GltfScene& scene) : scene_(scene) {
+    for (const Light& light : scene.lights)
+      if (light.kind != Light::Kind::sun) lights_.push_back(light.position);
+  }
+
+  bool operator()(std::size_t index) {
+    constexpr std::int64_t kMostTriangles = 1 << 22;  // all backs are kept where the boxes would fill the memory
+    const Surface& surface = scene_.surfaces[index];
+    const bool lets_light_in = surface.is_masked || scene_.materials[surface.material].transmission.exists() ||
+                               scene_.materials[surface.material].translucence != Color(0.0f);
+    if (lets_light_in || surface.light_group >= 0 || scene_.triangles > kMostTriangles) return false;
+    if (!boxes_) {
+      boxes_.emplace();
+      for (const Surface& other : scene_.surfaces) boxes_->add(read_triangles(scene_, other));
+    }
+    return boxes_->is_empty(index, lights_);
+  }
+
+ private:
+  const GltfScene& scene_;
+  std::vector<Vec3d> lights_;
+  std::optional<SurfaceBoxes> boxes_;
+};
 
 PrimitiveList build_primitives(GltfScene& scene, const Job& job, Progress& progress) {
   PrimitiveList list;
-  mark_empty_surfaces(scene);
+  DarkInsides dark_insides(scene);
   OpenGlass open_glass(scene);
   for (std::size_t i = 0; i < scene.surfaces.size(); ++i) {
     Surface& surface = scene.surfaces[i];
     const TriangleSoup soup = read_triangles(scene, surface);
     open_glass.check(soup, surface, progress);
-    append_primitives(surface, scene.materials[surface.material], soup, list);
+    append_primitives(
+        surface, scene.materials[surface.material], soup, [&] { return dark_insides(i); }, list);
     if (static_cast<std::int64_t>(list.primitives.size()) > job.import.max_patches) {
       throw Error(ExitCode::over_limit,
                   fmt::format("the scene has more surfaces than import.max_patches ({})", job.import.max_patches),

@@ -1,4 +1,4 @@
-#include "importers/mesh/hidden_backs.h"
+#include "importers/mesh/surface_boxes.h"
 
 #include <algorithm>
 
@@ -7,21 +7,9 @@ namespace {
 
 constexpr double kContact = 1e-6;  // depth of contact over the size of the box
 
-/// Volume of a closed component, positive if it looks outwards, m3.
-double volume(const MeshTopology& topology, const MeshTopology::Component& component) {
-  const Vec3d origin = topology.vertices[topology.triangles[component.triangles.front()].vertices[0]];
-  double sum = 0;
-  for (const std::int32_t t : component.triangles) {
-    const auto& v = topology.triangles[t].vertices;
-    const auto at = [&](int k) { return topology.vertices[v[k]] - origin; };
-    sum += (at(0) ^ (at(1) % at(2))) / 6;
-  }
-  return sum;
-}
-
 }  // namespace
 
-void HiddenBacks::add(const TriangleSoup& soup) {
+void SurfaceBoxes::add(const TriangleSoup& soup) {
   Imath::Box3d whole;
   for (std::size_t k = 0; k + 2 < soup.positions.size(); k += 3) {
     Imath::Box3d& box = triangles_.emplace_back();
@@ -32,7 +20,7 @@ void HiddenBacks::add(const TriangleSoup& soup) {
   surfaces_.push_back(whole);
 }
 
-bool HiddenBacks::is_empty(std::size_t index, const std::vector<Vec3d>& lights) {
+bool SurfaceBoxes::is_empty(std::size_t index, const std::vector<Vec3d>& lights) {
   Imath::Box3d inside = surfaces_[index];
   if (inside.isEmpty()) return false;
   const Vec3d contact(kContact * inside.size().length());
@@ -43,12 +31,6 @@ bool HiddenBacks::is_empty(std::size_t index, const std::vector<Vec3d>& lights) 
   if (!tree_) tree_.emplace(triangles_);
   return std::ranges::all_of(tree_->overlapping(inside), [&](std::int32_t triangle) {
     return surface_of_[triangle] == static_cast<std::int32_t>(index) || !triangles_[triangle].intersects(inside);
-  });
-}
-
-bool is_body(const MeshTopology& topology) {
-  return !topology.components.empty() && std::ranges::all_of(topology.components, [&](const auto& component) {
-    return component.closed && volume(topology, component) > 0;
   });
 }
 

@@ -4,19 +4,19 @@
 #include <optional>
 #include <vector>
 
-#include "importers/mesh/mesh_topology.h"
+#include "importers/mesh/surface.h"
 #include "pipeline/optics/cuts/box_tree.h"
 
 namespace patchlight {
 
-/// Finds surfaces whose backs no light can reach: closed ones that look outwards, with nothing inside.
-class HiddenBacks {
+/// The boxes about the triangles of all surfaces of a scene, with edges along the axes.
+class SurfaceBoxes {
  public:
   /// Takes the triangles of the next surface.
   void add(const TriangleSoup& soup);
 
-  /// Whether nothing of the others and none of `lights`, the places of lamps without a surface, is in the box about
-  /// surface `index`. Surfaces in contact with the box do not count.
+  /// Whether none of `lights`, places in m, and no box of the triangles of others is in the box about surface `index`;
+  /// those in contact with it do not count.
   bool is_empty(std::size_t index, const std::vector<Vec3d>& lights);
 
  private:
@@ -25,8 +25,5 @@ class HiddenBacks {
   std::vector<Imath::Box3d> surfaces_;
   std::optional<BoxTree> tree_;  ///< Of the triangles, once it is needed.
 };
-
-/// Whether all parts of a mesh are closed and look outwards.
-bool is_body(const MeshTopology& topology);
 
 }  // namespace patchlight

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "importers/mesh/hidden_backs.h"
 #include "importers/mesh/mesh_topology.h"
 #include "importers/mesh/quad_recognition.h"
 #include "importers/mesh/sphere_recognition.h"
@@ -97,6 +96,25 @@ bool has_one_color(const MeshTopology& topology, const MeshTopology::Component& 
   });
 }
 
+/// Volume of a closed component, positive if it looks outwards, m3.
+double volume(const MeshTopology& topology, const MeshTopology::Component& component) {
+  const auto at = [&](std::int32_t triangle, std::size_t k) {
+    return topology.vertices[topology.triangles[triangle].vertices[k]];
+  };
+  const Vec3d origin = at(component.triangles.front(), 0);
+  double sum = 0;
+  for (const std::int32_t t : component.triangles)
+    sum += ((at(t, 0) - origin) ^ ((at(t, 1) - origin) % (at(t, 2) - origin))) / 6;
+  return sum;
+}
+
+/// Whether all parts of a mesh are closed and look outwards.
+bool is_body(const MeshTopology& topology) {
+  return std::ranges::all_of(topology.components, [&](const MeshTopology::Component& component) {
+    return component.closed && volume(topology, component) > 0;
+  });
+}
+
 /// Renumbers the facets' smooth vertices consecutively from 0. Returns their number.
 std::int32_t renumber_smooth_vertices(std::vector<Facet>& facets, std::size_t corners) {
   std::vector<std::int32_t> number(corners, -1);
@@ -143,12 +161,12 @@ std::array<std::size_t, 4> reversed_corners(const Primitive& front) {
 }
 
 void append_primitives(const Surface& surface, const SurfaceMaterial& material, const TriangleSoup& soup,
-                       PrimitiveList& list) {
+                       const std::function<bool()>& is_dark_inside, PrimitiveList& list) {
   const MeshTopology topology = build_topology(soup);
   list.degenerate_triangles += static_cast<std::int64_t>(topology.degenerate_triangles);
   list.added_triangles += static_cast<std::int64_t>(topology.added_triangles);
   list.invalid_normals += soup.invalid_normals + static_cast<std::int64_t>(topology.normals_behind);
-  const bool two_sides = material.has_two_sides() && !(surface.is_empty_inside && is_body(topology));
+  const bool two_sides = material.has_two_sides() && !(is_body(topology) && is_dark_inside());
   std::vector<char> in_sphere = append_spheres(surface, material, topology, two_sides, list);
   // Lamps and mirrors are sampled by their corners, and masks have their own texture coordinates.
   const bool as_regions = surface.light_group < 0 && material.specular == Color(0.0f) &&

@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <vector>
 
@@ -43,8 +44,8 @@ struct PrimitiveList {
 std::array<std::size_t, 4> reversed_corners(const Primitive& front);
 
 /// Recognises spheres, planar regions and quads among a surface's triangles and appends its primitives. Each primitive
-/// of a double-sided material is followed by its back, unless no light reaches it.
+/// of a double-sided material is followed by its back, unless the surface is closed, looks outwards and is dark inside.
 void append_primitives(const Surface& surface, const SurfaceMaterial& material, const TriangleSoup& soup,
-                       PrimitiveList& list);
+                       const std::function<bool()>& is_dark_inside, PrimitiveList& list);
 
 }  // namespace patchlight

@@ -1,5 +1,3 @@
-#include "importers/mesh/hidden_backs.h"
-
 #include <gtest/gtest.h>
 
 #include "importers/import.h"

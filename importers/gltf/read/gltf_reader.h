@@ -26,7 +26,6 @@ struct Surface {
   bool needs_colors = false;     ///< Vertex colours apply.
   bool needs_alphas = false;     ///< Vertex alpha applies.
   bool is_masked = false;        ///< An alpha mask applies.
-  bool is_empty_inside = false;  ///< If it is closed, no light reaches its back.
 };
 
 /// Imported contents of a glTF file, except triangles: these are read surface by surface, since instances can make a

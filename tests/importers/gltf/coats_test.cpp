@@ -253,6 +253,16 @@ TEST(TranslucenceOfMaterials, SharesTheLightWithTheDiffusePart) {
   expect_color(imported(cloth, {wall}).material().translucence, {0, 0, 0});
 }
 
+TEST(TranslucenceOfMaterials, IsNoPartOfFormFactors) {
+  const auto cloth = [](double part) {
+    return Json{{"KHR_materials_diffuse_transmission", {{"diffuseTransmissionFactor", part}}}};
+  };
+  Imported thin = imported(cloth(0.5)), thick = imported(cloth(0.25));
+  for (Imported* scene : {&thin, &thick}) write_patches(scene->importer.folder / "patches.h5", scene->scene);
+  EXPECT_EQ(thin.scene.geometry_key, thick.scene.geometry_key) << "a solve with the other one casts no rays";
+  EXPECT_NE(thin.scene.key, thick.scene.key);
+}
+
 TEST(TranslucenceOfMaterials, IsRefusedBeyondOne) {
   const auto cloth = [](const char* key, const Json& value) {
     return Json{{"KHR_materials_diffuse_transmission", {{key, value}}}};
